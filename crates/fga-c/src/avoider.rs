@@ -17,7 +17,7 @@ use crate::status::{Refused, fga_refusal, fga_status};
 use crate::{FGA_ABI_VERSION, FGA_ALIGN, memory};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 199_680;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 146_432;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;
@@ -270,7 +270,8 @@ pub unsafe extern "C" fn fga_avoider_init(
         let construct = |flying: *mut Flying| -> Result<(), Refused> {
             // SAFETY: there is room for a `Flying`; all of its fields are written.
             unsafe {
-                (&raw mut (*flying).avoider).write(Avoider::new(settings, vehicle)?);
+                (&raw mut (*flying).avoider).write(Avoider::blank(settings, vehicle));
+                (*flying).avoider.prepare()?;
                 (&raw mut (*flying).counts).write_bytes(0, 1);
                 (&raw mut (*flying).obstacles_most).write(obstacles_most);
                 (&raw mut (*flying).waypoints_most).write(waypoints_most);

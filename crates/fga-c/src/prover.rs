@@ -16,7 +16,7 @@ use crate::status::{Refused, fga_refusal, fga_status};
 use crate::{FGA_ABI_VERSION, FGA_ALIGN, meter};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 90_624;
+pub const FGA_PROVER_BYTES: usize = 68_608;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -254,9 +254,10 @@ pub unsafe extern "C" fn fga_prover_init(
         let construct = |proving: *mut Proving| -> Result<(), Refused> {
             // SAFETY: there is room for a `Proving`; all of its fields are written.
             unsafe {
-                (&raw mut (*proving).flyer).write(Flyer::new(&vehicle));
-                (&raw mut (*proving).path).write(FlightPath::new());
-                (&raw mut (*proving).hazards).write(Hazards::new());
+                (&raw mut (*proving).flyer).write(Flyer::blank(&vehicle));
+                (*proving).flyer.set(&vehicle);
+                (&raw mut (*proving).path).write(const { FlightPath::new() });
+                (&raw mut (*proving).hazards).write(const { Hazards::new() });
             }
             Ok(())
         };

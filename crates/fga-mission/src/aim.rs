@@ -139,7 +139,9 @@ impl Turns<'_> {
         } else {
             1.0
         };
-        let exit = self.bend(side).and_then(|bend| bend.exit(side * by_rad));
+        let exit = self
+            .bend(side)
+            .and_then(|bend| bend.exit(self.flyer, side * by_rad));
         Turning {
             along,
             side,
@@ -149,7 +151,9 @@ impl Turns<'_> {
 
     /// A turn from level flight.
     fn second(&self, along: Vec3, by_rad: f64) -> Turning {
-        let exit = self.level.and_then(|bend| bend.exit(by_rad.abs()));
+        let exit = self
+            .level
+            .and_then(|bend| bend.exit(self.flyer, by_rad.abs()));
         Turning {
             along,
             side: libm::copysign(1.0, by_rad),

@@ -88,9 +88,9 @@ impl Turns<'_> {
     ) {
         way.begin(state, shot);
         let mut walk = Walk::new(way, self.flyer, state, shot);
-        walk.turn(first, self.bend(first.side));
+        walk.turn(first, (self.flyer, self.bend(first.side)));
         walk.on(first, shot.turn_at_s - state.time_s);
-        walk.turn(second, self.level);
+        walk.turn(second, (self.flyer, self.level));
         walk.on(second, second.exit.over_s);
         walk.climb_on(second);
     }
@@ -149,14 +149,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Round a turn, until the aircraft begins to roll out.
-    fn turn(&mut self, turning: &Turning, bend: Option<&Bend>) {
+    fn turn(&mut self, turning: &Turning, (flyer, bend): (&Flyer, Option<&Bend>)) {
         (self.turn_s, self.turned_m) = (self.since_s, Vec3::ZERO);
         let step_s = turning.exit.begins_s / ARC_PLACES as f64;
         if step_s <= 0.0 {
             return;
         }
         for place in 1..=ARC_PLACES {
-            let turned = bend.and_then(|bend| bend.place_m(step_s * place as f64));
+            let turned = bend.and_then(|bend| bend.place_m(flyer, step_s * place as f64));
             let there_m = turning.turned_m(turned.unwrap_or_default());
             self.go(there_m - self.turned_m, step_s, self.course_rate_radps);
             self.turned_m = there_m;

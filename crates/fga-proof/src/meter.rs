@@ -35,9 +35,6 @@ pub const WORD: usize = 12;
 /// Making the hazard of a motion.
 pub const MOTION: usize = 4;
 
-/// Bytes of a search's tables that one unit fills.
-pub(crate) const BYTES_A_UNIT: usize = 512;
-
 /// Numbers that one unit compares.
 pub const COMPARED: usize = 16;
 
@@ -90,11 +87,6 @@ impl Meter {
         }
         self.done.set(done);
         true
-    }
-
-    /// Asks for filling a table.
-    pub fn take_table<T>(&self) -> bool {
-        self.take(size_of::<T>() / BYTES_A_UNIT)
     }
 
     #[cold]

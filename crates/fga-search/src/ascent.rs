@@ -74,7 +74,7 @@ impl Approaches {
         all: [Approach {
             place: 0,
             position_m: Vec3::ZERO,
-            margin_m: ENOUGH_M,
+            margin_m: 0.0,
             at_s: 0.0,
         }; CLOSEST],
         len: 0,
@@ -120,6 +120,21 @@ pub(super) struct Ascent {
 }
 
 impl Ascent {
+    pub(super) const NONE: Self = Self {
+        seed: Found::NONE,
+        at: [0.0; PARAMETERS],
+        used: 0,
+        approaches: Approaches::NONE,
+        scales: [0.0; PARAMETERS],
+        size: 0.0,
+        done: false,
+    };
+
+    /// Whether it climbs from any manoeuvre.
+    pub(super) const fn is_some(&self) -> bool {
+        self.used > 0
+    }
+
     /// From a manoeuvre.
     pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
         let [wait, turn, climb, after, second_turn, second_climb] = STEPS_RAD;
@@ -129,7 +144,6 @@ impl Ascent {
             seed: *seed,
             at: to_vector(&seed.turns),
             used: if two { PARAMETERS } else { 3 },
-            approaches: Approaches::NONE,
             scales: [
                 wait / rate,
                 turn,
@@ -139,13 +153,15 @@ impl Ascent {
                 second_climb,
             ],
             size: 1.0,
-            done: false,
+            ..Self::NONE
         }
     }
 
-    /// The least margin so far, metres, not yet certified.
+    /// The least margin so far, metres, not yet certified; without a manoeuvre the least number.
     pub(super) fn least_m(&self) -> f64 {
-        if self.approaches.len == 0 {
+        if !self.is_some() {
+            f64::MIN
+        } else if self.approaches.len == 0 {
             self.seed.margin_m
         } else {
             self.approaches.least_m()

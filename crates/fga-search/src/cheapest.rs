@@ -18,6 +18,9 @@ use super::{Found, MAX_TURN_RAD, Objective, Search, Turns};
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
 const IMPROVES: u32 = 32;
 
+/// The work of filling a lattice.
+const LATTICE_WORK: usize = 33;
+
 /// Flights and lines on the way to the least member of a row.
 const FLIGHTS: (u32, u32) = (4, 10);
 
@@ -46,35 +49,36 @@ impl Search<'_> {
 
     /// The cheapest certified single turn to one of some sides.
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
-        if !self.meter.take_table::<Lattice>() {
-            return None;
-        }
-        let mut lattice = Lattice::new();
-        let (climbs, count) = self.scene.climbs();
-        self.turns_after(
-            &mut lattice,
-            wait_s,
-            sides,
-            climbs.iter().take(count).copied(),
-            MAX_TURN_RAD,
-        );
-        self.best_first(&mut lattice, Aim::Cheapest)
-            .into_iter()
-            .flatten()
-            .next()
+        self.in_lattice(|search, lattice| {
+            let (climbs, count) = search.scene.climbs();
+            let climbs = climbs.iter().take(count).copied();
+            search.turns_after(lattice, wait_s, sides, climbs, MAX_TURN_RAD);
+            let found = search.best_first(lattice, Aim::Cheapest);
+            found.into_iter().flatten().next()
+        })
+    }
+
+    /// Looks for something in an empty lattice; finds none if the meter refuses it.
+    fn in_lattice<T: Default>(&mut self, look: impl FnOnce(&mut Self, &mut Lattice) -> T) -> T {
+        let is_given = |_: &&mut Lattice| self.meter.take(LATTICE_WORK);
+        let Some(lattice) = self.lattice.take().filter(is_given) else {
+            return T::default();
+        };
+        lattice.clear();
+        let answer = look(self, lattice);
+        self.lattice = Some(lattice);
+        answer
     }
 
     /// Whether a certified single turn of at most `max_turn_rad` exists after a wait, at the original climb angle or at the
     /// steepest climb or descent.
     pub fn is_avoidable_within(&mut self, wait_s: f64, max_turn_rad: f64) -> bool {
-        if !self.meter.take_table::<Lattice>() {
-            return false;
-        }
-        let mut lattice = Lattice::new();
-        let climbs = self.scene.extreme_climbs();
-        self.turns_after(&mut lattice, wait_s, &Side::BOTH, climbs, max_turn_rad);
-        let found = self.best_first(&mut lattice, Aim::Any);
-        found.iter().any(Option::is_some)
+        self.in_lattice(|search, lattice| {
+            let climbs = search.scene.extreme_climbs();
+            search.turns_after(lattice, wait_s, &Side::BOTH, climbs, max_turn_rad);
+            let found = search.best_first(lattice, Aim::Any);
+            found.iter().any(Option::is_some)
+        })
     }
 
     /// Latest wait, seconds, at most `until_s`, after which a certified single turn exists: the exact counterpart of `t_c`.
@@ -101,23 +105,16 @@ impl Search<'_> {
     /// It is a single turn that begins up to a first entry, or one of two stages that begins now where that departs clearly
     /// less: two opposite turns let crossing traffic pass, a climb or descent that levels off leads above or below.
     pub fn least_departure(&mut self, entry_s: f64) -> [Option<Found>; 2] {
-        if !self.meter.take_table::<Lattice>() {
-            return [None; 2];
-        }
-        let mut lattice = Lattice::new();
-        let (climbs, count) = self.scene.climbs();
-        for share in STARTS {
-            let climbs = climbs.iter().take(count).copied();
-            self.turns_after(
-                &mut lattice,
-                share * entry_s,
-                &Side::BOTH,
-                climbs,
-                MAX_TURN_RAD,
-            );
-        }
-        self.two_stages(&mut lattice);
-        self.best_first(&mut lattice, Aim::LeastDeparture)
+        self.in_lattice(|search, lattice| {
+            let (climbs, count) = search.scene.climbs();
+            for share in STARTS {
+                let climbs = climbs.iter().take(count).copied();
+                let wait_s = share * entry_s;
+                search.turns_after(lattice, wait_s, &Side::BOTH, climbs, MAX_TURN_RAD);
+            }
+            search.two_stages(lattice);
+            search.best_first(lattice, Aim::LeastDeparture)
+        })
     }
 
     /// Adds the rows of single turns after a wait: from the mission's direction on away from it, and from there back.
@@ -241,18 +238,12 @@ impl Search<'_> {
         let mut until = u32::MAX;
         if aim == Aim::LeastDeparture {
             // The cost of a single turn is known by its line alone.
-            let Lattice {
-                prefixes,
-                rows,
-                costs,
-                ..
-            } = &mut *lattice;
-            for (row, cost) in rows.iter_mut().flatten().zip(costs) {
-                if let Some(Some(prefix)) = prefixes.get(row.prefix)
+            let rows = lattice.rows.iter_mut().take(lattice.row_count);
+            for row in rows {
+                if let Some(prefix) = lattice.prefixes.get(row.prefix)
                     && prefix.first.is_none()
                 {
                     self.look_for(prefix, row, aim);
-                    *cost = row.cost;
                 }
             }
         }
@@ -261,17 +252,10 @@ impl Search<'_> {
             if is_done || !self.meter.take(ROWS / COMPARED) {
                 break;
             }
-            let Lattice {
-                prefixes,
-                rows,
-                costs,
-                ..
-            } = &mut *lattice;
-            let row = rows.get_mut(place).and_then(Option::as_mut);
-            let Some((row, slot)) = row.zip(costs.get_mut(place)) else {
+            let Some(row) = lattice.rows.get_mut(place) else {
                 break;
             };
-            let Some(Some(prefix)) = prefixes.get(row.prefix) else {
+            let Some(prefix) = lattice.prefixes.get(row.prefix) else {
                 break;
             };
             let [left, right] = best.each_ref().map(least);
@@ -284,7 +268,7 @@ impl Search<'_> {
                 break;
             }
             if cost >= below {
-                *slot = f64::INFINITY;
+                row.close();
                 continue;
             }
             let mut prefix_fails = false;
@@ -308,7 +292,6 @@ impl Search<'_> {
                 );
                 row.close();
             }
-            *slot = row.cost;
             if prefix_fails {
                 let prefix = row.prefix;
                 lattice.close(prefix);
@@ -498,6 +481,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Tables;
     use crate::tests::scene;
     use fga_proof::Vec3;
     use fga_proof::certificate::{Hazard, Hazards};
@@ -523,8 +507,8 @@ mod tests {
             (MotionState::ahead(0.0), &nominal),
             &hazards,
         );
-        let mut path = FlightPath::new();
-        look(&mut Search::new(scene, &mut path, 100_000))
+        let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
+        look(&mut Search::new(scene, (&mut path, &mut tables), 100_000))
     }
 
     #[test]

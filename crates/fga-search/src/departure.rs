@@ -54,11 +54,11 @@ impl Departure {
 }
 
 /// The hazards that come too close on the mission, and when each is closest, seconds.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Conflicts {
     all: [(usize, f64); MAX_HAZARDS],
-    count: usize,
-    is_known: bool,
+    pub(super) count: usize,
+    pub(super) is_known: bool,
 }
 
 impl Conflicts {
@@ -110,7 +110,7 @@ impl Search<'_> {
     /// When a manoeuvre that ends straight has passed what comes too close on the mission, seconds.
     fn passed_s(&mut self, wait_s: f64, end: &MotionState, end_velocity_mps: Vec3) -> f64 {
         self.find_conflicts();
-        let conflicts = &self.conflicts;
+        let conflicts = &*self.conflicts;
         let mut until_s = wait_s;
         if !self.meter.take(conflicts.count.div_ceil(PASSED)) {
             return until_s;
@@ -144,7 +144,7 @@ impl Search<'_> {
             enough_m: scene.target_m,
         };
         let rows = scene.hazards.rows().iter().zip(marks).enumerate();
-        let conflicts = &mut self.conflicts;
+        let conflicts = &mut *self.conflicts;
         for (place, (hazard, _)) in rows.filter(|(_, (_, close))| *close) {
             if self.meter.is_met() {
                 break;

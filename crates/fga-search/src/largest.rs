@@ -16,6 +16,9 @@ use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
 /// Most seeds.
 const SEEDS: usize = 64;
 
+/// The work of filling them.
+const SEEDS_WORK: usize = 8;
+
 /// Most seeds that climb.
 const CLIMBERS: usize = ROUNDS[0].0;
 
@@ -39,48 +42,68 @@ impl Effort {
     pub const WHOLE: Self = Self::Grids(PARTS);
 }
 
-/// A manoeuvre to climb from, and about its margin, metres.
-#[derive(Clone, Copy)]
-struct Seed {
-    turns: Turns,
-    margin_m: f64,
+/// A manoeuvre to climb from, with about its margin, metres; of the least number there is none.
+fn seed(turns: Turns, margin_m: f64) -> Found {
+    Found {
+        turns,
+        margin_m,
+        cost: 0.0,
+    }
 }
 
 /// The margin of a seed, metres; without a seed the least number.
-fn margin_m(slot: Option<&Seed>) -> f64 {
+fn margin_m(slot: Option<&Found>) -> f64 {
     slot.map_or(f64::MIN, |seed| seed.margin_m)
 }
 
-/// The best seeds, one of each row.
-struct Seeds {
-    all: [Option<Seed>; SEEDS],
+/// The best seeds, one of each row, and what climbs from them.
+#[derive(Debug, Clone)]
+pub(super) struct Climbs {
+    seeds: [Found; SEEDS],
+    climbers: [Ascent; CLIMBERS],
 }
 
-impl Seeds {
+impl Climbs {
+    pub(super) const NONE: Self = Self {
+        seeds: [Found::NONE; SEEDS],
+        climbers: [Ascent::NONE; CLIMBERS],
+    };
+
+    /// Forgets all from a place on.
+    fn clear(&mut self, from: usize) {
+        for seed in self.seeds.iter_mut().skip(from) {
+            seed.margin_m = f64::MIN;
+        }
+    }
+
     /// Replaces the least one if it is less.
-    fn take(&mut self, seed: Seed) {
+    fn take(&mut self, seed: Found) {
         let least = self
-            .all
+            .seeds
             .iter_mut()
-            .min_by(|a, b| margin_m(a.as_ref()).total_cmp(&margin_m(b.as_ref())));
-        if let Some(slot) = least
-            && margin_m(slot.as_ref()) < seed.margin_m
-        {
-            *slot = Some(seed);
+            .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+        if let Some(slot) = least.filter(|least| least.margin_m < seed.margin_m) {
+            *slot = seed;
         }
     }
 
     /// The margin of the least one, which others have to exceed, metres.
     fn floor_m(&self) -> f64 {
-        let margins = self.all.iter().map(|slot| margin_m(slot.as_ref()));
-        margins.fold(f64::INFINITY, f64::min)
+        self.seeds
+            .iter()
+            .fold(f64::INFINITY, |least, seed| least.min(seed.margin_m))
     }
 
-    fn pop(&mut self) -> Option<Seed> {
-        self.all
-            .iter_mut()
-            .max_by(|a, b| margin_m(a.as_ref()).total_cmp(&margin_m(b.as_ref())))?
-            .take()
+    /// Moves the best one from a place on to there.
+    fn best_at(&mut self, place: usize) -> Option<&mut Found> {
+        let rest = self.seeds.get_mut(place..)?;
+        let best = (rest.iter().enumerate()).max_by(|a, b| a.1.margin_m.total_cmp(&b.1.margin_m));
+        let (from, best) = best.filter(|(_, best)| best.margin_m > f64::MIN)?;
+        let mut moved = *best;
+        for slot in rest.iter_mut().take(from + 1) {
+            core::mem::swap(slot, &mut moved);
+        }
+        rest.first_mut()
     }
 }
 
@@ -93,25 +116,36 @@ impl Search<'_> {
         effort: Effort,
         variety: u32,
     ) -> Option<(Found, Proof)> {
-        if !self.meter.take_table::<Seeds>() {
+        if !self.meter.take(SEEDS_WORK) {
             return None;
         }
+        let climbs = self.climbs.take()?;
+        let best = self.best_among(climbs, (flown, effort, variety));
+        self.climbs = Some(climbs);
+        best
+    }
+
+    fn best_among(
+        &mut self,
+        climbs: &mut Climbs,
+        (flown, effort, variety): (Option<&Maneuver>, Effort, u32),
+    ) -> Option<(Found, Proof)> {
         let most = match effort {
             Effort::Quick => 0,
             Effort::Grids(most) => most.max(1),
         };
         self.grids = most.min(1);
-        let mut seeds = Seeds { all: [None; SEEDS] };
+        climbs.clear(0);
         let mut best = None;
         if let Some(turns) = flown.and_then(|flown| self.as_turns(flown)) {
             let margin_m = self.flown_m(&turns, f64::MIN);
-            seeds.take(Seed { turns, margin_m });
+            climbs.take(seed(turns, margin_m));
         }
-        self.single_turns(&mut seeds);
+        self.single_turns(climbs);
         if most > 0 && self.scene.hazards.rows().iter().any(Hazard::is_cylinder) {
-            self.levelled(&mut seeds);
+            self.levelled(climbs);
         }
-        self.climb(&mut seeds, &mut best);
+        self.climb(climbs, &mut best);
         let found = best?;
         let target_m = self.scene.target_m;
         if found.margin_m >= target_m {
@@ -135,11 +169,11 @@ impl Search<'_> {
             }
             let begin = self.meter.done();
             self.grids = more + 1;
-            let mut seeds = Seeds { all: [None; SEEDS] };
+            climbs.clear(0);
             let least_m = best.map_or(f64::MIN, |best| best.margin_m - self.far_m());
-            self.two_turns((variety + more) % PARTS, least_m, &mut seeds);
-            self.fly_best(&mut seeds);
-            self.climb(&mut seeds, &mut best);
+            self.two_turns((variety + more) % PARTS, least_m, climbs);
+            self.fly_best(climbs);
+            self.climb(climbs, &mut best);
             work = self.meter.done() - begin;
             let found = best?;
             if found.margin_m >= target_m {
@@ -162,11 +196,11 @@ impl Search<'_> {
     }
 
     /// Flies a manoeuvre, which replaces the best one of its row if its margin is larger.
-    fn fly_seed(&mut self, turns: Turns, best: &mut Option<Seed>) {
+    fn fly_seed(&mut self, turns: Turns, best: &mut Option<Found>) {
         let least_m = margin_m(best.as_ref());
         let margin_m = self.flown_m(&turns, least_m);
         if margin_m > least_m {
-            *best = Some(Seed { turns, margin_m });
+            *best = Some(seed(turns, margin_m));
         }
     }
 
@@ -190,7 +224,7 @@ impl Search<'_> {
     }
 
     /// The best single turn of each row.
-    fn single_turns(&mut self, seeds: &mut Seeds) {
+    fn single_turns(&mut self, climbs: &mut Climbs) {
         let prefix = self.after_wait(0.0);
         for climb_rad in self.scene.extreme_climbs() {
             let climbing = self.climbing(&prefix.entry, climb_rad);
@@ -198,7 +232,7 @@ impl Search<'_> {
                 let Some(row) = self.row(&prefix, &climbing, side) else {
                     continue;
                 };
-                let mut best: Option<Seed> = None;
+                let mut best: Option<Found> = None;
                 self.scan(
                     &prefix,
                     row,
@@ -211,17 +245,17 @@ impl Search<'_> {
                     },
                 );
                 if let Some(best) = best {
-                    seeds.take(best);
+                    climbs.take(best);
                 }
             }
         }
     }
 
     /// Climbs and descents straight ahead that level off again: between layers of airspace the aircraft can hold no climb angle.
-    fn levelled(&mut self, seeds: &mut Seeds) {
+    fn levelled(&mut self, climbs: &mut Climbs) {
         let level_rad = self.scene.original.1;
         for climb_rad in self.scene.extreme_climbs().skip(1) {
-            let mut best: Option<Seed> = None;
+            let mut best: Option<Found> = None;
             for radii in LEVEL_AFTER {
                 if self.limit_met() {
                     return;
@@ -239,7 +273,7 @@ impl Search<'_> {
                 self.fly_seed(turns, &mut best);
             }
             if let Some(best) = best {
-                seeds.take(best);
+                climbs.take(best);
             }
         }
     }
@@ -250,7 +284,7 @@ impl Search<'_> {
     }
 
     /// Second turns after a part of the first ones and some gaps, with a larger margin than `least_m`.
-    fn two_turns(&mut self, part: u32, least_m: f64, seeds: &mut Seeds) {
+    fn two_turns(&mut self, part: u32, least_m: f64, climbs: &mut Climbs) {
         // A third is for flights and climbs.
         let until = self.meter.done() + self.meter.left() / 3 * 2;
         for place in (part..=FIRST_STEPS).step_by(PARTS as usize) {
@@ -259,7 +293,7 @@ impl Search<'_> {
                     let turn_rad = side.sign() * STEP_RAD * f64::from(place);
                     // Without a turn both sides are the same.
                     if (place > 0 || side == Side::Left) && self.meter.done() < until {
-                        self.second_turns((turn_rad, climb_rad), side, least_m, seeds);
+                        self.second_turns((turn_rad, climb_rad), side, least_m, climbs);
                     }
                 }
             }
@@ -267,17 +301,17 @@ impl Search<'_> {
     }
 
     /// The best second turn to each side after a first one, over the gaps between them.
-    fn second_turns(&mut self, first: (f64, f64), side: Side, least_m: f64, seeds: &mut Seeds) {
+    fn second_turns(&mut self, first: (f64, f64), side: Side, least_m: f64, climbs: &mut Climbs) {
         let scene = self.scene;
         let (turn_rad, climb_rad) = first;
         let bank_rad = side.sign() * scene.start.bank_rad;
         let exit = self
             .bend(bank_rad, side)
-            .and_then(|bend| bend.exit(turn_rad.abs().max(bend.least_rad())));
+            .and_then(|bend| bend.exit(scene.flyer, turn_rad.abs().max(bend.least_rad())));
         let Some(exit) = exit else { return };
         let rate_radps = scene.flyer.course_rate_radps();
-        let mut best: [Option<Seed>; 2] = [None; 2];
-        let floor_m = seeds.floor_m().max(least_m);
+        let mut best: [Option<Found>; 2] = [None; 2];
+        let floor_m = climbs.floor_m().max(least_m);
         let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
         let maneuver = Maneuver::turn(0.0, scene.start.course_rad + turn_rad, climb_rad);
         self.path.predict_within(
@@ -313,7 +347,7 @@ impl Search<'_> {
                         let least_m = best.map_or(floor_m, |best| best.margin_m);
                         if margin_m > least_m && last_rad != 0.0 {
                             let turns = prefix.turns(&row.way, last_rad);
-                            *best = Some(Seed { turns, margin_m });
+                            *best = Some(seed(turns, margin_m));
                         }
                         best.map_or(floor_m, |best| best.margin_m)
                     },
@@ -321,7 +355,7 @@ impl Search<'_> {
             }
         }
         for best in best.into_iter().flatten() {
-            seeds.take(best);
+            climbs.take(best);
         }
     }
 
@@ -352,47 +386,40 @@ impl Search<'_> {
     }
 
     /// Flies the best seeds and keeps those near the best, with the margins of their flights.
-    fn fly_best(&mut self, seeds: &mut Seeds) {
+    fn fly_best(&mut self, climbs: &mut Climbs) {
         let far_m = self.far_m();
-        let mut flown = Seeds { all: [None; SEEDS] };
-        let mut best_m = f64::MIN;
+        let (mut best_m, mut flown) = (f64::MIN, 0);
         for _ in 0..FLOWN {
             let is_given = !self.limit_met() && self.meter.take(SEEDS / COMPARED);
-            let Some(Seed { turns, .. }) = is_given.then(|| seeds.pop()).flatten() else {
+            let Some(seed) = is_given.then(|| climbs.best_at(flown)).flatten() else {
                 break;
             };
-            let margin_m = self.flown_m(&turns, best_m - far_m);
-            best_m = best_m.max(margin_m);
-            flown.take(Seed { turns, margin_m });
+            seed.margin_m = self.flown_m(&seed.turns, best_m - far_m).max(f64::MIN);
+            best_m = best_m.max(seed.margin_m);
+            flown += 1;
         }
-        *seeds = flown;
+        climbs.clear(flown);
     }
 
     /// Climbs from the best seeds: a few steps from all, more from the best. The first round with certified ones ends the climb, with
     /// the cheapest of them.
-    fn climb(&mut self, seeds: &mut Seeds, best: &mut Option<Found>) {
-        let mut climbers: [Option<Ascent>; CLIMBERS] = [None; CLIMBERS];
-        for slot in &mut climbers {
-            if !self.meter.take(SEEDS / COMPARED) {
-                break;
+    fn climb(&mut self, climbs: &mut Climbs, best: &mut Option<Found>) {
+        let mut is_given = true;
+        for place in 0..CLIMBERS {
+            is_given = is_given && self.meter.take(SEEDS / COMPARED);
+            let seed = is_given.then(|| climbs.best_at(place)).flatten();
+            let climber = seed.map_or(Ascent::NONE, |seed| Ascent::new(seed, self.scene.flyer));
+            if let Some(slot) = climbs.climbers.get_mut(place) {
+                *slot = climber;
             }
-            *slot = seeds.pop().map(|seed| {
-                let Seed { turns, margin_m } = seed;
-                Ascent::new(
-                    &Found {
-                        turns,
-                        margin_m,
-                        cost: 0.0,
-                    },
-                    self.scene.flyer,
-                )
-            });
         }
-        let height =
-            |climber: &Option<Ascent>| climber.map_or(f64::MIN, |climber| climber.least_m());
+        let climbers = &mut climbs.climbers;
         for (most, steps) in ROUNDS {
             let mut cheapest: Option<Found> = None;
-            for climber in climbers.iter_mut().take(most).flatten() {
+            for climber in climbers.iter_mut().take(most) {
+                if !climber.is_some() {
+                    continue;
+                }
                 if self.limit_met() {
                     break;
                 }
@@ -410,9 +437,9 @@ impl Search<'_> {
                 *best = cheapest;
                 return;
             }
-            climbers.sort_unstable_by(|a, b| height(b).total_cmp(&height(a)));
+            climbers.sort_unstable_by(|a, b| b.least_m().total_cmp(&a.least_m()));
             if self.meter.take(CLIMBERS * CLIMBERS / COMPARED) {
-                leave_one_of_each(&mut climbers);
+                leave_one_of_each(climbers);
             }
         }
         if self.limit_met() {
@@ -421,7 +448,7 @@ impl Search<'_> {
             }
             self.answer();
         }
-        if let Some(highest) = climbers.iter().flatten().next() {
+        if let Some(highest) = climbers.iter().find(|climber| climber.is_some()) {
             let found = highest.certified(self);
             if best.is_none_or(|best| found.margin_m > best.margin_m) {
                 *best = Some(found);
@@ -431,13 +458,12 @@ impl Search<'_> {
 }
 
 /// Removes climbers that have come to where a higher one is.
-fn leave_one_of_each(climbers: &mut [Option<Ascent>; CLIMBERS]) {
+fn leave_one_of_each(climbers: &mut [Ascent; CLIMBERS]) {
     for place in 1..CLIMBERS {
         let (higher, rest) = climbers.split_at_mut(place);
         let Some(slot) = rest.first_mut() else { return };
-        let meets = |lower: &Ascent| higher.iter().flatten().any(|one| one.meets(lower));
-        if slot.as_ref().is_some_and(meets) {
-            *slot = None;
+        if higher.iter().any(|one| one.is_some() && one.meets(slot)) {
+            *slot = Ascent::NONE;
         }
     }
 }
@@ -445,6 +471,7 @@ fn leave_one_of_each(climbers: &mut [Option<Ascent>; CLIMBERS]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Tables;
     use crate::tests::scene;
     use fga_proof::Vec3;
     use fga_proof::certificate::Hazards;
@@ -464,13 +491,13 @@ mod tests {
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
-            let mut path = FlightPath::new();
-            let mut search = Search::new(scene, &mut path, 100_000);
+            let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
+            let mut search = Search::new(scene, (&mut path, &mut tables), 100_000);
             let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
             assert_eq!(proof, Proof::Hopeless);
             // The search may have used up its work.
-            let mut path = FlightPath::new();
-            let mut judge = Search::new(scene, &mut path, 1_000_000);
+            let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
+            let mut judge = Search::new(scene, (&mut path, &mut tables), 1_000_000);
             for climb_rad in scene.extreme_climbs() {
                 for k in -30..=30 {
                     let turns = Turns {

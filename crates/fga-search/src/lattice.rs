@@ -11,44 +11,40 @@ const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len
 pub(super) const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
 
 /// Rows and their prefixes.
+#[derive(Debug, Clone)]
 pub(super) struct Lattice {
-    pub prefixes: [Option<Prefix>; PREFIXES],
+    pub prefixes: [Prefix; PREFIXES],
     prefix_count: usize,
-    pub rows: [Option<Row>; ROWS],
-    row_count: usize,
-    /// The least cost of each row.
-    pub costs: [f64; ROWS],
+    pub rows: [Row; ROWS],
+    pub row_count: usize,
 }
 
 impl Lattice {
-    pub(super) const fn new() -> Self {
-        Self {
-            prefixes: [None; PREFIXES],
-            prefix_count: 0,
-            rows: [None; ROWS],
-            row_count: 0,
-            costs: [f64::INFINITY; ROWS],
-        }
+    pub(super) const NONE: Self = Self {
+        prefixes: [Prefix::NONE; PREFIXES],
+        prefix_count: 0,
+        rows: [Row::NONE; ROWS],
+        row_count: 0,
+    };
+
+    /// Forgets all rows.
+    pub(super) const fn clear(&mut self) {
+        (self.prefix_count, self.row_count) = (0, 0);
     }
 
     /// Adds a prefix; its rows follow.
     pub(super) fn begin(&mut self, prefix: &Prefix) {
         if let Some(slot) = self.prefixes.get_mut(self.prefix_count) {
-            *slot = Some(*prefix);
+            *slot = *prefix;
             self.prefix_count += 1;
         }
     }
 
     /// Adds a row of the last prefix.
     pub(super) fn put(&mut self, row: &Row) {
-        let places = self
-            .rows
-            .get_mut(self.row_count)
-            .zip(self.costs.get_mut(self.row_count));
-        if let Some((slot, cost)) = places {
+        if let Some(slot) = self.rows.get_mut(self.row_count) {
             let prefix = self.prefix_count.saturating_sub(1);
-            *slot = Some(Row { prefix, ..*row });
-            *cost = row.cost;
+            *slot = Row { prefix, ..*row };
             self.row_count += 1;
         }
     }
@@ -56,9 +52,9 @@ impl Lattice {
     /// The row that may cost least, and that cost.
     pub(super) fn next(&self) -> Option<(usize, f64)> {
         let mut least = (0, f64::INFINITY);
-        for (place, cost) in self.costs.iter().take(self.row_count).enumerate() {
-            if *cost < least.1 {
-                least = (place, *cost);
+        for (place, row) in self.rows.iter().take(self.row_count).enumerate() {
+            if row.cost < least.1 {
+                least = (place, row.cost);
             }
         }
         (least.1 < f64::INFINITY).then_some(least)
@@ -66,10 +62,9 @@ impl Lattice {
 
     /// Removes all rows of a prefix.
     pub(super) fn close(&mut self, prefix: usize) {
-        let rows = self.rows.iter().zip(&mut self.costs);
-        for (row, cost) in rows.take(self.row_count) {
-            if row.is_some_and(|row| row.prefix == prefix) {
-                *cost = f64::INFINITY;
+        for row in self.rows.iter_mut().take(self.row_count) {
+            if row.prefix == prefix {
+                row.close();
             }
         }
     }

@@ -29,6 +29,8 @@ pub use largest::Effort;
 pub use tuned::PARTS as GRIDS_A_SEARCH;
 
 use departure::Conflicts;
+use largest::Climbs;
+use lattice::Lattice;
 
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
@@ -82,6 +84,20 @@ pub struct Found {
     pub margin_m: f64,
     /// Its cost by the scene's objective.
     pub cost: f64,
+}
+
+impl Found {
+    /// No turn.
+    const NONE: Self = Self {
+        turns: Turns {
+            wait_s: 0.0,
+            turn_rad: 0.0,
+            climb_rad: 0.0,
+            second: None,
+        },
+        margin_m: 0.0,
+        cost: 0.0,
+    };
 }
 
 /// The status of the best manoeuvre.
@@ -194,6 +210,28 @@ impl Scene<'_> {
     }
 }
 
+/// The tables of searches: large, and zeros, so keep and reuse them.
+#[derive(Debug, Clone)]
+pub struct Tables {
+    lattice: Lattice,
+    climbs: Climbs,
+    bends: [Option<Bend>; 2],
+    conflicts: Conflicts,
+}
+
+impl Tables {
+    /// With nothing in them.
+    pub const NONE: Self = Self {
+        lattice: Lattice::NONE,
+        climbs: Climbs::NONE,
+        bends: [None; 2],
+        conflicts: Conflicts::UNKNOWN,
+    };
+}
+
+/// The scratch space of a search.
+type Space<'a> = (&'a mut FlightPath, &'a mut Tables);
+
 /// A search in progress: the scene, scratch space and a count of the work.
 #[derive(Debug)]
 pub struct Search<'a> {
@@ -208,23 +246,34 @@ pub struct Search<'a> {
     answering: bool,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
+    /// Not there while it is used.
+    lattice: Option<&'a mut Lattice>,
+    climbs: Option<&'a mut Climbs>,
     /// Turns to the left and to the right from the banks that were looked at last.
-    bends: [Option<Bend>; 2],
+    bends: &'a mut [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
-    conflicts: Conflicts,
+    conflicts: &'a mut Conflicts,
     /// The mission's direction.
     along: Vec3,
 }
 
 impl<'a> Search<'a> {
     /// A search with about `limit` tests of a line against four obstacles at most.
-    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
-        Self::within(scene, path, Meter::new(limit, u32::MAX))
+    pub fn new(scene: Scene<'a>, space: Space<'a>, limit: u32) -> Self {
+        Self::within(scene, space, Meter::new(limit, u32::MAX))
     }
 
     /// A search that ends at the limit of a meter, and takes no more than that has.
-    pub fn within(scene: Scene<'a>, path: &'a mut FlightPath, meter: Meter) -> Self {
+    pub fn within(scene: Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
+        let Tables {
+            lattice,
+            climbs,
+            bends,
+            conflicts,
+        } = tables;
+        *bends = [None; 2];
+        (conflicts.count, conflicts.is_known) = (0, false);
         Self {
             scene,
             path,
@@ -233,8 +282,10 @@ impl<'a> Search<'a> {
             meter,
             answering: false,
             culprit: 0,
-            bends: [None; 2],
-            conflicts: Conflicts::UNKNOWN,
+            lattice: Some(lattice),
+            climbs: Some(climbs),
+            bends,
+            conflicts,
             along: direction(scene.original.0, scene.original.1),
         }
     }

@@ -25,6 +25,12 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    pub(super) const NONE: Self = Self {
+        from: MotionState::ahead(0.0),
+        course: (0.0, 0.0),
+        climb: (0.0, 0.0),
+    };
+
     /// The state at which turns begin.
     pub(super) fn at(from: &MotionState) -> Self {
         let unit = |angle_rad| {
@@ -52,6 +58,17 @@ pub(super) struct Climbing {
     /// Along the course and up, metres.
     along_m: f64,
     up_m: f64,
+}
+
+impl Climbing {
+    pub(super) const NONE: Self = Self {
+        climb_rad: 0.0,
+        up: 0.0,
+        level: 0.0,
+        climbs_s: 0.0,
+        along_m: 0.0,
+        up_m: 0.0,
+    };
 }
 
 /// The side of turns and the climb target taken up during them.
@@ -176,11 +193,11 @@ impl Search<'_> {
             return None;
         }
         let Entry { from, course, .. } = entry;
-        let sign = way.side.sign();
+        let (sign, flyer) = (way.side.sign(), self.scene.flyer);
         let bend = self.bend(sign * from.bank_rad, way.side)?;
         let turn_rad = turn_rad.max(bend.least_rad());
-        let exit = bend.exit(turn_rad)?;
-        let inexact_m = bend.inexact_m();
+        let exit = bend.exit(flyer, turn_rad)?;
+        let inexact_m = Bend::inexact_m(flyer);
         let Climbing {
             climb_rad,
             up,
@@ -189,7 +206,7 @@ impl Search<'_> {
             along_m,
             up_m,
         } = way.climbing;
-        let speed_mps = self.scene.flyer.airspeed_mps();
+        let speed_mps = flyer.airspeed_mps();
         let turned = (exit.turned.0, sign * exit.turned.1);
         let end = (
             course.0 * turned.0 - course.1 * turned.1,
@@ -232,9 +249,7 @@ impl Search<'_> {
             climb_rad: target_rad,
             up: up_now,
             level: level_now,
-            climbs_s: 0.0,
-            along_m: 0.0,
-            up_m: 0.0,
+            ..Climbing::NONE
         };
         if change_rad.abs() > 1e-9 && flyer.climb_rate_radps() > 0.0 {
             let (up, level) = libm::sincos(climb_rad);
@@ -274,6 +289,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Tables;
     use crate::tests::scene;
     use fga_proof::certificate::Hazards;
     use fga_proof::maneuver::Maneuver;
@@ -291,8 +307,8 @@ mod tests {
             (MotionState::ahead(0.0), &nominal),
             &hazards,
         );
-        let mut path = FlightPath::new();
-        let search = Search::new(scene, &mut path, 1000);
+        let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
+        let search = Search::new(scene, (&mut path, &mut tables), 1000);
         // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.
         let (speed_mps, rate_radps) = (flyer.airspeed_mps(), flyer.course_rate_radps());
         let moved_m = speed_mps * (0.2 * 4.0 - 0.04 / (2.0 * rate_radps));

@@ -34,6 +34,12 @@ pub(super) struct Prefix {
 }
 
 impl Prefix {
+    pub(super) const NONE: Self = Self {
+        leaves: MotionState::ahead(0.0),
+        first: None,
+        entry: Entry::NONE,
+    };
+
     /// The member of a row with this last turn, radians towards its side.
     pub(super) fn turns(&self, way: &Way, turn_rad: f64) -> Turns {
         let Self {
@@ -88,6 +94,21 @@ pub(super) struct Row {
 }
 
 impl Row {
+    pub(super) const NONE: Self = Self {
+        prefix: 0,
+        first: Side::Left,
+        way: Way {
+            side: Side::Left,
+            climbing: Climbing::NONE,
+        },
+        at_rad: 0.0,
+        to_rad: 0.0,
+        fails_rad: None,
+        is_ready: false,
+        least_step_rad: 0.0,
+        cost: 0.0,
+    };
+
     /// +1 if its turns grow, −1 if they shrink.
     pub(super) fn direction(&self) -> f64 {
         libm::copysign(1.0, self.to_rad - self.at_rad)
@@ -116,8 +137,8 @@ impl Search<'_> {
         let leaves = self.departure(wait_s);
         Prefix {
             leaves,
-            first: None,
             entry: Entry::at(&leaves),
+            ..Prefix::NONE
         }
     }
 
@@ -138,7 +159,6 @@ impl Search<'_> {
     pub(super) fn row(&mut self, prefix: &Prefix, climbing: &Climbing, side: Side) -> Option<Row> {
         let bank_rad = side.sign() * prefix.entry.from.bank_rad;
         Some(Row {
-            prefix: 0,
             first: prefix
                 .first
                 .map_or(side, |(turn_rad, _)| Side::of(turn_rad)),
@@ -148,10 +168,8 @@ impl Search<'_> {
             },
             at_rad: self.bend(bank_rad, side)?.least_rad(),
             to_rad: MAX_TURN_RAD,
-            fails_rad: None,
-            is_ready: false,
             least_step_rad: LEAST_STEP_RAD,
-            cost: 0.0,
+            ..Row::NONE
         })
     }
 

@@ -10,7 +10,7 @@ use fga_proof::maneuver::Maneuver;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
-use fga_search::{Found, Objective, Scene, Search};
+use fga_search::{Found, Objective, Scene, Search, Tables};
 
 /// Numbers of a linear congruential generator.
 struct Draw(u64);
@@ -84,7 +84,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
     let asked = std::env::var("FIRST_DECISIONS");
     let decisions: u32 = asked.map_or(1500, |text| text.parse().unwrap());
     let mut draw = Draw(36);
-    let mut path = FlightPath::new();
+    let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
     let mut counts = [(); 5].map(|()| Count::default());
     let mut made = 0;
     for number in 0_u64.. {
@@ -128,7 +128,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             objective: Objective::PaperCost,
         };
         let mut search = |look: &mut dyn FnMut(&mut Search<'_>, &mut [Count; 5])| {
-            let mut search = Search::new(scene, &mut path, 1_000_000);
+            let mut search = Search::new(scene, (&mut path, &mut tables), 1_000_000);
             look(&mut search, &mut counts);
             made += 1;
         };

@@ -32,7 +32,7 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
-use crate::search::Proof;
+use crate::search::{Proof, Tables};
 use crate::situation::{Ownship, Situation};
 use crate::vehicle::Vehicle;
 
@@ -103,7 +103,7 @@ impl Plan {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 200 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 146 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,
@@ -117,6 +117,7 @@ pub struct Avoider {
     progress: Progress,
     tracks: tracks::Tracks,
     path: FlightPath,
+    tables: Tables,
     plan: Option<Plan>,
     /// The last chosen way back.
     returned: Option<Returned>,
@@ -148,18 +149,25 @@ impl Avoider {
     /// # Errors
     /// A setting or a limit of the vehicle that is not finite or out of range.
     pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
-        settings.check()?;
-        vehicle.check()?;
-        Ok(Self {
+        let mut avoider = Self::blank(settings, vehicle);
+        avoider.prepare()?;
+        Ok(avoider)
+    }
+
+    /// An avoider of no use before [`Self::prepare`], to construct one where it stays: what is large of it is zeros, which are
+    /// written there without a copy.
+    pub fn blank(settings: Settings, vehicle: Vehicle) -> Self {
+        Self {
             settings,
             vehicle,
             made_for: vehicle,
             in_need: None,
-            flyer: Flyer::new(&vehicle),
+            flyer: Flyer::blank(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
-            tracks: tracks::Tracks::new(),
-            path: FlightPath::new(),
+            tracks: const { Tracks::new() },
+            path: const { FlightPath::new() },
+            tables: Tables::NONE,
             plan: None,
             returned: None,
             last_time_s: f64::NEG_INFINITY,
@@ -173,14 +181,25 @@ impl Avoider {
             drift_m: 0.0,
             ours_mps: Vec3::ZERO,
             far_s: settings.horizon_s,
-        })
+        }
+    }
+
+    /// Checks its settings and its vehicle, and computes what all of its flights share.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn prepare(&mut self) -> Result<(), SettingsError> {
+        self.settings.check()?;
+        self.vehicle.check()?;
+        self.flyer.set(&self.vehicle);
+        Ok(())
     }
 
     /// Forgets everything but its settings and the limits of its vehicle.
     pub(crate) fn forget_flight(&mut self) {
         if self.vehicle != self.made_for {
             self.vehicle = self.made_for;
-            self.flyer = Flyer::new(&self.vehicle);
+            self.flyer.set(&self.vehicle);
         }
         self.in_need = None;
         self.state = State::Cruise;
@@ -215,7 +234,7 @@ impl Avoider {
     pub fn set_vehicle(&mut self, vehicle: Vehicle) -> Result<(), SettingsError> {
         vehicle.check()?;
         self.vehicle = vehicle;
-        self.flyer = Flyer::new(&vehicle);
+        self.flyer.set(&vehicle);
         if let Some(plan) = &mut self.plan {
             plan.basis = None;
         }
@@ -240,7 +259,10 @@ impl Avoider {
             vehicle.check()?;
         }
         if self.vehicle_in_need() != vehicle.as_ref() {
-            self.in_need = vehicle.map(|vehicle| (vehicle, Flyer::new(&vehicle)));
+            self.in_need = vehicle.map(|vehicle| (vehicle, Flyer::blank(&vehicle)));
+            if let Some((vehicle, flyer)) = &mut self.in_need {
+                flyer.set(vehicle);
+            }
         }
         Ok(())
     }
@@ -390,13 +412,13 @@ impl Avoider {
                 floor_m.min(lowest_m - apart_m),
                 ceiling_m.max(highest_m + apart_m),
             ];
-            self.tracks.stay_between(limits_m, situation);
+            self.tracks.stay_between(limits_m);
         }
         let flown = (&self.flyer, self.climb_limits_rad());
         let leg = self.progress.index();
         self.tracks
             .add_zones(leg, flown, self.wanted_m(), situation);
-        self.meter.count(self.tracks.work());
+        self.meter.count(self.tracks.work);
     }
 
     /// The lowest and the highest altitude that the aircraft comes to if it levels off after the next step, metres.

@@ -88,7 +88,7 @@ impl MissionPilot {
     pub fn set_vehicle(&mut self, vehicle: Vehicle) -> Result<(), SettingsError> {
         vehicle.check()?;
         self.vehicle = vehicle;
-        self.flyer = Flyer::new(&vehicle);
+        self.flyer.set(&vehicle);
         Ok(())
     }
 }

@@ -72,6 +72,7 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_search::Search,
         fga_search::SecondTurn,
         fga_search::Turns,
+        fga_search::Tables,
         fga_mission::Bend,
         fga_mission::Place,
         fga_mission::Progress,

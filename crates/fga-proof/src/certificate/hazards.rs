@@ -427,7 +427,6 @@ impl HazardSet for [Hazard] {
 struct Block {
     position_m: [[f64; LANES]; 3],
     velocity_mps: [[f64; LANES]; 3],
-    /// Minus infinity for an empty place.
     radius_m: [f64; LANES],
     /// Growth and stretch together.
     growth_mps: [f64; LANES],
@@ -439,10 +438,10 @@ impl Block {
     const NONE: Self = Self {
         position_m: [[0.0; LANES]; 3],
         velocity_mps: [[0.0; LANES]; 3],
-        radius_m: [f64::NEG_INFINITY; LANES],
+        radius_m: [0.0; LANES],
         growth_mps: [0.0; LANES],
         from_s: [0.0; LANES],
-        until_s: [f64::INFINITY; LANES],
+        until_s: [0.0; LANES],
     };
 
     /// Marks the ones of the four that may have a margin below `below_m` on the line: the first part of

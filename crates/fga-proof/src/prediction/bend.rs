@@ -10,6 +10,9 @@ use crate::prediction::motion::{Flyer, MotionState, Target, unit};
 /// Most pieces of a roll-in that are tabulated. A longer roll-in counts as over after them: less than 1e-5 rad of bank is left.
 const NODES: usize = 48;
 
+/// Most of them from beyond the largest banks.
+const FIRST: usize = 8;
+
 /// Most turn between two of them, radians.
 const NODE_RAD: f64 = 0.35;
 
@@ -78,37 +81,56 @@ pub struct Exit {
     pub path_m: f64,
 }
 
-/// Turns to one side from a bank, in level flight.
+/// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend {
-    /// Bank at the beginning, radians, positive towards the side of the turn.
-    bank_rad: f64,
-    rate_radps: f64,
-    radius_m: f64,
-    settles_s: f64,
-    nodes: [End; NODES],
+pub(super) struct Ends<const MOST: usize> {
+    kept: [End; MOST],
     len: usize,
-    /// Cosine and sine of the course at the end of the roll-in.
-    rolled_in: (f64, f64),
-    /// Cosine and sine of the turn that ends there.
-    least_full: (f64, f64),
-    /// What rolling out from the largest bank moves the aircraft by, forward and to the side, metres.
-    roll_out_m: (f64, f64),
+    rolled_in: MotionState,
 }
 
-impl Bend {
-    /// Turns from a bank towards their side.
-    pub fn new(flyer: &Flyer, bank_rad: f64) -> Self {
-        let widest = flyer.widest_bend();
-        let rest = widest.and_then(|widest| widest.rest_from(flyer, bank_rad));
-        rest.unwrap_or_else(|| Self::rolled(flyer, bank_rad))
+/// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
+pub(super) type RollIn = Ends<NODES>;
+
+impl<const MOST: usize> Ends<MOST> {
+    pub(super) fn none() -> Self {
+        Self {
+            kept: [End::default(); MOST],
+            len: 0,
+            rolled_in: MotionState::ahead(0.0),
+        }
     }
 
-    /// The rest of these turns from a larger bank on: rolling in does not depend on where it began.
-    fn rest_from(&self, flyer: &Flyer, bank_rad: f64) -> Option<Self> {
-        let nodes = self.nodes.get(..self.len)?;
-        let next = nodes.iter().position(|node| node.bank_rad > bank_rad)?;
-        let (before, rest) = (nodes.get(next.checked_sub(1)?)?, nodes.get(next..)?);
+    fn all(&self) -> &[End] {
+        self.kept.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Of a roll-in from a bank, piece by piece, until it is over or `is_known`.
+    pub(super) fn roll(
+        &mut self,
+        flyer: &Flyer,
+        bank_rad: f64,
+        mut is_known: impl FnMut(&MotionState) -> bool,
+    ) {
+        let mut state = MotionState::ahead(bank_rad);
+        self.len = 0;
+        for slot in &mut self.kept {
+            *slot = End::now(flyer, &state);
+            self.len += 1;
+            self.rolled_in = state;
+            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
+            if piece.bank_command_rad == state.bank_rad || is_known(&state) {
+                break;
+            }
+            let for_s = piece.duration_s.min(NODE_RAD / flyer.course_rate_radps());
+            state = flyer.advance(&state, &piece, for_s);
+        }
+    }
+
+    /// The place of the first end beyond a bank, and the aircraft at that bank: rolling in does not depend on where it began.
+    fn at(&self, flyer: &Flyer, bank_rad: f64) -> Option<(usize, MotionState)> {
+        let next = self.all().iter().position(|end| end.bank_rad > bank_rad)?;
+        let before = self.all().get(next.checked_sub(1)?)?;
         let state = MotionState {
             time_s: before.time_s,
             position_m: Vec3::new(before.at_m.0, before.at_m.1, 0.0),
@@ -120,65 +142,123 @@ impl Bend {
         let after_s = -flyer.bank_time_constant_s() * libm::log(off);
         let piece = flyer.next_piece_within(&state, &Target::TURNING_LEFT, after_s);
         let here = flyer.advance(&state, &piece, after_s.min(piece.duration_s));
-        let (sin, cos) = libm::sincos(here.course_rad);
-        let back = |vector| turned_back((cos, sin), vector);
-        let place =
-            |at_m: (f64, f64)| back((at_m.0 - here.position_m.x, at_m.1 - here.position_m.y));
-        let first = End::now(flyer, &MotionState::ahead(bank_rad));
-        let ends = rest.iter().map(|node| End {
-            turn_rad: node.turn_rad - here.course_rad,
-            time_s: (node.time_s - here.time_s).max(0.0),
-            at_m: place(node.at_m),
-            from_m: place(node.from_m),
-            bank_rad: node.bank_rad,
-        });
-        let mut bend = Self {
-            bank_rad,
-            rolled_in: back(self.rolled_in),
-            least_full: back(self.least_full),
-            len: 1 + rest.len(),
-            ..*self
-        };
-        let ends = core::iter::once(first).chain(ends);
-        for (slot, end) in bend.nodes.iter_mut().zip(ends) {
-            *slot = end;
-        }
-        Some(bend)
+        Some((next, here))
     }
+}
 
-    /// The same, piece by piece.
-    fn rolled(flyer: &Flyer, bank_rad: f64) -> Self {
+/// Turns to one side from a bank, in level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Bank at the beginning, radians, positive towards the side of the turn.
+    bank_rad: f64,
+    /// Its first ends. Where it has come to a bank between the largest ones, the others are those of the flyer's roll-in.
+    first: Ends<FIRST>,
+    /// The place of the next one there.
+    next: usize,
+    /// The aircraft at that bank, there and here, each with the cosine and sine of its course.
+    joins: [(MotionState, (f64, f64)); 2],
+    last: End,
+    /// Cosine and sine of the course at the end of the roll-in.
+    rolled_in: (f64, f64),
+    /// Cosine and sine of the turn that ends there.
+    least_full: (f64, f64),
+    /// What rolling out from the bank of the end moves the aircraft by, forward and to the side, metres.
+    roll_out_m: (f64, f64),
+}
+
+impl Bend {
+    /// Turns from a bank towards their side.
+    pub fn new(flyer: &Flyer, bank_rad: f64) -> Self {
         let mut bend = Self {
             bank_rad,
-            rate_radps: flyer.course_rate_radps(),
-            radius_m: flyer.turn_radius_m(),
-            settles_s: 0.0,
-            nodes: [End::default(); NODES],
-            len: 1,
+            first: Ends::none(),
+            next: NODES,
+            joins: [(MotionState::ahead(0.0), (1.0, 0.0)); 2],
+            last: End::default(),
             rolled_in: (1.0, 0.0),
             least_full: (1.0, 0.0),
             roll_out_m: (0.0, 0.0),
         };
+        bend.first.len = 1;
         if flyer.is_ideal() {
             return bend;
         }
-        bend.settles_s = ROLLS_OUT * flyer.bank_time_constant_s();
-        let mut state = MotionState::ahead(bank_rad);
-        bend.len = 0;
-        for slot in &mut bend.nodes {
-            *slot = End::now(flyer, &state);
-            bend.len += 1;
-            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
-            if piece.bank_command_rad == state.bank_rad || bend.len == NODES {
-                break;
-            }
-            let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
-            state = flyer.advance(&state, &piece, for_s);
+        let (roll_in, mut joined) = (flyer.roll_in(), None);
+        bend.first.roll(flyer, bank_rad, |state| {
+            joined = roll_in.at(flyer, state.bank_rad);
+            joined.is_some()
+        });
+        let mut end = bend.first.rolled_in;
+        if let Some((next, there)) = joined {
+            bend.next = next;
+            bend.joins = [there, end].map(|state| (state, unit(state.course_rad)));
+            end = roll_in.rolled_in;
         }
-        bend.rolled_in = unit(state.course_rad);
-        bend.least_full = unit(state.course_rad + flyer.rollout_rad(state.bank_rad));
-        bend.roll_out_m = flyer.roll_out_m(state.bank_rad);
+        let last = roll_in.all().last().filter(|_| joined.is_some());
+        let last = last.map(|last| bend.placed(last));
+        bend.last = last
+            .or(bend.first.all().last().copied())
+            .unwrap_or_default();
+        bend.rolled_in = bend.turned(unit(end.course_rad));
+        bend.least_full = bend.turned(unit(end.course_rad + flyer.rollout_rad(end.bank_rad)));
+        bend.roll_out_m = flyer.roll_out_m(end.bank_rad);
         bend
+    }
+
+    /// A vector of the flyer's roll-in, as it is here.
+    fn turned(&self, vector: (f64, f64)) -> (f64, f64) {
+        let [(_, there), (_, (cos, sin))] = self.joins;
+        turned_back((cos, -sin), turned_back(there, vector))
+    }
+
+    /// An end of the flyer's roll-in, as it is here.
+    fn placed(&self, end: &End) -> End {
+        let [(there, _), (here, _)] = &self.joins;
+        let place = |at_m: (f64, f64)| {
+            let from_m = (at_m.0 - there.position_m.x, at_m.1 - there.position_m.y);
+            let (x, y) = self.turned(from_m);
+            (here.position_m.x + x, here.position_m.y + y)
+        };
+        End {
+            turn_rad: self.placed_turn_rad(end.turn_rad),
+            time_s: self.placed_time_s(end.time_s),
+            at_m: place(end.at_m),
+            from_m: place(end.from_m),
+            bank_rad: end.bank_rad,
+        }
+    }
+
+    fn end(&self, flyer: &Flyer, place: usize) -> Option<End> {
+        if let Some(end) = self.first.all().get(place) {
+            return Some(*end);
+        }
+        let rest = flyer.roll_in().all().get(self.next..)?;
+        rest.get(place - self.first.len).map(|end| self.placed(end))
+    }
+
+    /// The place of the first end at which something is beyond a value; `placed` turns its value in the flyer's roll-in to that here.
+    fn first_end(
+        &self,
+        flyer: &Flyer,
+        (of, value): (fn(&End) -> f64, f64),
+        placed: impl Fn(f64) -> f64,
+    ) -> Option<usize> {
+        let (first, rest) = (self.first.all(), flyer.roll_in().all().get(self.next..));
+        let place = first.iter().position(|end| of(end) > value);
+        place.or_else(|| {
+            let place = rest?.iter().position(|end| placed(of(end)) > value)?;
+            Some(first.len() + place)
+        })
+    }
+
+    fn placed_turn_rad(&self, turn_rad: f64) -> f64 {
+        let [(there, _), (here, _)] = &self.joins;
+        here.course_rad + (turn_rad - there.course_rad)
+    }
+
+    fn placed_time_s(&self, time_s: f64) -> f64 {
+        let [(there, _), (here, _)] = &self.joins;
+        here.time_s + (time_s - there.time_s).max(0.0)
     }
 
     /// Whether it holds for a bank.
@@ -189,40 +269,41 @@ impl Bend {
     /// The least turn: rolling out at once, radians.
     #[inline]
     pub fn least_rad(&self) -> f64 {
-        self.nodes.first().map_or(0.0, |first| first.turn_rad)
+        self.first.all().first().map_or(0.0, |end| end.turn_rad)
     }
 
     /// Where the aircraft is at a moment of a turn that goes on, forward and to the side of the turn, metres.
-    pub fn place_m(&self, at_s: f64) -> Option<(f64, f64)> {
-        let nodes = self.nodes.get(..self.len)?;
-        let last = nodes.last()?;
+    pub fn place_m(&self, flyer: &Flyer, at_s: f64) -> Option<(f64, f64)> {
+        let last = &self.last;
         let turn_rad = if at_s >= last.time_s {
-            last.turn_rad + self.rate_radps * (at_s - last.time_s)
+            last.turn_rad + flyer.course_rate_radps() * (at_s - last.time_s)
         } else {
-            let next = nodes.iter().position(|node| node.time_s > at_s)?;
-            let after = nodes.get(next)?;
-            let before = nodes.get(next.saturating_sub(1))?;
+            let next = self.first_end(flyer, (|end| end.time_s, at_s), |time_s| {
+                self.placed_time_s(time_s)
+            })?;
+            let after = self.end(flyer, next)?;
+            let before = self.end(flyer, next.saturating_sub(1))?;
             let span = (after.time_s - before.time_s).max(f64::MIN_POSITIVE);
             let share = ((at_s - before.time_s) / span).max(0.0);
             before.turn_rad + share * (after.turn_rad - before.turn_rad)
         };
-        self.exit(turn_rad).map(|exit| exit.at_m)
+        self.exit(flyer, turn_rad).map(|exit| exit.at_m)
     }
 
     /// How far its lines may be from the true ones, metres.
     #[inline]
-    pub fn inexact_m(&self) -> f64 {
-        if self.settles_s > 0.0 {
-            INEXACT * self.radius_m
-        } else {
+    pub fn inexact_m(flyer: &Flyer) -> f64 {
+        if flyer.is_ideal() {
             0.0
+        } else {
+            INEXACT * flyer.turn_radius_m()
         }
     }
 
     /// The line on which a turn ends.
-    pub fn exit(&self, turn_rad: f64) -> Option<Exit> {
-        let nodes = self.nodes.get(..self.len)?;
-        let last = nodes.last()?;
+    pub fn exit(&self, flyer: &Flyer, turn_rad: f64) -> Option<Exit> {
+        let (rate_radps, radius_m) = (flyer.course_rate_radps(), flyer.turn_radius_m());
+        let last = &self.last;
         let (begins_s, at_m, from_m, turned) = if turn_rad >= last.turn_rad {
             let beyond_rad = turn_rad - last.turn_rad;
             let (sin, cos) = libm::sincos(beyond_rad);
@@ -233,14 +314,14 @@ impl Bend {
             let (forward, side) = self.roll_out_m;
             let (cos_full, sin_full) = self.least_full;
             (
-                last.time_s + beyond_rad / self.rate_radps,
+                last.time_s + beyond_rad / rate_radps,
                 (
-                    last.at_m.0 + more_sin * self.radius_m,
-                    last.at_m.1 - more_cos * self.radius_m,
+                    last.at_m.0 + more_sin * radius_m,
+                    last.at_m.1 - more_cos * radius_m,
                 ),
                 (
-                    last.from_m.0 + more_sin * (self.radius_m - side) + more_cos * forward,
-                    last.from_m.1 - more_cos * (self.radius_m - side) + more_sin * forward,
+                    last.from_m.0 + more_sin * (radius_m - side) + more_cos * forward,
+                    last.from_m.1 - more_cos * (radius_m - side) + more_sin * forward,
                 ),
                 (
                     cos_full * cos - sin_full * sin,
@@ -248,26 +329,28 @@ impl Bend {
                 ),
             )
         } else {
-            let next = nodes.iter().position(|node| node.turn_rad > turn_rad)?;
-            let after = nodes.get(next)?;
-            let before = nodes.get(next.saturating_sub(1))?;
+            let next = self.first_end(flyer, (|end| end.turn_rad, turn_rad), |turn_rad| {
+                self.placed_turn_rad(turn_rad)
+            })?;
+            let after = self.end(flyer, next)?;
+            let before = self.end(flyer, next.saturating_sub(1))?;
             let span = (after.turn_rad - before.turn_rad).max(f64::MIN_POSITIVE);
             let share = ((turn_rad - before.turn_rad) / span).max(0.0);
             // The parabola through a third one beside them.
-            let third = nodes
-                .get(next + 1)
-                .or_else(|| nodes.get(next.checked_sub(2)?));
-            let is_apart = |third: &&End| {
+            let third = self
+                .end(flyer, next + 1)
+                .or_else(|| self.end(flyer, next.checked_sub(2)?));
+            let is_apart = |third: &End| {
                 let apart_rad = |end: &End| (third.turn_rad - end.turn_rad).abs();
-                span.min(apart_rad(before)).min(apart_rad(after)) > APART_RAD
+                span.min(apart_rad(&before)).min(apart_rad(&after)) > APART_RAD
             };
             let (third, at, bent) = third.filter(is_apart).map_or((after, 1.0, 0.0), |third| {
                 let at = (third.turn_rad - before.turn_rad) / span;
                 (third, at, share * (share - 1.0) / (at * (at - 1.0)))
             });
             let between = |of: fn(&End) -> f64| {
-                let (from, to) = (of(before), of(after));
-                from + share * (to - from) + bent * (of(third) - from - at * (to - from))
+                let (from, to) = (of(&before), of(&after));
+                from + share * (to - from) + bent * (of(&third) - from - at * (to - from))
             };
             let (sin, cos) = libm::sincos(turn_rad);
             (
@@ -279,11 +362,11 @@ impl Bend {
         };
         Some(Exit {
             begins_s,
-            over_s: begins_s + self.settles_s,
+            over_s: begins_s + ROLLS_OUT * flyer.bank_time_constant_s(),
             at_m,
             from_m,
             turned,
-            path_m: self.rate_radps * self.radius_m * begins_s,
+            path_m: rate_radps * radius_m * begins_s,
         })
     }
 }
@@ -306,10 +389,9 @@ mod tests {
                 ..Vehicle::lagged(lag_s)
             };
             let flyer = Flyer::new(&vehicle);
-            let bend = Bend::rolled(&flyer, 0.0);
-            assert_eq!(bend.len, NODES);
-            let last = bend.nodes[NODES - 1];
-            let exit = bend.exit(last.turn_rad + 1.0).unwrap();
+            let bend = Bend::new(&flyer, 0.0);
+            let last = bend.last;
+            let exit = bend.exit(&flyer, last.turn_rad + 1.0).unwrap();
             assert!(flyer.full_bank_rad() - last.bank_rad < 1e-5, "{last:?}");
             assert!(exit.begins_s > last.time_s);
         }
@@ -321,7 +403,7 @@ mod tests {
             let flyer = Flyer::new(&Vehicle::lagged(0.6));
             let bend = Bend::new(&flyer, bank * flyer.full_bank_rad());
             let (least, less) = (bend.least_rad(), bend.least_rad() - 0.1);
-            let at = |turn_rad: f64| bend.exit(turn_rad).unwrap().from_m;
+            let at = |turn_rad: f64| bend.exit(&flyer, turn_rad).unwrap().from_m;
             assert_eq!(at(less), at(least), "{bank}");
         }
     }
@@ -351,7 +433,7 @@ mod tests {
                 let bend = Bend::new(&flyer, bank_rad);
                 for k in 0..40 {
                     let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
-                    let exit = bend.exit(turn_rad).unwrap();
+                    let exit = bend.exit(&flyer, turn_rad).unwrap();
                     let start = MotionState::ahead(bank_rad);
                     let mut path = FlightPath::new();
                     path.predict(&flyer, &start, &Maneuver::turn(0.0, turn_rad, 0.0), 200.0);
@@ -365,7 +447,7 @@ mod tests {
                             0.0,
                         );
                         let off_m = (told - there.position_m).length();
-                        let most_m = bend.inexact_m() + 1e-6;
+                        let most_m = Bend::inexact_m(&flyer) + 1e-6;
                         assert!(
                             off_m <= most_m,
                             "lag {lag_s}, bank {bank_rad}, turn {turn_rad}: {off_m} of {most_m}"

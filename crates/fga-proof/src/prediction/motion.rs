@@ -13,6 +13,7 @@ use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::prediction::Bend;
+use crate::prediction::bend::RollIn;
 use crate::prediction::roll::Roll;
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -175,8 +176,7 @@ pub struct Flyer {
     begun: [Roll; 5],
     /// Displacements of roll-outs from banks: forward and left of the course at their start, metres.
     roll_outs_m: [(f64, f64); ROLL_OUTS],
-    /// Turns from the largest bank to the other side, in which those from any bank are contained.
-    widest_bend: Option<Bend>,
+    roll_in: RollIn,
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Option<Bend>; 3],
 }
@@ -184,8 +184,15 @@ pub struct Flyer {
 impl Flyer {
     /// The motion of a vehicle at its airspeed.
     pub fn new(vehicle: &Vehicle) -> Self {
+        let mut flyer = Self::blank(vehicle);
+        flyer.set(vehicle);
+        flyer
+    }
+
+    /// Of no use before [`Self::set`]: what is large of it is zeros, which are written without a copy.
+    pub fn blank(vehicle: &Vehicle) -> Self {
         let response = vehicle.response;
-        let mut flyer = Self {
+        Self {
             airspeed_mps: vehicle.airspeed_mps,
             course_rate_radps: vehicle.course_rate_radps(),
             climb_rate_radps: vehicle.climb_rate_radps,
@@ -201,16 +208,22 @@ impl Flyer {
             rolling_out: Rolls::default(),
             begun: [Roll::default(); 5],
             roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
-            widest_bend: None,
+            roll_in: RollIn::none(),
             bends: [None; 3],
-        };
-        if !flyer.is_ideal() {
-            flyer.prepare_rolls();
-            flyer.widest_bend = Some(Bend::new(&flyer, -flyer.full_bank_rad));
         }
-        let level = Bend::new(&flyer, 0.0);
-        flyer.bends = [Some(level), None, None];
-        flyer
+    }
+
+    /// Takes the motion of a vehicle.
+    pub fn set(&mut self, vehicle: &Vehicle) {
+        *self = Self::blank(vehicle);
+        if !self.is_ideal() {
+            self.prepare_rolls();
+            let mut roll_in = RollIn::none();
+            roll_in.roll(self, -self.full_bank_rad, |_| false);
+            self.roll_in = roll_in;
+        }
+        let level = Bend::new(self, 0.0);
+        self.bends = [Some(level), None, None];
     }
 
     /// Time constant of the bank, seconds.

@@ -1,6 +1,5 @@
 //! What is asked of a manoeuvre: a ladder of demands, the most that is asked first.
 
-use crate::Vec3;
 use crate::avoider::Avoider;
 use crate::avoider::intruders::{Clearance, Freedom};
 
@@ -101,21 +100,12 @@ impl Avoider {
     }
 
     /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
-    pub(super) fn ask(&mut self, demand: &Demand, own_m: Vec3, beyond_m: f64) {
-        self.withstand(
-            Freedom::Share(demand.share),
-            own_m,
-            (beyond_m, demand.margin_m),
-        );
+    pub(super) fn ask(&mut self, demand: &Demand, beyond_m: f64) {
+        self.withstand(Freedom::Share(demand.share), (beyond_m, demand.margin_m));
     }
 
     /// Takes motions of aircraft as hazards, with a distance beyond their volumes and the margin that is asked for, metres.
-    pub(super) fn withstand(
-        &mut self,
-        freedom: Freedom,
-        own_m: Vec3,
-        (beyond_m, margin_m): (f64, f64),
-    ) {
+    pub(super) fn withstand(&mut self, freedom: Freedom, (beyond_m, margin_m): (f64, f64)) {
         if !self.tracks.has_aircraft() {
             return self.tracks.as_expected();
         }
@@ -124,8 +114,7 @@ impl Avoider {
             margin_m,
             is_unproven: false,
         };
-        self.tracks
-            .withstand(|_| freedom, own_m, clearance, &self.meter);
+        self.tracks.withstand(|_| freedom, clearance, &self.meter);
     }
 
     /// Does something with the limits of a demand.

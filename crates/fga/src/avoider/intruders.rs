@@ -172,133 +172,114 @@ fn chords((rate_radps, for_s): (f64, f64)) -> usize {
     whole((rate_radps * for_s).abs() / CHORD_RAD, 5)
 }
 
-/// The motions of all obstacles of a step.
-#[derive(Debug, Clone)]
-pub(super) struct Motions {
-    hazards: Hazards,
+/// The number of hazards of all motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
+pub(super) fn most(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
+    let Some(bounds) = obstacle.movement.bounds() else {
+        return 1;
+    };
+    let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
+    motions.flatten().map(|turn| chords(turn) + 2).sum()
 }
 
-impl Motions {
-    pub(super) const fn new() -> Self {
-        Self {
-            hazards: Hazards::new(),
-        }
+/// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
+/// start on. `hazard` is its straight motion.
+pub(super) fn add_aircraft(
+    hazards: &mut Hazards,
+    hazard: &Hazard,
+    (obstacle, trend): (&Obstacle, Trend),
+    (freedom, clearance): (Freedom, Clearance),
+    motions: usize,
+) {
+    let mut hazard = *hazard;
+    if clearance.is_unproven && hazard.is_cylinder() {
+        hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
     }
-
-    pub(super) fn clear(&mut self) {
-        self.hazards.clear();
+    let Some(bounds) = obstacle.movement.bounds() else {
+        return put(hazards, hazard);
+    };
+    let (climbs, brief_s) = match freedom {
+        Freedom::Expected => (1.0, 0.0),
+        Freedom::Share(share) => (share, 0.0),
+        Freedom::Brief => (1.0, SPEED_CHANGES_S),
+    };
+    let speeds_m = 0.5 * bounds.acceleration_mps2 * brief_s * brief_s;
+    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
+    let change_mps = trend.climb_change_mps(obstacle);
+    let change_mps = climbs * change_mps.max(bounds.climb_change_mps);
+    let age_s = obstacle.age_s.max(0.0);
+    let since = Since {
+        age_s,
+        change_mps,
+        end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
+    };
+    if motions == 0 {
+        let at = since.report(&hazard);
+        hazard.velocity_mps = at.velocity_mps;
+        hazard.position_m = at.position_m + at.velocity_mps * age_s;
+        hazard.stretch_m = since.later_m();
+        return put(hazards, hazard);
     }
-
-    pub(super) const fn hazards_mut(&mut self) -> &mut Hazards {
-        &mut self.hazards
+    let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
+    for (rate_radps, for_s) in all.flatten().take(motions) {
+        add_motion(hazards, &hazard, &since, (rate_radps, for_s));
     }
+}
 
-    pub(super) const fn hazards(&self) -> &Hazards {
-        &self.hazards
+/// A turn for a time, then straight on, of a hazard that stretches.
+fn add_motion(hazards: &mut Hazards, hazard: &Hazard, since: &Since, turn: (f64, f64)) {
+    let mut hazard = *hazard;
+    let mut at = since.report(&hazard);
+    let begins_s = at.at_s;
+    hazard.stretch_m = since.first_m();
+    let chords = chords(turn);
+    let (rate_radps, for_s) = turn;
+    for _ in 0..chords {
+        let next = at.turned(rate_radps, for_s / chords as f64);
+        add_leg(hazards, &hazard, &at, &next, rate_radps);
+        at = next;
     }
-
-    /// The number of hazards of all motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
-    pub(super) fn most(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
-        let Some(bounds) = obstacle.movement.bounds() else {
-            return 1;
-        };
-        let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
-        motions.flatten().map(|turn| chords(turn) + 2).sum()
+    let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
+    if left_s > 0.0 && since.change_mps > 0.0 {
+        let next = at.turned(0.0, left_s);
+        add_leg(hazards, &hazard, &at, &next, 0.0);
+        at = next;
     }
-
-    /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
-    /// start on. `hazard` is its straight motion.
-    pub(super) fn add_aircraft(
-        &mut self,
-        hazard: &Hazard,
-        (obstacle, trend): (&Obstacle, Trend),
-        (freedom, clearance): (Freedom, Clearance),
-        motions: usize,
-    ) {
-        let mut hazard = *hazard;
-        if clearance.is_unproven && hazard.is_cylinder() {
-            hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
-        }
-        let Some(bounds) = obstacle.movement.bounds() else {
-            return self.put(hazard);
-        };
-        let (climbs, brief_s) = match freedom {
-            Freedom::Expected => (1.0, 0.0),
-            Freedom::Share(share) => (share, 0.0),
-            Freedom::Brief => (1.0, SPEED_CHANGES_S),
-        };
-        let speeds_m = 0.5 * bounds.acceleration_mps2 * brief_s * brief_s;
-        hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
-        let change_mps = trend.climb_change_mps(obstacle);
-        let change_mps = climbs * change_mps.max(bounds.climb_change_mps);
-        let age_s = obstacle.age_s.max(0.0);
-        let since = Since {
-            age_s,
-            change_mps,
-            end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
-        };
-        if motions == 0 {
-            let at = since.report(&hazard);
-            hazard.velocity_mps = at.velocity_mps;
-            hazard.position_m = at.position_m + at.velocity_mps * age_s;
-            hazard.stretch_m = since.later_m();
-            return self.put(hazard);
-        }
-        let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
-        for (rate_radps, for_s) in all.flatten().take(motions) {
-            self.add_motion(&hazard, &since, (rate_radps, for_s));
-        }
-    }
-
-    /// A turn for a time, then straight on, of a hazard that stretches.
-    fn add_motion(&mut self, hazard: &Hazard, since: &Since, turn: (f64, f64)) {
-        let mut hazard = *hazard;
-        let mut at = since.report(&hazard);
-        let begins_s = at.at_s;
-        hazard.stretch_m = since.first_m();
-        let chords = chords(turn);
-        let (rate_radps, for_s) = turn;
-        for _ in 0..chords {
-            let next = at.turned(rate_radps, for_s / chords as f64);
-            self.add_leg(&hazard, &at, &next, rate_radps);
-            at = next;
-        }
-        let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
-        if left_s > 0.0 && since.change_mps > 0.0 {
-            let next = at.turned(0.0, left_s);
-            self.add_leg(&hazard, &at, &next, 0.0);
-            at = next;
-        }
-        self.put(Hazard {
+    put(
+        hazards,
+        Hazard {
             position_m: at.position_m - at.velocity_mps * at.at_s,
             velocity_mps: at.velocity_mps,
             stretch_m: since.later_m(),
             window_s: (at.at_s, f64::INFINITY),
             ..hazard
-        });
-    }
+        },
+    );
+}
 
-    fn add_leg(&mut self, hazard: &Hazard, from: &Moment, to: &Moment, rate_radps: f64) {
-        let duration_s = to.at_s - from.at_s;
-        let velocity_mps = (to.position_m - from.position_m) / duration_s;
-        let speed_mps = libm::sqrt(
-            from.velocity_mps.x * from.velocity_mps.x + from.velocity_mps.y * from.velocity_mps.y,
-        );
-        let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
-        self.put(Hazard {
+fn add_leg(hazards: &mut Hazards, hazard: &Hazard, from: &Moment, to: &Moment, rate_radps: f64) {
+    let duration_s = to.at_s - from.at_s;
+    let velocity_mps = (to.position_m - from.position_m) / duration_s;
+    let speed_mps = libm::sqrt(
+        from.velocity_mps.x * from.velocity_mps.x + from.velocity_mps.y * from.velocity_mps.y,
+    );
+    let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
+    put(
+        hazards,
+        Hazard {
             position_m: from.position_m - velocity_mps * from.at_s,
             velocity_mps,
             volume: hazard.volume.grown(bow_m),
             window_s: (from.at_s, to.at_s),
             ..*hazard
-        });
-    }
+        },
+    );
+}
 
-    fn put(&mut self, hazard: Hazard) {
-        let place = self.hazards.rows().len();
-        let index = u32::try_from(place).unwrap_or(u32::MAX);
-        self.hazards.put(place, Hazard { index, ..hazard });
-    }
+/// Adds a hazard.
+pub(super) fn put(hazards: &mut Hazards, hazard: Hazard) {
+    let place = hazards.rows().len();
+    let index = u32::try_from(place).unwrap_or(u32::MAX);
+    hazards.put(place, Hazard { index, ..hazard });
 }
 
 /// How heights may have changed since a report, and may change: by a change of climb, and by its end.
@@ -399,19 +380,31 @@ mod tests {
         }
     }
 
-    fn motions(freedom: Freedom, trend: Trend) -> Motions {
+    fn motions(freedom: Freedom, trend: Trend) -> Hazards {
         let obstacle = intruder();
-        let mut motions = Motions::new();
+        let mut motions = Hazards::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
-        motions.add_aircraft(&hazard, (&obstacle, trend), (freedom, EXACT), MOTIONS);
+        add_aircraft(
+            &mut motions,
+            &hazard,
+            (&obstacle, trend),
+            (freedom, EXACT),
+            MOTIONS,
+        );
         motions
     }
 
-    fn motions_of(obstacle: &Obstacle, freedom: Freedom, turns: usize) -> Motions {
-        let mut motions = Motions::new();
+    fn motions_of(obstacle: &Obstacle, freedom: Freedom, turns: usize) -> Hazards {
+        let mut motions = Hazards::new();
         let hazard = Hazard::new(0, obstacle, Vec3::ZERO, 3.0);
         let trend = Trend::of(obstacle);
-        motions.add_aircraft(&hazard, (obstacle, trend), (freedom, EXACT), turns);
+        add_aircraft(
+            &mut motions,
+            &hazard,
+            (obstacle, trend),
+            (freedom, EXACT),
+            turns,
+        );
         motions
     }
 
@@ -447,8 +440,8 @@ mod tests {
     }
 
     /// Whether a hazard that exists at that time contains the volume about a position.
-    fn is_within(motions: &Motions, place_m: Vec3, at_s: f64) -> bool {
-        motions.hazards().rows().iter().any(|hazard| {
+    fn is_within(motions: &Hazards, place_m: Vec3, at_s: f64) -> bool {
+        motions.rows().iter().any(|hazard| {
             let (from_s, until_s) = hazard.window_s;
             let volume = intruder().volume;
             let room_m = hazard.volume.radius_m() - volume.radius_m();
@@ -534,8 +527,8 @@ mod tests {
                 .into_iter()
                 .chain([Freedom::Expected, Freedom::Brief])
             {
-                let most = Motions::most(freedom, (&obstacle, trend));
-                let taken = motions(freedom, trend).hazards().rows().len();
+                let most = super::most(freedom, (&obstacle, trend));
+                let taken = motions(freedom, trend).rows().len();
                 assert!(
                     (taken..=taken + 4).contains(&most),
                     "{freedom:?}: {taken} of {most}"

@@ -1,14 +1,14 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
-mod memory;
+mod known;
 
 use core::f64::consts::TAU;
 
-use self::memory::{Known, Memory, known_as};
+use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Motions, Trend};
-use crate::certificate::{Hazard, Hazards, Line, MAX_HAZARDS, Rows};
+use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most};
+use crate::certificate::{Hazard, Hazards, Line, MAX_HAZARDS};
 use crate::limit::Limit as _;
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::prediction::Flyer;
@@ -55,31 +55,24 @@ const LEAVING_SHARE: f64 = 0.98;
     reason = "each is an answer about the same step, and any of them may hold with any other"
 )]
 pub struct Tracks {
-    /// Each obstacle's expected motion.
-    hazards: Rows,
-    /// The same obstacles as known, over the ground.
-    obstacles: [Obstacle; MAX_TRACKED],
-    /// The turn of each.
-    trend: [Trend; MAX_TRACKED],
-    /// The obstacles at the last two steps.
-    memory: [Memory; 2],
-    /// Index of the last step among the two.
-    last: usize,
-    /// What hazards there are: one for each, or on demand their possible motions.
-    motions: Motions,
-    /// Whether those are the possible motions.
+    /// The expected motion of each obstacle, or all motions that were asked for.
+    hazards: Hazards,
+    /// Whether they are those that were asked for.
     moving: bool,
+    /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet.
+    known: [Known; MAX_TRACKED],
+    /// Number of obstacles of this step.
+    count: usize,
+    /// Number of all without the limits of altitude: the next step remembers so many.
+    len: usize,
     /// Number of aircraft among them.
     aircraft: usize,
-    /// Where our aircraft was when their motions were asked for, metres.
-    own_m: Vec3,
+    /// What their hazards are computed from.
+    seen_from: SeenFrom,
     /// Work for taking in the obstacles of this step.
-    work: usize,
+    pub(super) work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
     farthest: Option<(usize, f64)>,
-    /// The distances of a full set, metres, once it has been asked for the farthest.
-    distances_m: [f64; MAX_TRACKED],
-    has_distances: bool,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Unusable ones.
@@ -90,6 +83,38 @@ pub struct Tracks {
     pub overflow: bool,
     /// Whether any has an uncertainty.
     pub uncertain: bool,
+}
+
+/// What an obstacle is seen from.
+#[derive(Debug, Clone, Copy, Default)]
+struct SeenFrom {
+    time_s: f64,
+    own_m: Vec3,
+    wind_mps: Vec3,
+    sigmas: f64,
+}
+
+impl SeenFrom {
+    /// The expected motion of an obstacle that counts up to a moment, seconds.
+    fn hazard(&self, place: usize, obstacle: &Obstacle, until_s: f64) -> Hazard {
+        let index = u32::try_from(place).unwrap_or(u32::MAX);
+        let mut hazard = Hazard::new(index, obstacle, self.wind_mps, self.sigmas);
+        hazard.window_s.1 = until_s;
+        let offset_m = self.own_m - obstacle.position_m;
+        if hazard.volume.margin_m(offset_m) < 0.0 {
+            if obstacle.volume.margin_m(offset_m) < 0.0 && hazard.is_cylinder() {
+                hazard.allowed_depth_m = 0.0;
+                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
+                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
+            } else {
+                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
+            }
+        }
+        if obstacle.movement == Movement::AtRest {
+            hazard.velocity_mps = -self.wind_mps;
+        }
+        hazard
+    }
 }
 
 impl Default for Tracks {
@@ -106,19 +131,20 @@ impl Tracks {
     )]
     pub const fn new() -> Self {
         Self {
-            hazards: Rows::new(Hazard::NONE),
-            obstacles: [Known::NONE.obstacle; MAX_TRACKED],
-            trend: [Trend::STRAIGHT; MAX_TRACKED],
-            memory: [const { Memory::new(Known::NONE) }; 2],
-            last: 0,
-            motions: Motions::new(),
+            hazards: Hazards::new(),
             moving: false,
+            known: [Known::NONE; MAX_TRACKED],
+            count: 0,
+            len: 0,
             aircraft: 0,
-            own_m: Vec3::ZERO,
+            seen_from: SeenFrom {
+                time_s: 0.0,
+                own_m: Vec3::ZERO,
+                wind_mps: Vec3::ZERO,
+                sigmas: 0.0,
+            },
             work: 0,
             farthest: None,
-            distances_m: [0.0; MAX_TRACKED],
-            has_distances: false,
             seen: 0,
             unusable: 0,
             inside: false,
@@ -130,12 +156,10 @@ impl Tracks {
     /// Forgets the obstacles of this step.
     pub fn clear(&mut self) {
         self.hazards.clear();
-        self.motions.clear();
-        self.motions.hazards_mut().zones.clear(Vec3::ZERO, 0.0);
+        self.hazards.zones.clear(Vec3::ZERO, 0.0);
         self.moving = false;
-        self.aircraft = 0;
-        self.work = 0;
-        (self.farthest, self.has_distances) = (None, false);
+        (self.count, self.aircraft, self.work) = (0, 0, 0);
+        self.farthest = None;
         (self.seen, self.unusable) = (0, 0);
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
@@ -143,14 +167,27 @@ impl Tracks {
     /// Also forgets the obstacles of earlier steps.
     pub fn forget(&mut self) {
         self.clear();
-        for memory in &mut self.memory {
-            memory.clear();
-        }
+        self.len = 0;
     }
 
     /// The hazards.
     pub const fn hazards(&self) -> &Hazards {
-        self.motions.hazards()
+        &self.hazards
+    }
+
+    /// The obstacles of this step as last heard of.
+    fn known(&self) -> &[Known] {
+        self.known.get(..self.count).unwrap_or(&[])
+    }
+
+    /// An obstacle of this step.
+    fn obstacle(&self, place: usize) -> Option<Known> {
+        let known = self.known().get(place)?;
+        let missing_s = self.seen_from.time_s - known.heard_s;
+        Some(Known {
+            obstacle: known.coasted(missing_s),
+            ..*known
+        })
     }
 
     /// Whether any obstacle is an aircraft, which may depart from its expected motion.
@@ -160,7 +197,7 @@ impl Tracks {
 
     /// The number of aircraft without room for their turns of a share of the bounds: they count as flying straight on.
     pub(super) fn straight_aircraft(&self, share: f64, meter: &Meter) -> u32 {
-        let turning = self.turning(&|_| Freedom::Share(share), self.own_m, meter);
+        let turning = self.turning(&|_| Freedom::Share(share), meter);
         let turning = turning.map_or(0, |(turning, ..)| turning);
         u32::try_from(self.aircraft - turning).unwrap_or(u32::MAX)
     }
@@ -170,24 +207,29 @@ impl Tracks {
     fn turning(
         &self,
         freedom: &impl Fn(&Hazard) -> Freedom,
-        own_m: Vec3,
         meter: &Meter,
     ) -> Option<(usize, (f64, usize), usize)> {
-        let rows = &*self.hazards;
-        let mut left = MAX_HAZARDS - rows.len();
+        let mut left = MAX_HAZARDS - self.count;
         let mut last = (f64::NEG_INFINITY, 0);
         for turning in 0..self.aircraft {
-            meter.take(rows.len() / 2).then_some(())?;
+            meter.take(self.count / 2).then_some(())?;
             let mut next = (f64::INFINITY, usize::MAX);
-            let mut more = 0;
-            let known = self.obstacles.iter().zip(&self.trend);
-            for (place, (hazard, (known, trend))) in rows.iter().zip(known).enumerate() {
-                let here = (hazard.margin_m(own_m, 0.0), place);
-                if known.movement.bounds().is_some() && here > last && here < next {
+            for (place, known) in self.known().iter().enumerate() {
+                let here = (known.distance_m, place);
+                let may_turn = known.obstacle.movement.bounds().is_some();
+                if may_turn && here > last && here < next {
                     next = here;
-                    more = Motions::most(freedom(hazard), (known, *trend)) - 1;
                 }
             }
+            let Some(known) = self.obstacle(next.1) else {
+                return Some((turning, last, left));
+            };
+            let freedom = freedom(
+                &self
+                    .seen_from
+                    .hazard(next.1, &known.obstacle, known.until_s),
+            );
+            let more = most(freedom, (&known.obstacle, known.trend)) - 1;
             if more > left {
                 return Some((turning, last, left));
             }
@@ -198,9 +240,14 @@ impl Tracks {
 
     /// Whether every aircraft of some moves away from ours.
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
-        let rows = self.hazards.iter().zip(&self.obstacles);
-        rows.filter(|(_, known)| known.movement.bounds().is_some() && of(known.id))
-            .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
+        (0..self.count)
+            .filter_map(|place| self.obstacle(place))
+            .map(|known| known.obstacle)
+            .filter(|known| known.movement.bounds().is_some() && of(known.id))
+            .all(|known| {
+                let velocity_mps = known.velocity_mps - self.seen_from.wind_mps;
+                (known.position_m - own_m).dot(velocity_mps - own_mps) > 0.0
+            })
     }
 
     /// Replaces the hazards by the possible motions of aircraft; obstacles that keep their velocity stay the same. Some are
@@ -208,37 +255,34 @@ impl Tracks {
     pub(super) fn withstand(
         &mut self,
         freedom: impl Fn(&Hazard) -> Freedom,
-        own_m: Vec3,
         clearance: Clearance,
         meter: &Meter,
     ) {
-        self.motions.clear();
+        self.hazards.clear();
         self.moving = true;
-        self.own_m = own_m;
-        let rows = &*self.hazards;
-        if !meter.take(rows.len()) {
+        if !meter.take(self.count) {
             return;
         }
-        let Some((turning, last, left)) = self.turning(&freedom, own_m, meter) else {
+        let Some((turning, last, left)) = self.turning(&freedom, meter) else {
             return;
         };
-        let straight = usize::from(left >= rows.len() - turning);
-        for (place, (hazard, (known, trend))) in rows
-            .iter()
-            .zip(self.obstacles.iter().zip(&self.trend))
-            .enumerate()
-        {
-            let may_turn = turning > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
+        let straight = usize::from(left >= self.count - turning);
+        let own_m = self.seen_from.own_m;
+        for place in 0..self.count {
+            let Some(tracked) = self.obstacle(place) else {
+                return;
+            };
+            let (known, trend) = (tracked.obstacle, tracked.trend);
+            let may_turn = turning > 0 && (tracked.distance_m, place) <= last;
             let motions = if may_turn { MOTIONS } else { straight };
-            let freedom = (freedom(hazard), clearance);
-            let mut hazard = *hazard;
+            let mut hazard = (self.seen_from).hazard(place, &known, tracked.until_s);
+            let asked = (freedom(&hazard), clearance);
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
                 (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
             }
-            let before = self.motions.hazards().rows().len();
-            self.motions
-                .add_aircraft(&hazard, (known, *trend), freedom, motions);
-            let added = self.motions.hazards().rows().len() - before;
+            let before = self.hazards.rows().len();
+            add_aircraft(&mut self.hazards, &hazard, (&known, trend), asked, motions);
+            let added = self.hazards.rows().len() - before;
             if !meter.take(MOTION * added) {
                 return;
             }
@@ -247,25 +291,29 @@ impl Tracks {
 
     /// The hazards are their expected motions again.
     pub(super) fn as_expected(&mut self) {
-        if self.moving {
-            self.moving = false;
-            self.motions.clear();
-            for (place, hazard) in self.hazards.iter().enumerate() {
-                self.motions.hazards_mut().put(place, *hazard);
+        if !self.moving {
+            return;
+        }
+        self.moving = false;
+        self.hazards.clear();
+        for place in 0..self.count {
+            if let Some(known) = self.obstacle(place) {
+                let hazard = (self.seen_from).hazard(place, &known.obstacle, known.until_s);
+                self.hazards.put(place, hazard);
             }
         }
     }
 
     /// Whether there is any obstacle but the limits of altitude.
     pub(super) fn has_obstacles(&self) -> bool {
-        let mut rows = self.hazards.iter();
-        rows.any(|hazard| hazard.volume.radius_m() < FLAT_M)
+        let mut known = self.known().iter();
+        known.any(|known| known.obstacle.volume.radius_m() < FLAT_M)
     }
 
     /// Adds the altitudes between which the aircraft stays, metres: a floor and a ceiling are obstacles like any other, spheres so
     /// large that they are flat.
-    pub(super) fn stay_between(&mut self, limits_m: [f64; 2], situation: &Situation<'_>) {
-        let own_m = situation.ownship.position_m;
+    pub(super) fn stay_between(&mut self, limits_m: [f64; 2]) {
+        let own_m = self.seen_from.own_m;
         for (side, limit_m) in [-1.0, 1.0].into_iter().zip(limits_m) {
             if !limit_m.is_finite() {
                 continue;
@@ -273,29 +321,25 @@ impl Tracks {
             let [x, y] =
                 [own_m.x, own_m.y].map(|at_m| FLAT_WITHIN_M * libm::rint(at_m / FLAT_WITHIN_M));
             let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
+            let centre_m = Vec3::new(x, y, limit_m + side * FLAT_M);
             let limit = Obstacle {
                 movement: Movement::AtRest,
-                ..Obstacle::straight(
-                    u32::MAX,
-                    Vec3::new(x, y, limit_m + side * FLAT_M),
-                    Vec3::ZERO,
-                    volume,
-                )
+                ..Obstacle::straight(u32::MAX, centre_m, Vec3::ZERO, volume)
             };
-            self.add_limit(&limit, f64::INFINITY, situation);
+            self.add_limit(&limit, f64::INFINITY);
         }
     }
 
     /// Adds what is no obstacle but limits the flight, up to a moment, seconds, where there is room.
-    fn add_limit(&mut self, limit: &Obstacle, until_s: f64, situation: &Situation<'_>) {
-        let place = self.hazards.len();
-        if let Some((known, trend)) = self.obstacles.get_mut(place).zip(self.trend.get_mut(place)) {
-            (*known, *trend) = (*limit, Trend::STRAIGHT);
-            let index = u32::try_from(place).unwrap_or(u32::MAX);
-            let mut hazard = Hazard::new(index, limit, situation.wind_mps, 0.0);
-            hazard.window_s.1 = until_s;
-            self.hazards.put(place, hazard);
-            self.motions.hazards_mut().put(place, hazard);
+    fn add_limit(&mut self, limit: &Obstacle, until_s: f64) {
+        if self.count < MAX_TRACKED {
+            let known = Known {
+                obstacle: *limit,
+                heard_s: self.seen_from.time_s,
+                until_s,
+                ..Known::NONE
+            };
+            self.put(self.count, limit, known);
         }
     }
 
@@ -313,7 +357,7 @@ impl Tracks {
         let circle_s = TAU / flyer.course_rate_radps();
         let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
         let ahead = mission_ahead(situation, leg, flyer);
-        let zones = &mut self.motions.hazards_mut().zones;
+        let zones = &mut self.hazards.zones;
         zones.clear(situation.wind_mps, circle_s);
         // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
         let mut least_m = wanted_m;
@@ -337,23 +381,18 @@ impl Tracks {
                 let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
                 let out_s = (way_m.length() + behind_m + wanted_m) / out_mps;
                 self.inside = true;
-                self.add_limit(&plane, out_s, situation);
+                self.add_limit(&plane, out_s);
                 continue;
             }
             least_m = of_own_m;
-            if !self.motions.hazards_mut().zones.add(zone, (own_m, reach_m)) {
+            if !self.hazards.zones.add(zone, (own_m, reach_m)) {
                 self.overflow = true;
                 return;
             }
         }
         if least_m < wanted_m {
-            self.motions.hazards_mut().zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
+            self.hazards.zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
         }
-    }
-
-    /// Work for taking in the obstacles of this step.
-    pub(super) const fn work(&self) -> usize {
-        self.work
     }
 
     /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.
@@ -364,17 +403,17 @@ impl Tracks {
         horizon_s: f64,
         sigmas: f64,
     ) {
-        self.clear();
+        let before = self.begin(situation, sigmas);
         let limits = (surveillance_radius_m, horizon_s);
         match situation.obstacles {
             // Read in place.
             Obstacles::Rows(rows) => rows
                 .iter()
-                .for_each(|obstacle| self.consider(situation, obstacle, limits, sigmas)),
+                .for_each(|obstacle| self.consider(situation, obstacle, limits)),
             Obstacles::Columns(_) => (situation.obstacles.iter())
-                .for_each(|obstacle| self.consider(situation, &obstacle, limits, sigmas)),
+                .for_each(|obstacle| self.consider(situation, &obstacle, limits)),
         }
-        self.complete(situation, limits, sigmas);
+        self.complete(situation, limits, before);
     }
 
     /// The same for kept obstacles, in place of those of the situation.
@@ -385,168 +424,148 @@ impl Tracks {
         limits: (f64, f64),
         sigmas: f64,
     ) {
-        self.clear();
+        let before = self.begin(situation, sigmas);
         let others = kept.each_near(situation, limits, |obstacle| {
-            self.consider(situation, obstacle, limits, sigmas);
+            self.consider(situation, obstacle, limits);
         });
         self.seen = self.seen.saturating_add(others);
-        self.complete(situation, limits, sigmas);
+        self.complete(situation, limits, before);
     }
 
-    /// Adds those that are missing for a short time, and learns.
-    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), sigmas: f64) {
-        let heard = self.hazards.len();
-        self.work += self.seen as usize / 2;
-        // A missing one is extrapolated, for a limited time.
-        let mut place = 0;
-        while let Some(known) = self.remembered().get(place).copied() {
-            place += 1;
-            let missing_s = situation.time_s - known.heard_s;
-            let missing = (0.0..=COASTED_S).contains(&missing_s) && {
-                let mut rows = self.obstacles.iter().take(heard);
-                !rows.any(|obstacle| obstacle.id == known.obstacle.id)
-            };
-            if missing && self.hazards.len() < MAX_TRACKED {
-                self.consider(situation, &known.coasted(missing_s), limits, sigmas);
-            }
-        }
-        self.learn(situation, heard);
-        self.moving = true;
-        self.as_expected();
-    }
-
-    /// The obstacles at the last step.
-    fn remembered(&self) -> &Memory {
-        let [one, other] = &self.memory;
-        if self.last == 0 { one } else { other }
-    }
-
-    /// Learns the turns of the obstacles, and remembers them; the first `heard` were reported now.
-    fn learn(&mut self, situation: &Situation<'_>, heard: usize) {
-        let [one, other] = &mut self.memory;
-        let (before, now) = if self.last == 0 {
-            (one, other)
-        } else {
-            (other, one)
+    /// Begins a step; returns the number of obstacles of the last one.
+    fn begin(&mut self, situation: &Situation<'_>, sigmas: f64) -> usize {
+        self.clear();
+        self.seen_from = SeenFrom {
+            time_s: situation.time_s,
+            own_m: situation.ownship.position_m,
+            wind_mps: situation.wind_mps,
+            sigmas,
         };
-        self.last = 1 - self.last;
-        now.clear();
-        let count = self.hazards.len();
-        // Searches each among those of the last step, twice.
-        self.work += count * (LEARN_WORK + before.len() / 16);
-        let tracked = self.obstacles.iter().zip(&mut self.trend).take(count);
-        for (place, (known, trend)) in tracked.enumerate() {
-            let is_aircraft = known.movement.bounds().is_some();
-            self.aircraft += usize::from(is_aircraft);
-            let last = known_as(known.id, place, before);
-            *trend = last.map_or_else(|| Trend::of(known), |last| last.trend);
-            if let Some(last) = last.filter(|_| place >= heard) {
-                now.push(last);
-                continue;
-            }
-            // What keeps its velocity has no turn to learn.
-            if let Some(last) = last.filter(|_| is_aircraft) {
-                trend.learn(
-                    last.obstacle.velocity_mps - situation.wind_mps,
-                    known.velocity_mps - situation.wind_mps,
-                    situation.time_s - last.heard_s,
-                );
-            }
-            now.push(Known {
-                obstacle: *known,
-                heard_s: situation.time_s,
-                trend: *trend,
-            });
-        }
+        self.len
     }
 
-    fn consider(
+    /// Adds those that are missing, extrapolated for a short time.
+    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), before: usize) {
+        self.work += self.seen as usize / 2;
+        for place in self.count..self.len {
+            let Some(last) = self.known.get(place).copied() else {
+                break;
+            };
+            let missing_s = situation.time_s - last.heard_s;
+            let seen = last.coasted(missing_s);
+            if (0.0..=COASTED_S).contains(&missing_s) && self.is_near(situation, &seen, limits) {
+                self.put(self.count, &seen, last);
+            }
+        }
+        self.len = self.count;
+        let aircraft = |known: &&Known| known.obstacle.movement.bounds().is_some();
+        self.aircraft = self.known().iter().filter(aircraft).count();
+        // Searches each among those of the last step, twice.
+        self.work += self.count * (LEARN_WORK + before / 16);
+    }
+
+    /// Whether an obstacle is usable and may matter.
+    fn is_near(
         &mut self,
         situation: &Situation<'_>,
         obstacle: &Obstacle,
         (surveillance_radius_m, horizon_s): (f64, f64),
-        sigmas: f64,
-    ) {
+    ) -> bool {
         if !obstacle.is_valid() {
             self.unusable += 1;
-            return;
+            return false;
         }
         let offset = obstacle.position_m - situation.ownship.position_m;
         if offset.length_squared() > surveillance_radius_m * surveillance_radius_m {
-            return;
+            return false;
         }
         self.seen += 1;
-        if !situation.is_out_of_reach(obstacle, horizon_s) {
-            self.keep(situation, obstacle, sigmas);
+        if situation.is_out_of_reach(obstacle, horizon_s) {
+            return false;
         }
-    }
-
-    fn keep(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, sigmas: f64) {
-        let own = situation.ownship.position_m;
-        let mut place = self.hazards.len();
-        if place >= MAX_TRACKED {
-            self.overflow = true;
-            let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
-            let (index, distance_m) = self.farthest(own);
-            if distance_m <= new.margin_m(own, 0.0) {
-                return;
-            }
-            place = index;
-            self.farthest = None;
-        }
-        let index = u32::try_from(place).unwrap_or(u32::MAX);
-        let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
-        let offset_m = own - obstacle.position_m;
-        if hazard.volume.margin_m(offset_m) < 0.0 {
-            let is_inside = obstacle.volume.margin_m(offset_m) < 0.0;
-            self.inside |= is_inside;
-            if is_inside && hazard.is_cylinder() {
-                hazard.allowed_depth_m = 0.0;
-                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
-                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
-            } else {
-                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
-            }
-        }
-        if obstacle.movement == Movement::AtRest {
-            hazard.velocity_mps = -situation.wind_mps;
-        }
-        if self.hazards.put(place, hazard)
-            && let Some(known) = self.obstacles.get_mut(place)
-        {
-            *known = *obstacle;
-        }
-        if self.has_distances
-            && let Some(distance_m) = self.distances_m.get_mut(place)
-        {
-            *distance_m = hazard.margin_m(own, 0.0);
-        }
+        self.inside |= obstacle.volume.margin_m(-offset) < 0.0;
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
+        true
     }
-}
 
-impl Tracks {
-    /// The index of the farthest hazard from the aircraft, and its distance, metres. The result is kept until
-    /// that hazard is replaced.
-    fn farthest(&mut self, own_m: Vec3) -> (usize, f64) {
+    /// Takes an obstacle that is heard of. It comes from behind, with its turn, or takes the place of the farthest one if there is no
+    /// room.
+    fn consider(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, limits: (f64, f64)) {
+        if !self.is_near(situation, obstacle, limits) {
+            return;
+        }
+        let SeenFrom {
+            time_s,
+            own_m,
+            wind_mps,
+            sigmas,
+        } = self.seen_from;
+        let mut known = Known {
+            obstacle: *obstacle,
+            heard_s: time_s,
+            distance_m: 0.0,
+            trend: Trend::of(obstacle),
+            until_s: f64::INFINITY,
+        };
+        let mut place = self.count;
+        let mut last = self.known.iter().take(self.len).enumerate().skip(place);
+        let from =
+            if let Some((from, last)) = last.find(|(_, last)| last.obstacle.id == obstacle.id) {
+                known.trend = last.trend;
+                // What keeps its velocity has no turn to learn.
+                if obstacle.movement.bounds().is_some() {
+                    known.trend.learn(
+                        last.obstacle.velocity_mps - wind_mps,
+                        obstacle.velocity_mps - wind_mps,
+                        time_s - last.heard_s,
+                    );
+                }
+                from
+            } else if self.len < MAX_TRACKED {
+                self.len += 1;
+                self.len - 1
+            } else {
+                let (farthest, distance_m) = self.farthest();
+                let is_nearer =
+                    distance_m > Hazard::new(0, obstacle, wind_mps, sigmas).margin_m(own_m, 0.0);
+                self.overflow |= !is_nearer || farthest < place;
+                if !is_nearer {
+                    return;
+                }
+                place = place.min(farthest);
+                farthest
+            };
+        let mut moved = known;
+        for slot in self.known.iter_mut().take(from + 1).skip(place) {
+            core::mem::swap(slot, &mut moved);
+        }
+        self.put(place, obstacle, known);
+    }
+
+    /// Takes an obstacle at a place with its expected motion, and what is remembered of it.
+    fn put(&mut self, place: usize, seen: &Obstacle, known: Known) {
+        let hazard = self.seen_from.hazard(place, seen, known.until_s);
+        self.hazards.put(place, hazard);
+        if let Some(slot) = self.known.get_mut(place) {
+            *slot = known;
+            slot.distance_m = hazard.margin_m(self.seen_from.own_m, 0.0);
+            self.count = self.count.max(place + 1);
+            self.farthest = None;
+        }
+    }
+
+    /// The index of the farthest of all that are known, and its distance, metres. The result is kept until one is put.
+    fn farthest(&mut self) -> (usize, f64) {
         if let Some(known) = self.farthest {
             return known;
         }
-        if !self.has_distances {
-            self.has_distances = true;
-            let rows = &*self.hazards;
-            self.work += rows.len() / 2;
-            for (slot, hazard) in self.distances_m.iter_mut().zip(rows) {
-                *slot = hazard.margin_m(own_m, 0.0);
-            }
+        if !self.overflow {
+            self.work += MAX_TRACKED / 2;
         }
         self.work += MAX_TRACKED / COMPARED;
-        let farthest = self
-            .distances_m
-            .iter()
-            .copied()
-            .enumerate()
+        let distances_m = self.known.iter().map(|known| known.distance_m);
+        let farthest = (distances_m.enumerate())
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, f64::NEG_INFINITY));
         self.farthest = Some(farthest);
@@ -715,7 +734,7 @@ mod tests {
                 is_unproven: false,
             };
             let meter = Meter::unlimited();
-            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact, &meter);
+            tracks.withstand(|_| Freedom::Share(1.0), exact, &meter);
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

@@ -158,7 +158,7 @@ impl Avoider {
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
         let demand = self.first_demand();
-        self.withstand(Freedom::Expected, now.position_m, (0.0, demand.margin_m));
+        self.withstand(Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
@@ -369,7 +369,8 @@ impl Avoider {
                 objective: avoider.settings.objective,
             };
             let meter = avoider.meter.part(most);
-            let mut search = Search::within(scene, &mut avoider.path, meter);
+            let space = (&mut avoider.path, &mut avoider.tables);
+            let mut search = Search::within(scene, space, meter);
             let mut answer = look(&mut search);
             if search.is_spent() {
                 // It may rest on pieces that were refused.

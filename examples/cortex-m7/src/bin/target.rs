@@ -43,7 +43,7 @@ mod board {
     /// The painted stack: where it ends, above which are the frames of the program itself.
     struct Painted {
         top: usize,
-        /// The deepest word that is not painted.
+        /// The deepest word that was ever used.
         dirty: usize,
     }
 
@@ -57,7 +57,6 @@ mod board {
                 unsafe { (at as *mut u32).write_volatile(PAINT) };
                 at += 4;
             }
-            self.dirty = self.top;
         }
 
         /// Bytes used below the top since it was painted.
@@ -68,7 +67,7 @@ mod board {
             while at < self.top && unsafe { (at as *const u32).read_volatile() } == PAINT {
                 at += 4;
             }
-            self.dirty = at;
+            self.dirty = self.dirty.min(at);
             self.top - at
         }
     }
@@ -117,6 +116,7 @@ mod board {
         let top = ((&raw const mark).addr() & !7) - 512;
         let mut stack = Painted { top, dirty: 0 };
         stack.paint();
+        stack.dirty = top;
 
         writeln!(out, "bytes of an avoider for {OBSTACLES_MOST} obstacles and {WAYPOINTS_MOST} waypoints,{AVOIDER_BYTES}").ok()?;
         writeln!(out, "bytes of a prover,{FGA_PROVER_BYTES}").ok()?;

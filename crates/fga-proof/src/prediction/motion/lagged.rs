@@ -3,6 +3,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::limit::Limit as _;
+use crate::prediction::bend::RollIn;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
 use crate::prediction::roll::{Roll, roll_out, tan_share};
 use crate::prediction::{Bend, whole};
@@ -124,11 +125,12 @@ impl Flyer {
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
         let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
-        let mut roll_outs_m = [(0.0, 0.0); ROLL_OUTS];
-        for (place, roll_out_m) in roll_outs_m.iter_mut().enumerate() {
-            *roll_out_m = self.rolled_out_m(place as f64 * step_rad);
+        for place in 0..ROLL_OUTS {
+            let rolled_out_m = self.rolled_out_m(place as f64 * step_rad);
+            if let Some(slot) = self.roll_outs_m.get_mut(place) {
+                *slot = rolled_out_m;
+            }
         }
-        self.roll_outs_m = roll_outs_m;
     }
 
     /// Displacement of a roll-out from a bank, as in the table, from its pieces.
@@ -271,9 +273,9 @@ impl Flyer {
             .find(|bend| bend.is_from(bank_rad))
     }
 
-    /// Turns from the largest bank to the other side.
-    pub(crate) const fn widest_bend(&self) -> Option<&Bend> {
-        self.widest_bend.as_ref()
+    /// The roll-in from the largest bank to that of the other side.
+    pub(in crate::prediction) const fn roll_in(&self) -> &RollIn {
+        &self.roll_in
     }
 
     /// The bank of the largest course rate, radians.

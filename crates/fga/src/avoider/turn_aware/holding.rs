@@ -88,7 +88,7 @@ impl Avoider {
                 return None;
             }
             let demand = self.demand_of(rung);
-            self.ask(&demand, now.position_m, 0.0);
+            self.ask(&demand, 0.0);
             let held = self.within_limits(&demand, |avoider| {
                 avoider.predict(&plan.remaining(situation.time_s), now, demand.horizon_s);
                 avoider.lasting(plan, situation, now, &demand)

@@ -71,7 +71,7 @@ impl Avoider {
         let steps = (0..MOST_STEPS).map(|k| f64::from(k) * CLEARLY_LESS_RAD);
         let nearer = steps.take_while(|aside_rad| *aside_rad <= away_rad.abs() - CLEARLY_LESS_RAD);
         let demand = self.demand_of(rung);
-        self.ask(&demand, now.position_m, BEYOND_M);
+        self.ask(&demand, BEYOND_M);
         self.search(&Maneuver::hold(), now, &demand, |search| {
             let mut courses =
                 nearer.flat_map(|aside_rad| climbs_rad.map(|climb_rad| (aside_rad, climb_rad)));
@@ -129,7 +129,7 @@ impl Avoider {
             if self.meter.is_met() {
                 return None;
             }
-            self.ask(&demand, now.position_m, BEYOND_M);
+            self.ask(&demand, BEYOND_M);
             let answer = self.search(nominal, now, &demand, |search| {
                 search.share_work(RUNG_SHARE);
                 let found = look(search)?;
@@ -153,7 +153,7 @@ impl Avoider {
     ) -> Option<Answer> {
         let lowest = RUNGS - if self.in_need.is_some() { 1 } else { 2 };
         let demand = self.demand_of(lowest);
-        self.ask(&demand, now.position_m, 0.0);
+        self.ask(&demand, 0.0);
         let variety = self.grids;
         let effort = match GRIDS_A_SEARCH.saturating_sub(self.grids) {
             left if left > 0 && flown.is_some() => Effort::Grids(left),
@@ -174,7 +174,7 @@ impl Avoider {
         let cylinders = self.tracks.hazards().rows().iter().any(Hazard::is_cylinder);
         let differs = cylinders || self.tracks.uncertain;
         if best.found.margin_m < 0.0 && differs && self.meter.left() >= DEPTH_WORK {
-            self.by_depth(now);
+            self.by_depth();
             deepest = self.search(&Maneuver::hold(), now, &demand, |search| {
                 let (found, _) = search.best(Some(&best.maneuver), Effort::Quick, variety)?;
                 Some(Answer::new(search, (found, best.proof), lowest))
@@ -190,14 +190,14 @@ impl Avoider {
     }
 
     /// Takes the expected motions of all obstacles as hazards, without uncertainty, with margins by depth.
-    fn by_depth(&mut self, now: &MotionState) {
+    fn by_depth(&mut self) {
         let clearance = Clearance {
             beyond_m: 0.0,
             margin_m: 0.0,
             is_unproven: true,
         };
-        let (own_m, meter) = (now.position_m, &self.meter);
-        (self.tracks).withstand(|_| Freedom::Share(0.0), own_m, clearance, meter);
+        self.tracks
+            .withstand(|_| Freedom::Share(0.0), clearance, &self.meter);
     }
 }
 

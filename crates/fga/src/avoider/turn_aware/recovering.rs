@@ -33,7 +33,7 @@ impl Avoider {
         let keep_m = KEEP_SHARE * demand.margin_m;
         let back = plan.remaining(situation.time_s);
         let wanted_m = self.wanted_m();
-        self.withstand(Freedom::Expected, now.position_m, (0.0, wanted_m));
+        self.withstand(Freedom::Expected, (0.0, wanted_m));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
         self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
     }

@@ -42,13 +42,13 @@ impl Avoider {
 
     fn may_wait(&mut self, along: &Maneuver, now: &MotionState, most_turn_rad: f64) -> bool {
         let demand = self.first_demand();
-        self.ask(&demand, now.position_m, BEYOND_M);
+        self.ask(&demand, BEYOND_M);
         self.has_turn(along, now, (WAIT_S, most_turn_rad))
     }
 
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
     pub(super) fn is_free(&mut self, now: &MotionState) -> bool {
-        self.withstand(Freedom::Brief, now.position_m, (0.0, self.wanted_m()));
+        self.withstand(Freedom::Brief, (0.0, self.wanted_m()));
         self.has_turn(&Maneuver::hold(), now, (0.0, PI))
     }
 

@@ -478,8 +478,7 @@ impl Avoider {
             is_unproven: false,
             margin_m: target_m,
         };
-        self.tracks
-            .withstand(freedom, own_m, clearance, &self.meter);
+        self.tracks.withstand(freedom, clearance, &self.meter);
         self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 }
