@@ -363,14 +363,14 @@ mod tests {
     #[test]
     fn absent_parameters_are_given_up() {
         let (mut parameters, mut outbox) = (VehicleParameters::default(), Outbox::default());
-        for n in 0..200_u8 {
+        for n in 0..250_u8 {
             parameters.tick(f64::from(n), 1, &mut outbox);
         }
         assert!(!parameters.is_complete() && !parameters.is_sufficient());
         let asked = outbox.take().len() + usize::try_from(outbox.dropped).unwrap();
         // Most names some times each; bank limit and cruise airspeed every time, by both names.
         let given_up = WANTED.len() - NEEDED.len();
-        assert_eq!(asked, given_up * usize::from(MOST_ROUNDS) + 2 * 2 * 200);
+        assert_eq!(asked, given_up * usize::from(MOST_ROUNDS) + 2 * 2 * 250);
         // A request or an answer that is lost for a long time does not keep it on the ground.
         parameters.take(&value("ROLL_LIMIT_DEG", 45.0));
         parameters.take(&value("AIRSPEED_CRUISE", 22.0));

@@ -353,6 +353,9 @@ impl Tracks {
         wanted_m: f64,
         situation: &Situation<'_>,
     ) {
+        if situation.mission.zones.is_empty() {
+            return;
+        }
         let (own_m, speed_mps) = (situation.ownship.position_m, flyer.airspeed_mps());
         let circle_s = TAU / flyer.course_rate_radps();
         let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
