@@ -54,12 +54,12 @@ fn head_on() -> World {
     world
 }
 
+/// A fence that is stored in a world.
+type Stored<'a> = &'a dyn Fn(&World) -> Vec<Item>;
+
 /// The least and the most metres east in a flight past a head-on intruder, which begins with a fence and meets another one a
 /// second after it has left its mission.
-fn flown(
-    before: impl Fn(&World) -> Vec<Item>,
-    then: Option<&dyn Fn(&World) -> Vec<Item>>,
-) -> ((f64, f64), World) {
+fn flown(before: impl Fn(&World) -> Vec<Item>, then: Option<Stored<'_>>) -> ((f64, f64), World) {
     let mut world = head_on();
     let fence = before(&world);
     world.emulator.set_fence(fence);

@@ -2,7 +2,7 @@
 //!
 //! 60 flights by default; `FGA_ZONE_FLIGHTS` sets another number.
 
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
 
 use fga::Vec2;
 use fga::avoider::Start;
