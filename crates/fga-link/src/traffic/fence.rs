@@ -193,6 +193,7 @@ mod tests {
         }
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "small counts and radii")]
     fn laid(items: &[(MavCmd, f64, f64, f64)]) -> Fence {
         let frame = frame();
         let items: Vec<Item> = (items.iter())
