@@ -1,6 +1,6 @@
 //! Obstacles with one slice per quantity.
 
-use crate::situation::{Movement, Obstacle, ObstacleKind, Obstacles, ProtectedVolume, Uncertainty};
+use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Uncertainty};
 use fga_proof::Vec3;
 
 /// Obstacles with one slice per quantity, all of one length; units as in [`Obstacle`].
@@ -59,27 +59,31 @@ impl core::fmt::Display for ColumnsError {
 impl core::error::Error for ColumnsError {}
 
 impl Columns<'_> {
+    /// Names and lengths of the columns that there are.
+    fn lengths(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let sigmas = self.uncertainty.unzip();
+        let columns = [
+            ("x_m", Some(self.x_m)),
+            ("y_m", Some(self.y_m)),
+            ("z_m", Some(self.z_m)),
+            ("vx_mps", Some(self.vx_mps)),
+            ("vy_mps", Some(self.vy_mps)),
+            ("vz_mps", Some(self.vz_mps)),
+            ("radius_m", Some(self.radius_m)),
+            ("half_height_m", self.half_height_m),
+            ("position uncertainty", sigmas.0),
+            ("velocity uncertainty", sigmas.1),
+        ];
+        let movement = self.movement.map(|movement| ("movement", movement.len()));
+        let columns = columns.into_iter();
+        let columns = columns.filter_map(|(name, values)| Some((name, values?.len())));
+        columns.chain(movement)
+    }
+
     /// Number of obstacles: the length of the shortest column.
     pub fn len(&self) -> usize {
-        let of = |column: Option<&[f64]>| column.map_or(usize::MAX, <[f64]>::len);
-        [
-            self.x_m,
-            self.y_m,
-            self.z_m,
-            self.vx_mps,
-            self.vy_mps,
-            self.vz_mps,
-            self.radius_m,
-        ]
-        .iter()
-        .map(|column| column.len())
-        .chain([of(self.half_height_m)])
-        .chain([
-            of(self.uncertainty.map(|(p, _)| p)),
-            of(self.uncertainty.map(|(_, v)| v)),
-            self.movement.map_or(usize::MAX, <[Movement]>::len),
-        ])
-        .fold(self.id.len(), usize::min)
+        let lengths = self.lengths().map(|(_, length)| length);
+        lengths.fold(self.id.len(), usize::min)
     }
 
     /// Whether there are none.
@@ -93,85 +97,41 @@ impl Columns<'_> {
     /// The first column whose length differs from the identifiers'.
     pub fn check(&self) -> Result<(), ColumnsError> {
         let expected = self.id.len();
-        let columns = [
-            ("x_m", Some(self.x_m)),
-            ("y_m", Some(self.y_m)),
-            ("z_m", Some(self.z_m)),
-            ("vx_mps", Some(self.vx_mps)),
-            ("vy_mps", Some(self.vy_mps)),
-            ("vz_mps", Some(self.vz_mps)),
-            ("radius_m", Some(self.radius_m)),
-            ("half_height_m", self.half_height_m),
-            (
-                "position uncertainty",
-                self.uncertainty.map(|(position, _)| position),
-            ),
-            (
-                "velocity uncertainty",
-                self.uncertainty.map(|(_, velocity)| velocity),
-            ),
-        ];
-        for (column, values) in columns {
-            if let Some(values) = values
-                && values.len() != expected
-            {
-                return Err(ColumnsError {
-                    column,
-                    found: values.len(),
-                    expected,
-                });
-            }
-        }
-        if let Some(movement) = self.movement
-            && movement.len() != expected
-        {
-            return Err(ColumnsError {
-                column: "movement",
-                found: movement.len(),
+        let other = self.lengths().find(|(_, found)| *found != expected);
+        other.map_or(Ok(()), |(column, found)| {
+            Err(ColumnsError {
+                column,
+                found,
                 expected,
-            });
-        }
-        Ok(())
+            })
+        })
     }
 
     /// The obstacle at an index.
     pub fn get(&self, place: usize) -> Option<Obstacle> {
-        let radius_m = *self.radius_m.get(place)?;
+        let at = |column: &[f64]| column.get(place).copied();
+        let radius_m = at(self.radius_m)?;
         let volume = match self.half_height_m {
-            Some(half_heights) => ProtectedVolume::Cylinder {
+            Some(half_heights_m) => ProtectedVolume::Cylinder {
                 radius_m,
-                half_height_m: *half_heights.get(place)?,
+                half_height_m: at(half_heights_m)?,
             },
             None => ProtectedVolume::Sphere { radius_m },
         };
-        let uncertainty = match self.uncertainty {
-            Some((position, velocity)) => Uncertainty {
-                position_m: *position.get(place)?,
-                velocity_mps: *velocity.get(place)?,
-            },
-            None => Uncertainty::default(),
-        };
-        Some(Obstacle {
-            id: *self.id.get(place)?,
-            position_m: Vec3::new(
-                *self.x_m.get(place)?,
-                *self.y_m.get(place)?,
-                *self.z_m.get(place)?,
-            ),
-            velocity_mps: Vec3::new(
-                *self.vx_mps.get(place)?,
-                *self.vy_mps.get(place)?,
-                *self.vz_mps.get(place)?,
-            ),
-            volume,
-            kind: ObstacleKind::Unknown,
-            uncertainty,
-            movement: match self.movement {
-                Some(movements) => *movements.get(place)?,
-                None => Movement::default(),
-            },
-            age_s: 0.0,
-        })
+        let position_m = Vec3::new(at(self.x_m)?, at(self.y_m)?, at(self.z_m)?);
+        let velocity_mps = Vec3::new(at(self.vx_mps)?, at(self.vy_mps)?, at(self.vz_mps)?);
+        let id = *self.id.get(place)?;
+        let mut obstacle = Obstacle::straight(id, position_m, velocity_mps, volume);
+        if let Some((positions_m, velocities_mps)) = self.uncertainty {
+            obstacle.uncertainty = Uncertainty {
+                position_m: at(positions_m)?,
+                velocity_mps: at(velocities_mps)?,
+            };
+        }
+        if let Some(movements) = self.movement {
+            obstacle.movement = *movements.get(place)?;
+        }
+        Some(obstacle)
     }
 }
 
@@ -201,5 +161,53 @@ impl<'a> Obstacles<'a> {
     pub fn iter(&self) -> impl Iterator<Item = Obstacle> + use<'a> {
         let obstacles = *self;
         (0..obstacles.len()).filter_map(move |place| obstacles.get(place))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_one_length_are_rows() {
+        let columns = Columns {
+            id: &[7, 8],
+            x_m: &[1.0, 2.0],
+            y_m: &[3.0, 4.0],
+            z_m: &[5.0, 6.0],
+            vx_mps: &[0.1, 0.2],
+            vy_mps: &[0.3, 0.4],
+            vz_mps: &[0.5, 0.6],
+            radius_m: &[30.0, 40.0],
+            half_height_m: Some(&[10.0, 20.0]),
+            uncertainty: Some((&[1.5, 2.5], &[0.15, 0.25])),
+            movement: Some(&[Movement::AtRest, Movement::CREWED]),
+        };
+        assert_eq!((columns.check(), columns.len()), (Ok(()), 2));
+        let volume = ProtectedVolume::Cylinder {
+            radius_m: 40.0,
+            half_height_m: 20.0,
+        };
+        let (place_m, velocity_mps) = (Vec3::new(2.0, 4.0, 6.0), Vec3::new(0.2, 0.4, 0.6));
+        let mut row = Obstacle::straight(8, place_m, velocity_mps, volume);
+        row.uncertainty = Uncertainty {
+            position_m: 2.5,
+            velocity_mps: 0.25,
+        };
+        row.movement = Movement::CREWED;
+        assert_eq!((columns.get(1), columns.get(2)), (Some(row), None));
+        let obstacles = Obstacles::Columns(columns);
+        assert_eq!(obstacles.iter().last(), obstacles.get(1));
+        // The shortest counts, and is named.
+        let short = Columns {
+            radius_m: &[30.0],
+            ..columns
+        };
+        assert_eq!(short.len(), 1);
+        let error = short.check().unwrap_err();
+        assert_eq!(
+            (error.column, error.found, error.expected),
+            ("radius_m", 1, 2)
+        );
     }
 }

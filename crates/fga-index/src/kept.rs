@@ -1,8 +1,8 @@
-//! Obstacles kept from step to step: none is looked at before it could matter.
+//! Obstacles kept from step to step: a step looks only at those that could matter.
 //!
-//! Each obstacle has the earliest moment at which it could come within surveillance, or within reach where surveillance
-//! has no bound, by a bound on the closing speed; a step looks only at those whose moment has come. A quiet step needs less:
-//! while the aircraft follows a line, only the obstacles that may come near this line.
+//! A bound on the closing speed gives for each obstacle the earliest moment at which it could come within surveillance, or
+//! within reach where surveillance has no bound; a step looks at the obstacles whose moment has come. While the aircraft follows
+//! a line, a quiet step looks at the obstacles that may come near this line.
 
 mod block;
 mod line;
@@ -17,17 +17,12 @@ use fga_proof::limit::LARGEST;
 use line::Line;
 use watch::Watch;
 
-/// With up to this number of obstacles within surveillance a quiet step looks at these, without a line.
-const FEW: u32 = 64;
-
 /// The obstacles about an aircraft, kept from step to step in memory lent by the caller.
 ///
-/// Each obstacle is as last reported, moved on along its velocity over the ground from the time of its report to that of
-/// the step; one [at rest](crate::situation::Movement::AtRest) stays. The standard deviation of its position grows by that of its
-/// velocity. So only what is new needs a report: an obstacle that came, turned or left.
+/// An obstacle flies straight on from its last report; one [at rest](crate::situation::Movement::AtRest) stays. The standard
+/// deviation of its position grows by that of its velocity. So a report is needed only where an obstacle came, turned or left.
 ///
-/// Give it to `step_kept` of the avoider. It serves one aircraft: others are slow
-/// with it, but as right.
+/// The avoider's `step_kept` takes it. It serves one aircraft: it is slow for others, and as right.
 #[derive(Debug)]
 pub struct Kept<'m> {
     memory: Memory<'m>,
@@ -39,8 +34,6 @@ pub struct Kept<'m> {
     line: Option<Line>,
     /// Number of obstacles that may come near the line.
     ahead: u32,
-    /// Number of obstacles that could matter at the last look.
-    near: u32,
     /// Obstacles looked at in this step.
     looked: u32,
     /// The time of this step, seconds.
@@ -97,7 +90,6 @@ impl<'m> Kept<'m> {
             watch: None,
             line: None,
             ahead: 0,
-            near: 0,
             looked: 0,
             now_s: 0.0,
         }
@@ -129,7 +121,7 @@ impl<'m> Kept<'m> {
         used.map(move |slot| slot.at(time_s))
     }
 
-    /// Takes the report of an obstacle at a time on the clock of the situations. It replaces an obstacle with the same identifier.
+    /// Keeps the report of an obstacle at a time on the clock of the situations, in place of one with the same identifier.
     ///
     /// # Errors
     /// An unusable number, or no room; nothing is changed then.
@@ -147,7 +139,7 @@ impl<'m> Kept<'m> {
             slot.reported_s = reported_s;
         }
         self.memory.set_due(at, ALWAYS);
-        self.set_ahead(at);
+        self.update_listing(at);
         Ok(())
     }
 
@@ -172,7 +164,7 @@ impl<'m> Kept<'m> {
     pub fn clear(&mut self) {
         self.memory.clear();
         (self.len, self.free, self.used) = (0, NONE, 0);
-        (self.ahead, self.near) = (0, 0);
+        self.ahead = 0;
     }
 
     /// A step begins.
@@ -181,9 +173,9 @@ impl<'m> Kept<'m> {
         self.looked = 0;
     }
 
-    /// Gives every obstacle that is within surveillance and within reach, and perhaps others, in order. Returns the number of
-    /// others within surveillance.
-    pub fn each_near(
+    /// Shows every obstacle within surveillance and reach, and perhaps others, in order. Returns how many that it does not show
+    /// are within surveillance.
+    pub fn for_each_near(
         &mut self,
         situation: &Situation<'_>,
         limits: (f64, f64),
@@ -195,11 +187,8 @@ impl<'m> Kept<'m> {
             time_s: now_s,
             ..*situation
         };
-        let goes_on = match &mut self.watch {
-            Some(watch) => watch.pass(situation, limits),
-            None => false,
-        };
-        if !goes_on {
+        let watched = self.watch.as_mut();
+        if !watched.is_some_and(|watch| watch.pass(situation, limits)) {
             self.memory.wake_all();
         }
         let watch = *self
@@ -219,7 +208,6 @@ impl<'m> Kept<'m> {
             due_s
         });
         self.looked = self.looked.saturating_add(looked);
-        self.near = near;
         if limits.0.is_finite() {
             0
         } else {
@@ -228,31 +216,21 @@ impl<'m> Kept<'m> {
     }
 
     /// Whether every obstacle stays clear of the line ahead, or is out of surveillance.
-    pub fn is_clear_of(&mut self, ahead: &LineAhead, situation: &Situation<'_>) -> bool {
-        let radius_m = ahead.surveillance_radius_m;
-        if radius_m.is_finite() && self.near <= FEW {
-            let mut is_clear = true;
-            self.each_near(situation, (radius_m, ahead.horizon_s), |obstacle| {
-                is_clear &= !ahead.may_meet_row(obstacle);
-            });
-            return is_clear;
-        }
+    pub fn is_clear_of(&mut self, ahead: &LineAhead) -> bool {
         let line = self.line.as_ref();
         if !line.is_some_and(|line| line.is_followed(ahead, self.now_s)) {
-            self.line = Some(Line::new(ahead, self.now_s, line));
-            // Perhaps there are few again.
-            self.near = 0;
-            self.list_all();
+            self.line = Some(Line::new(ahead, self.now_s));
+            self.rebuild_list();
         }
         self.looked = self.looked.saturating_add(self.ahead);
         (0..self.ahead).all(|place| {
             let at = self.memory.slot(place).map_or(NONE, |slot| slot.listed);
             let slot = self.memory.slot(at);
-            slot.is_none_or(|slot| !ahead.may_meet_row(&slot.at(self.now_s)))
+            slot.is_none_or(|slot| !ahead.may_meet(&slot.at(self.now_s)))
         })
     }
 
-    /// The slot that the identifiers with the same hash begin at.
+    /// The slot at which the chain of an identifier's hash begins.
     fn hash(&self, id: u32) -> u32 {
         let scattered = u64::from(id.wrapping_mul(0x9e37_79b1));
         // Below the capacity, which is below 2³².
@@ -320,26 +298,26 @@ impl<'m> Kept<'m> {
     }
 
     /// Lists the obstacles that may come near the line.
-    fn list_all(&mut self) {
+    fn rebuild_list(&mut self) {
         self.ahead = 0;
         for at in 0..self.used {
             if let Some(slot) = self.memory.slot_mut(at) {
                 slot.place = NONE;
             }
             if self.memory.slot(at).is_some_and(|slot| slot.is_used) {
-                self.set_ahead(at);
+                self.update_listing(at);
             }
         }
         self.looked = self.looked.saturating_add(self.len);
     }
 
     /// Lists an obstacle, or not, by whether it may come near the line.
-    fn set_ahead(&mut self, at: u32) {
+    fn update_listing(&mut self, at: u32) {
         let Some((line, slot)) = self.line.as_ref().zip(self.memory.slot(at)) else {
             return;
         };
         let is_listed = slot.place != NONE;
-        match (line.may_be_met_by(slot), is_listed) {
+        match (line.may_meet(slot), is_listed) {
             (true, false) => {
                 let place = self.ahead;
                 self.set_place(at, place);
@@ -390,4 +368,92 @@ fn is_usable(obstacle: &Obstacle, reported_s: f64) -> bool {
     obstacle.is_valid()
         && lengths.iter().all(|length| *length <= LARGEST)
         && vectors.iter().all(|v| v.abs().max_element() <= LARGEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::situation::{Mission, Obstacles, Ownship, ProtectedVolume};
+    use alloc::vec::Vec;
+    use fga_proof::Vec3;
+
+    fn at(id: u32, x_m: f64, y_m: f64) -> Obstacle {
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        Obstacle::straight(id, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume)
+    }
+
+    fn ids(kept: &Kept<'_>) -> Vec<u32> {
+        let mut ids: Vec<u32> = kept.obstacles(0.0).map(|obstacle| obstacle.id).collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    #[test]
+    fn a_report_comes_replaces_and_leaves() {
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        // Identifiers of one hash among them.
+        for id in 0..16 {
+            kept.put(&at(id * 16, 0.0, 0.0), 0.0).unwrap();
+        }
+        let full = Err(KeptError::Full { capacity: 16 });
+        assert_eq!(kept.put(&at(1, 0.0, 0.0), 0.0), full);
+        kept.put(&at(32, 7.0, 0.0), 0.0).unwrap();
+        assert!(kept.remove(48) && !kept.remove(48));
+        assert_eq!((kept.len(), kept.capacity()), (15, 16));
+        assert!(!ids(&kept).contains(&48) && ids(&kept).contains(&240));
+        let moved = kept.obstacles(0.0).find(|obstacle| obstacle.id == 32);
+        assert_eq!(moved.unwrap().position_m.x, 7.0);
+        kept.put(&at(1, 0.0, 0.0), 0.0).unwrap();
+        let unusable = Err(KeptError::Unusable { id: 2 });
+        assert_eq!(kept.put(&at(2, f64::NAN, 0.0), 0.0), unusable);
+        kept.clear();
+        assert!(kept.is_empty() && ids(&kept).is_empty());
+    }
+
+    /// Of three masts one stands in the way, one aside and one out of surveillance.
+    #[test]
+    fn a_step_looks_at_what_is_near() {
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        for mast in [at(1, 500.0, 10.0), at(2, 500.0, 400.0), at(3, 9e3, 0.0)] {
+            kept.put(&mast, 0.0).unwrap();
+        }
+        let situation = Situation {
+            time_s: 0.0,
+            ownship: Ownship {
+                position_m: Vec3::ZERO,
+                airspeed_mps: 15.0,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            obstacles: Obstacles::Rows(&[]),
+            mission: Mission::new(&[]),
+            wind_mps: Vec3::ZERO,
+        };
+        kept.begin(0.0);
+        let mut near = Vec::new();
+        let others = kept.for_each_near(&situation, (1000.0, 60.0), |mast| near.push(mast.id));
+        near.sort_unstable();
+        assert_eq!((near, others, kept.looked()), (alloc::vec![1, 2], 0, 3));
+        let ahead = LineAhead {
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::new(15.0, 0.0, 0.0),
+            surveillance_radius_m: 1000.0,
+            margin_m: 5.0,
+            sigmas: 3.0,
+            horizon_s: 60.0,
+        };
+        assert!(!kept.is_clear_of(&ahead));
+        kept.remove(1);
+        assert!(kept.is_clear_of(&ahead));
+        // Along the same line only the one mast ahead needs another look.
+        kept.begin(1.0);
+        let on = LineAhead {
+            position_m: Vec3::new(15.0, 0.0, 0.0),
+            ..ahead
+        };
+        assert!(kept.is_clear_of(&on) && kept.looked() <= 1);
+    }
 }

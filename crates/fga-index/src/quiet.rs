@@ -1,30 +1,23 @@
 //! Is anything near the straight line ahead? Nearly every cycle ends with this test.
 //!
-//! Conservative: an obstacle that passes the test cannot come closer than its volume on the line ahead. No
-//! square root, and over columns no branch per obstacle, so that the compiler makes vector code of it. Of columns it reads
-//! places, velocities and radii in the plane, 40 bytes an obstacle; altitudes only where these do not decide.
+//! Conservative: an obstacle that passes the test cannot come closer than its volume on the line ahead. Of columns most groups
+//! pass clear in the plane alone, without a square root or a branch per obstacle, so that the compiler makes vector code of it;
+//! the obstacles of the others are tested as rows.
 
-use crate::situation::Obstacle;
-use crate::situation::{Columns, Obstacles};
+use crate::situation::{Columns, Obstacle, Obstacles};
 use fga_proof::Vec3;
-
-/// Obstacles tested before the first look at the result.
-const BLOCK: usize = 256;
-
-/// Obstacles whose distances are tested before their lines are.
-const IN_RANGE_BLOCK: usize = 64;
 
 /// Obstacles of a group: four vectors of four, or two of eight.
 const LANES: usize = 16;
 
-/// Obstacles collected for the test in space.
-const NEAR: usize = 64;
+/// One quantity of a group.
+type Lanes = [f64; LANES];
 
 /// More than rounding takes from a distance in the plane out to 1,000 km, metres: what passes clear in the plane passes
 /// clear in space, to the last bit.
 const ROUNDING_M: f64 = 0.1;
 
-/// Added to the possible distance of an aircraft, metres.
+/// Added to the distance that an aircraft can cover, metres.
 const NEAR_M: f64 = 200.0;
 
 /// The line ahead of the aircraft and the clear space around it, over the ground.
@@ -48,274 +41,99 @@ impl LineAhead {
     /// Whether every obstacle stays clear of the line, or is out of surveillance.
     pub fn is_clear_of(&self, obstacles: &Obstacles<'_>) -> bool {
         match obstacles {
-            Obstacles::Rows(rows) => rows.iter().all(|row| !self.may_meet_row(row)),
-            Obstacles::Columns(columns) if columns.movement.is_some() => {
-                obstacles.iter().all(|row| !self.may_meet_row(&row))
+            Obstacles::Columns(columns) if columns.movement.is_none() => {
+                self.is_clear_of_columns(columns)
             }
-            Obstacles::Columns(columns) => self.is_clear_of_columns(columns),
+            _ => obstacles.iter().all(|row| !self.may_meet(&row)),
         }
     }
 
     /// Whether an obstacle may come within its volume on the line, or near the aircraft if it may turn.
-    pub fn may_meet_row(&self, row: &Obstacle) -> bool {
+    pub fn may_meet(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let velocity = self.velocity_mps - row.velocity_mps;
-        if row.movement.bounds().is_some() && self.may_come_near(row) {
+        let distance = offset.length_squared();
+        if distance > square(self.surveillance_radius_m) {
+            return false;
+        }
+        let speed_mps = self.velocity_mps.length() + row.velocity_mps.length();
+        if row.movement.bounds().is_some() && libm::sqrt(distance) <= self.near_m(row, speed_mps) {
             return true;
         }
-        let reach_m = self.reach_m(row);
-        let beyond = offset.length_squared() > square(self.surveillance_radius_m);
-        !beyond
-            && may_meet(
-                offset.dot(offset),
-                offset.dot(velocity),
-                velocity.dot(velocity),
-                reach_m,
-            )
+        // Closer than d while it closes, (r² − d²) V_r² < (r · V_r)² (Eq. 4 without its arc sine), or there already. True for
+        // values that are not numbers.
+        let outside = distance - square(self.reach_m(row));
+        let along = offset.dot(velocity);
+        let clear = along <= 0.0 || outside * velocity.length_squared() > along * along;
+        !(outside > 0.0 && clear)
     }
 
     /// Distance on the line at which an obstacle may be met, metres.
     pub fn reach_m(&self, row: &Obstacle) -> f64 {
         let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let growth_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        volume_m + growth_m + self.margin_m
+        let uncertainty = row.uncertainty;
+        let growth_m = uncertainty.position_m + uncertainty.velocity_mps * self.horizon_s;
+        volume_m + self.sigmas * growth_m + self.margin_m
     }
 
     /// Distance at which an aircraft could come near within the horizon, whatever its turns, at the sum of the speeds,
     /// metres.
     pub fn near_m(&self, row: &Obstacle, speed_mps: f64) -> f64 {
-        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let uncertain_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M
+        speed_mps * self.horizon_s + self.reach_m(row) - self.margin_m + NEAR_M
     }
 
-    fn may_come_near(&self, row: &Obstacle) -> bool {
-        let offset = row.position_m - self.position_m;
-        let distance_m = offset.length();
-        let speed_mps = self.velocity_mps.length() + row.velocity_mps.length();
-        let reach_m = self.near_m(row, speed_mps);
-        distance_m <= self.surveillance_radius_m && distance_m <= reach_m
-    }
-
-    /// Blocks out of surveillance are passed over by x and y alone. Of the others most pass clear in the plane, whatever the
-    /// altitudes; the few that do not are collected and tested in space, so that they wait for the memory together.
     fn is_clear_of_columns(&self, columns: &Columns<'_>) -> bool {
-        let count = columns.len();
-        let unlimited = self.surveillance_radius_m == f64::INFINITY;
-        let block = if unlimited { BLOCK } else { IN_RANGE_BLOCK };
-        let mut near = Near {
-            places: [0; NEAR],
-            count: 0,
-        };
-        let mut to = 0;
-        while to < count {
-            // At least a group, with some of the last block again.
-            let from = to.min(count.saturating_sub(LANES));
-            to = (from + block).min(count);
-            if (unlimited || self.any_in_range(columns, from, to))
-                && self.may_meet_any(columns, (from, to), &mut near)
-            {
+        let groups =
+            |column| -> core::slice::Iter<'_, Lanes> { <[f64]>::as_chunks(column).0.iter() };
+        let pairs = |(one, other)| groups(one).zip(groups(other));
+        // A sphere keeps clear as far above its middle as beside it.
+        let half_height_m = columns.half_height_m.unwrap_or(columns.radius_m);
+        let places = pairs((columns.x_m, columns.y_m)).zip(pairs((columns.vx_mps, columns.vy_mps)));
+        let mut growths = columns.uncertainty.map(pairs);
+        let may_meet = |place: usize| columns.get(place).is_some_and(|row| self.may_meet(&row));
+        let mut from = 0;
+        for (place, size) in places.zip(pairs((columns.radius_m, half_height_m))) {
+            let growth = growths.as_mut().and_then(Iterator::next);
+            let near = self.near_in_plane(place, size, growth);
+            let are_near = near.iter().any(|near| *near != 0);
+            let mut near = (from..).zip(near).filter(|(_, near)| *near != 0);
+            if are_near && near.any(|(place, _)| may_meet(place)) {
                 return false;
             }
+            from += LANES;
         }
-        !self.may_meet_any_of(columns, &mut near)
+        !(from..columns.len()).any(may_meet)
     }
 
-    /// Whether any obstacle of a block is within the surveillance radius, by x and y alone.
-    fn any_in_range(&self, columns: &Columns<'_>, from: usize, to: usize) -> bool {
-        let (Some(x), Some(y)) = (columns.x_m.get(from..to), columns.y_m.get(from..to)) else {
-            return false;
-        };
-        let limit = square(self.surveillance_radius_m);
-        let mut any = false;
-        for (x, y) in x.iter().zip(y) {
-            any |= square(x - self.position_m.x) + square(y - self.position_m.y) <= limit;
-        }
-        any
-    }
-
-    /// Tests a block in the plane. What may be met there is added to `near`, and tested in space once that is full.
-    fn may_meet_any(&self, columns: &Columns<'_>, range: (usize, usize), near: &mut Near) -> bool {
-        if columns.half_height_m.is_none() && columns.uncertainty.is_none() {
-            let radius = part(columns.radius_m, range);
-            return self.may_meet_any_within(columns, range, radius, near);
-        }
-        let mut reach = [0.0; BLOCK];
-        self.add_reach(columns, range, &mut reach);
-        let reach = part(&reach, (0, range.1 - range.0));
-        self.may_meet_any_within(columns, range, reach, near)
-    }
-
-    /// `reach` is without the margin.
-    fn may_meet_any_within(
+    /// For each obstacle of a group 1 where the line through it along its relative velocity passes within its reach in the
+    /// plane, ahead or behind, `(r × V_r)² ≤ d² V_r²`, or where a value is not a number; otherwise 0.
+    #[inline]
+    fn near_in_plane(
         &self,
-        columns: &Columns<'_>,
-        range: (usize, usize),
-        reach: &[f64],
-        near: &mut Near,
-    ) -> bool {
-        let block = [columns.x_m, columns.y_m, columns.vx_mps, columns.vy_mps];
-        let [x, y, vx, vy] = block.map(|column| part(column, range));
-        let groups = x.as_chunks().0.iter().zip(y.as_chunks().0);
-        let groups = groups.zip(vx.as_chunks().0).zip(vy.as_chunks().0);
-        // One bit for each group; the rest is one more, with some of the last again.
-        let mut found = u64::from(x.len() % LANES != 0) << (x.len() / LANES);
-        for (group, ((((x, y), vx), vy), reach)) in groups.zip(reach.as_chunks().0).enumerate() {
-            found |= u64::from(self.may_pass_near([x, y, vx, vy, reach])) << group;
+        ((x, y), (vx, vy)): ((&Lanes, &Lanes), (&Lanes, &Lanes)),
+        (radius, half_height): (&Lanes, &Lanes),
+        growth: Option<(&Lanes, &Lanes)>,
+    ) -> [u64; LANES] {
+        let mut reach = [self.margin_m + ROUNDING_M; LANES];
+        for ((reach, radius), half_height) in reach.iter_mut().zip(radius).zip(half_height) {
+            *reach += radius + half_height;
         }
-        while found != 0 {
-            let first = LANES * found.trailing_zeros() as usize;
-            let first = first.min(x.len().saturating_sub(LANES));
-            let group = [x, y, vx, vy, reach].map(|column| column.get(first..)?.first_chunk());
-            let mut lanes = match group {
-                [Some(x), Some(y), Some(vx), Some(vy), Some(reach)] => {
-                    self.may_meet_in_plane([x, y, vx, vy, reach])
-                }
-                // Fewer than a group: all of them.
-                _ => (1 << x.len()) - 1,
-            };
-            while lanes != 0 {
-                let is_full = near.add(range.0 + first + lanes.trailing_zeros() as usize);
-                if is_full && self.may_meet_any_of(columns, near) {
-                    return true;
-                }
-                lanes &= lanes - 1;
-            }
-            found &= found - 1;
-        }
-        false
-    }
-
-    /// Whether the line through any obstacle of a group along its relative velocity passes within its reach in the plane, ahead
-    /// or behind: `(r × V_r)² ≤ d² V_r²`. True for values that are not numbers.
-    #[expect(
-        clippy::inline_always,
-        reason = "what is the same for all groups stays in registers"
-    )]
-    #[inline(always)]
-    fn may_pass_near(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> bool {
-        let margin_m = self.margin_m + ROUNDING_M;
-        // As wide as the numbers, for vector code.
-        let mut any = 0_u64;
-        for ((((x, y), vx), vy), reach) in x.iter().zip(y).zip(vx).zip(vy).zip(reach) {
-            let (x, y) = (self.position_m.x - x, self.position_m.y - y);
-            let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
-            let clear = square(x * vy - y * vx) > square(reach + margin_m) * (vx * vx + vy * vy);
-            any |= u64::from(!clear);
-        }
-        any != 0
-    }
-
-    /// Which obstacles of a group may be met in the plane ahead, one bit each. The distance in space is at least that in
-    /// the plane; an altitude that is not a number counts as far, for the avoider ignores such obstacles.
-    fn may_meet_in_plane(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> u64 {
-        let margin_m = self.margin_m + ROUNDING_M;
-        let mut lanes = 0;
-        let numbers = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(reach);
-        for (lane, (((x, y), (vx, vy)), reach)) in numbers.enumerate() {
-            let (x, y) = (x - self.position_m.x, y - self.position_m.y);
-            let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
-            let (distance, along) = (x * x + y * y, x * vx + y * vy);
-            let meets = may_meet(distance, along, vx * vx + vy * vy, reach + margin_m);
-            lanes |= u64::from(meets) << lane;
-        }
-        lanes
-    }
-
-    /// Tests collected obstacles in space, and forgets them. Their altitudes are all read first: they wait for the memory at
-    /// once.
-    fn may_meet_any_of(&self, columns: &Columns<'_>, near: &mut Near) -> bool {
-        let places = near.places.get(..near.count).unwrap_or(&near.places);
-        let [mut z, mut vz] = [[f64::NAN; NEAR]; 2];
-        for (column, to) in [(columns.z_m, &mut z), (columns.vz_mps, &mut vz)] {
-            for (to, place) in to.iter_mut().zip(places) {
-                *to = column.get(*place).copied().unwrap_or(f64::NAN);
-            }
-        }
-        let mut meets = false;
-        for (place, (z, vz)) in places.iter().zip(z.iter().zip(&vz)) {
-            meets |= self.may_meet_at(columns, *place, (*z, *vz));
-        }
-        near.count = 0;
-        meets
-    }
-
-    /// As [`Self::may_meet_row`], without reading more than it needs.
-    fn may_meet_at(&self, columns: &Columns<'_>, place: usize, (z, vz): (f64, f64)) -> bool {
-        let at = |column: &[f64]| column.get(place).copied().unwrap_or(f64::NAN);
-        let place_m = Vec3::new(at(columns.x_m), at(columns.y_m), z);
-        let velocity_mps = Vec3::new(at(columns.vx_mps), at(columns.vy_mps), vz);
-        let offset = place_m - self.position_m;
-        let velocity = self.velocity_mps - velocity_mps;
-        let mut reach = [0.0];
-        self.add_reach(columns, (place, place + 1), &mut reach);
-        let [reach_m] = reach;
-        let distance = offset.length_squared();
-        let meets = may_meet(
-            distance,
-            offset.dot(velocity),
-            velocity.dot(velocity),
-            reach_m + self.margin_m,
-        );
-        let beyond = distance > square(self.surveillance_radius_m);
-        !beyond & meets
-    }
-
-    /// Adds the distances at which obstacles may be met, without the margin, metres.
-    fn add_reach(&self, columns: &Columns<'_>, range: (usize, usize), reach: &mut [f64]) {
-        for (reach, radius) in reach.iter_mut().zip(part(columns.radius_m, range)) {
-            *reach += radius;
-        }
-        if let Some(half_height) = columns.half_height_m {
-            for (reach, half_height) in reach.iter_mut().zip(part(half_height, range)) {
-                *reach += half_height;
-            }
-        }
-        if let Some((position, velocity)) = columns.uncertainty {
-            let growth = part(position, range).iter().zip(part(velocity, range));
-            for (reach, (position, velocity)) in reach.iter_mut().zip(growth) {
+        if let Some((position, velocity)) = growth {
+            for ((reach, position), velocity) in reach.iter_mut().zip(position).zip(velocity) {
                 *reach += self.sigmas * (position + velocity * self.horizon_s);
             }
         }
-    }
-}
-
-/// Obstacles to be tested in space.
-struct Near {
-    places: [usize; NEAR],
-    count: usize,
-}
-
-impl Near {
-    /// Adds one. Whether it is full.
-    fn add(&mut self, place: usize) -> bool {
-        if let Some(free) = self.places.get_mut(self.count) {
-            *free = place;
-            self.count += 1;
+        // As wide as the numbers, for vector code.
+        let mut near = [0; LANES];
+        let lanes = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(&reach);
+        for (near, (((x, y), (vx, vy)), reach)) in near.iter_mut().zip(lanes) {
+            let (x, y) = (self.position_m.x - x, self.position_m.y - y);
+            let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
+            let is_clear = square(x * vy - y * vx) > square(*reach) * (vx * vx + vy * vy);
+            *near = u64::from(!is_clear);
         }
-        self.count == NEAR
+        near
     }
-}
-
-/// A part of a column.
-fn part(column: &[f64], (from, to): (usize, usize)) -> &[f64] {
-    column.get(from..to).unwrap_or(&[])
-}
-
-/// Whether a point at squared distance `distance`, seen along the relative velocity at
-/// `along = r · V_r` with `speed = V_r²`, comes within `reach_m`: `(r² − d²) V_r² < (r · V_r)²` while
-/// closing (Eq. 4 without its arc sine), or is already there. True for values that are not numbers.
-#[inline]
-#[expect(
-    clippy::needless_bitwise_bool,
-    reason = "branches would keep it from vector code"
-)]
-fn may_meet(distance: f64, along: f64, speed: f64, reach_m: f64) -> bool {
-    let outside = distance - reach_m * reach_m;
-    let clear = (outside > 0.0) & ((along <= 0.0) | (outside * speed > along * along));
-    !clear
 }
 
 fn square(x: f64) -> f64 {
@@ -357,15 +175,14 @@ mod tests {
             beyond_m: f64,
         ) -> Obstacle {
             let radius_m = self.within(0.0, 50.0);
-            // Rows of spheres keep twice their radius clear: columns of spheres are as rows of flat cylinders.
-            let half_height_m = if is_cylinder {
-                self.within(0.0, 50.0)
+            let half_height_m = self.within(0.0, 50.0);
+            let volume = if is_cylinder {
+                ProtectedVolume::Cylinder {
+                    radius_m,
+                    half_height_m,
+                }
             } else {
-                0.0
-            };
-            let volume = ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
+                ProtectedVolume::Sphere { radius_m }
             };
             let mut obstacle = Obstacle::straight(1, Vec3::ZERO, self.vector(30.0), volume);
             if !is_certain {
@@ -386,6 +203,30 @@ mod tests {
             obstacle.position_m = line.position_m + relative * after_s + aside * aside_m;
             obstacle
         }
+    }
+
+    /// A sphere of 30 m keeps 60 m clear, and the margin of 5 m.
+    #[test]
+    fn a_line_is_clear_of_what_passes_beyond_its_reach() {
+        let line = LineAhead {
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::new(15.0, 0.0, 0.0),
+            surveillance_radius_m: 2000.0,
+            margin_m: 5.0,
+            sigmas: 3.0,
+            horizon_s: 60.0,
+        };
+        let at = |x_m: f64, y_m: f64, uncertain_m: f64| {
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let mut row = Obstacle::straight(1, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume);
+            row.uncertainty.position_m = uncertain_m;
+            line.may_meet(&row)
+        };
+        assert!(at(500.0, 64.9, 0.0) && !at(500.0, 65.1, 0.0));
+        assert!(at(500.0, 67.9, 1.0) && !at(500.0, 68.1, 1.0));
+        // Behind the aircraft, and beyond surveillance.
+        assert!(!at(-70.0, 0.0, 0.0) && at(-60.0, 0.0, 0.0));
+        assert!(at(1990.0, 0.0, 0.0) && !at(2010.0, 0.0, 0.0));
     }
 
     fn column(rows: &[Obstacle], of: impl Fn(&Obstacle) -> f64) -> Vec<f64> {
@@ -435,7 +276,7 @@ mod tests {
             while rows.len() < count {
                 let beyond_m = draw.within(0.0, 20.0) + draw.within(-5.0, 800.0).max(0.0);
                 let row = draw.obstacle(&line, form, beyond_m);
-                if !line.may_meet_row(&row) {
+                if !line.may_meet(&row) {
                     rows.push(row);
                 }
             }
@@ -446,7 +287,7 @@ mod tests {
             let beyond_m = draw.within(-1.0, 1.0) * [1.0, 1e-9, 1e-13][case % 3];
             let row = draw.obstacle(&line, form, beyond_m);
             rows.insert(draw.below(count + 1), row);
-            let meets = line.may_meet_row(&row);
+            let meets = line.may_meet(&row);
             met += usize::from(meets);
             let is_clear = is_clear_of_columns(&line, &rows, form);
             assert_eq!(is_clear, !meets, "{case}: {line:?} {row:?}");

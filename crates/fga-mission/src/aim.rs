@@ -1,29 +1,27 @@
-//! Aiming at a leg: the moments of a join and where it leads, told from where turns end.
+//! Aiming at a leg: when the turns of a join begin, from where each would end.
 //!
-//! The first turn ends on a straight line, on which the second one begins: both in closed form with bank lag too. The
-//! predicted flight then confirms the one join that the search chose.
+//! The first turn ends on a straight line, on which the second one begins: both in closed form, with bank lag too.
 
-use core::cell::OnceCell;
-
-use crate::join::{JoinLimits, ON_LEG_M, near_m};
+use crate::join::{NEAR_M, ON_LEG_M};
 use crate::leg::Leg;
-use fga_proof::Vec3;
+use crate::route::Route;
 use fga_proof::angle::wrap_pi;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
-use fga_proof::meter::{BEND, Meter, SETUP};
-use fga_proof::prediction::{Bend, Exit, Flyer, MotionState};
+use fga_proof::meter::{BEND, SETUP};
+use fga_proof::prediction::{Bend, MotionState};
 
-/// The two channels of a join before their moments are corrected.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shot {
-    /// From this intercept angle on it is the same, radians; infinite where a larger one changes it.
-    pub same_from_rad: f64,
-    pub(crate) intercept_course: f64,
-    course: f64,
+/// A turn onto a leg begins at least this many time constants after the roll-out of the one before began: e^-2, 14 %, of the bank is left.
+const SETTLES: f64 = 2.0;
+
+/// The two channels of a join before the predicted flight corrects their moments.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shot {
+    pub(crate) intercept_course_rad: f64,
+    course_rad: f64,
     pub(crate) turn_at_s: f64,
-    pub(crate) climb: f64,
-    pub(crate) final_climb: f64,
+    pub(crate) climb_rad: f64,
+    pub(crate) final_climb_rad: f64,
     pub(crate) level_at_s: f64,
 }
 
@@ -37,8 +35,8 @@ impl Shot {
             if at_s <= before_s {
                 continue;
             }
-            let turns = (turn_s, self.intercept_course, self.course);
-            let levels = (level_s, self.climb, self.final_climb);
+            let turns = (turn_s, self.intercept_course_rad, self.course_rad);
+            let levels = (level_s, self.climb_rad, self.final_climb_rad);
             let [course_rad, climb_rad] = [turns, levels]
                 .map(|(from_s, before, after)| if at_s < from_s { before } else { after });
             maneuver.push(Stage {
@@ -53,295 +51,202 @@ impl Shot {
     }
 }
 
-/// A turn onto a leg begins at least this many time constants after the roll-out of the one before began: e^-2, 14 %, of the bank is left.
-const SETTLES: f64 = 2.0;
-
-/// A turn, and the course on which it begins.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Turning {
-    /// Unit vector along the course.
-    along: Vec3,
-    /// 1 to the left, -1 to the right.
-    pub(super) side: f64,
-    pub(super) exit: Exit,
-}
-
-impl Turning {
-    /// A place in the frame of its beginning, metres: forward and to its side.
-    pub(super) fn turned_m(&self, (forward, aside): (f64, f64)) -> Vec3 {
-        let (along, left) = (self.along, self.side * aside);
-        Vec3::new(
-            forward * along.x - left * along.y,
-            forward * along.y + left * along.x,
-            0.0,
-        )
-    }
-
-    /// How far it moves the aircraft to the left of a leg by the time at which its roll-out begins, as if it then flew
-    /// straight, metres.
-    fn across_m(&self, leg: &Leg, drift_mps: f64) -> f64 {
-        leg.left_of(self.turned_m(self.exit.from_m)) + drift_mps * self.exit.begins_s
-    }
-}
-
-/// Unit vector along a course.
-fn along(course_rad: f64) -> Vec3 {
-    let (sin, cos) = libm::sincos(course_rad);
-    Vec3::new(cos, sin, 0.0)
-}
-
-/// Turns from the bank of now to either side, and from level flight.
-pub struct Turns<'a> {
-    pub(super) flyer: &'a Flyer,
-    /// Those from the bank of now: kept by the vehicle, or made when they are asked for.
-    kept: [Option<&'a Bend>; 2],
-    made: [OnceCell<Option<Bend>>; 2],
-    banks_rad: [f64; 2],
-    pub(super) level: Option<&'a Bend>,
+/// The turns of a join: off the present course, and back by an angle onto the course of the leg.
+struct Turns<'a> {
+    route: &'a Route<'a>,
+    leg: &'a Leg,
+    state: &'a MotionState,
+    /// Present cross-track distance, metres.
+    cross_m: f64,
+    /// Turns to the left and to the right from the present bank.
+    bends: [&'a Bend; 2],
+    /// The turn that rolling out at once makes, radians.
     rolls_out_rad: f64,
 }
 
-/// Shows the turns from a state, of which the vehicle keeps some.
-pub(super) fn with_turns<T>(
-    flyer: &Flyer,
-    state: &MotionState,
-    meter: &Meter,
-    look: impl FnOnce(&Turns<'_>) -> T,
-) -> T {
-    let most_rad = flyer.full_bank_rad();
-    let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
-    let banks_rad = [bank_rad, -bank_rad];
-    let kept = banks_rad.map(|bank_rad| flyer.bend_from(bank_rad));
-    let is_kept = kept.iter().all(Option::is_some);
-    let work = if is_kept { SETUP } else { SETUP + 2 * BEND };
-    let turns = Turns {
-        flyer,
-        kept,
-        made: [OnceCell::new(), OnceCell::new()],
-        banks_rad,
-        level: flyer.bend_from(0.0),
-        rolls_out_rad: flyer.rollout_rad(bank_rad),
-    };
-    if !meter.take(work) {
-        // Without work left there are none.
-        for bend in &turns.made {
-            let _ = bend.set(None);
-        }
-    }
-    look(&turns)
-}
-
 impl Turns<'_> {
-    /// A turn from now.
-    fn first(&self, along: Vec3, by_rad: f64) -> Turning {
-        let side = if by_rad < self.rolls_out_rad {
-            -1.0
+    /// By how much a turn moves the aircraft to the left of the leg until its roll-out begins, as if it flew straight on from
+    /// there, metres, and when the roll-out begins, seconds.
+    fn turned(&self, bend: &Bend, course_rad: f64, (side, by_rad): (f64, f64)) -> (f64, f64) {
+        let exit = bend
+            .exit(self.route.flyer, side * by_rad)
+            .unwrap_or_default();
+        let (sin, cos) = libm::sincos(course_rad - self.leg.course_rad);
+        let (forward_m, aside_m) = exit.from_m;
+        let drift_mps = self.leg.cross_speed_mps(self.leg.course_rad);
+        let left_m = forward_m * sin + side * aside_m * cos + drift_mps * exit.begins_s;
+        (left_m, exit.begins_s)
+    }
+
+    /// The cross-track distance after a turn to a course off the leg's by an angle, and a turn back onto it, metres; when the
+    /// second turn begins and when its roll-out does, seconds.
+    fn after(&self, (off_rad, by_rad): (f64, f64)) -> (f64, f64, f64) {
+        let Self {
+            route, leg, state, ..
+        } = self;
+        let flyer = route.flyer;
+        let [left, right] = self.bends;
+        let first = if by_rad < self.rolls_out_rad {
+            self.turned(right, state.course_rad, (-1.0, by_rad))
         } else {
-            1.0
+            self.turned(left, state.course_rad, (1.0, by_rad))
         };
-        let exit = self
-            .bend(side)
-            .and_then(|bend| bend.exit(self.flyer, side * by_rad));
-        Turning {
-            along,
-            side,
-            exit: exit.unwrap_or_default(),
-        }
-    }
-
-    /// A turn from level flight.
-    fn second(&self, along: Vec3, by_rad: f64) -> Turning {
-        let exit = self
-            .level
-            .and_then(|bend| bend.exit(self.flyer, by_rad.abs()));
-        Turning {
-            along,
-            side: libm::copysign(1.0, by_rad),
-            exit: exit.unwrap_or_default(),
-        }
-    }
-
-    pub(super) fn bend(&self, side: f64) -> Option<&Bend> {
-        let side = usize::from(side <= 0.0);
-        let kept = self.kept.get(side).copied().flatten();
-        kept.or_else(|| {
-            let (made, bank_rad) = (self.made.get(side)?, self.banks_rad.get(side)?);
-            if made.get().is_none() {
-                let _ = made.set(Some(Bend::new(self.flyer, *bank_rad)));
-            }
-            made.get()?.as_ref()
-        })
-    }
-
-    /// The moments of a join, exact for level flight without lag, and its two turns.
-    pub(super) fn aim(
-        &self,
-        leg: &Leg,
-        state: &MotionState,
-        limits: &JoinLimits,
-    ) -> (Shot, [Turning; 2]) {
-        let flyer = self.flyer;
-        let position = leg.position(state.position_m, state.time_s);
-        let (low, high) = limits.climb_limits_rad;
-        let final_climb = leg.climb_rad.limited(low, high);
-        let onto = leg.turn_onto_rad(state);
-        let speed_mps = flyer.airspeed_mps();
-        let drift_mps = leg.cross_speed_mps(speed_mps, leg.course_rad);
+        let intercept_rad = leg.air_course_rad + off_rad;
+        let side = libm::copysign(1.0, -off_rad);
+        let second = flyer.bend_from(0.0).map_or((0.0, 0.0), |level| {
+            self.turned(level, intercept_rad, (side, -off_rad))
+        });
         // The bank has mostly gone before it turns again.
         let settles_s = SETTLES * flyer.bank_time_constant_s();
-        let begins = along(state.course_rad);
-        let turns = |offset: f64, by_rad: f64| {
-            let intercepts = along(leg.air_course_rad + offset);
-            [self.first(begins, by_rad), self.second(intercepts, -offset)]
-        };
-        let mut both = [Turning::default(); 2];
-        // Cross-track distance after a turn to `offset` from the leg's course, and from there onto it.
-        let mut after_turns = |offset: f64, by_rad: f64| {
-            both = turns(offset, by_rad);
-            let across_m = both.map(|turn| turn.across_m(leg, drift_mps));
-            let settling_mps = speed_mps * leg.left_of(both[1].along) + drift_mps;
-            position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
-        };
-        let (mut offset, mut by_rad) = (0.0, onto);
-        let (mut straight_s, mut same_from_rad) = (0.0, 0.0);
-        let cross_direct = after_turns(0.0, onto);
-        if cross_direct.abs() >= ON_LEG_M {
-            let side = if cross_direct > 0.0 { -1.0 } else { 1.0 };
-            let steepest = leg.air_turn_rad(speed_mps, side * limits.intercept_rad);
-            let is_windy = steepest != side * limits.intercept_rad;
-            // The shorter way round, unless the leg is near on that side.
-            by_rad = wrap_pi(onto + steepest);
-            let mut left = after_turns(steepest, by_rad);
-            if left * cross_direct <= 0.0 {
-                by_rad = onto + steepest;
-                left = after_turns(steepest, by_rad);
-            }
-            if left * cross_direct > 0.0 {
-                (offset, same_from_rad) = (steepest, f64::INFINITY);
-                let closing = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
-                straight_s = if closing * side > 0.0 {
-                    (-left / closing).max(0.0)
-                } else {
-                    0.0
-                };
-            } else {
-                // The leg is near: the intercept angle that needs no straight piece.
-                // Between two turns of one radius the distance is linear in its versed sine.
-                let of = |versine: f64| {
-                    libm::copysign(2.0 * libm::asin(libm::sqrt(0.5 * versine)), side)
-                };
-                let near = |versine: f64| {
-                    let offset = of(versine);
-                    after_turns(offset, onto + offset)
-                };
-                let ends = ((0.0, cross_direct), (1.0 - libm::cos(steepest), left));
-                offset = of(root(near, ends, near_m(flyer)));
-                by_rad = onto + offset;
-                same_from_rad = if is_windy {
-                    f64::INFINITY
-                } else {
-                    offset.abs()
-                };
-            }
+        let settled_m = leg.cross_speed_mps(intercept_rad) * settles_s;
+        let turn_s = first.1 + settles_s;
+        let cross_m = self.cross_m + first.0 + settled_m + second.0;
+        (cross_m, turn_s, turn_s + second.1)
+    }
+
+    /// The angle off the leg's course on which the aircraft flies towards it, the turn to there, radians, and the straight
+    /// flight before the second turn, seconds.
+    fn intercept(&self, steepest_rad: f64) -> (f64, f64, f64) {
+        let leg = self.leg;
+        let onto_rad = leg.turn_onto_rad(self.state);
+        let cross_m = |off_rad: f64, by_rad: f64| self.after((off_rad, by_rad)).0;
+        let direct_m = cross_m(0.0, onto_rad);
+        if direct_m.abs() < ON_LEG_M {
+            return (0.0, onto_rad, 0.0);
         }
-        // The last turns looked at are those of the join.
-        let [first, second] = both;
-        let intercept_course = state.course_rad + by_rad;
-        let course = if offset == 0.0 {
-            state.course_rad + onto
-        } else {
-            intercept_course + wrap_pi(leg.air_course_rad - intercept_course)
-        };
-        let turn_s = first.exit.begins_s + settles_s + straight_s;
-        let (climb, climb_s) = climb_back(
-            flyer,
-            state.climb_rad,
-            final_climb,
-            -position.above_m,
-            limits,
-            turn_s + second.exit.begins_s,
-        );
-        let shot = Shot {
-            same_from_rad,
-            intercept_course,
-            course,
-            turn_at_s: state.time_s + turn_s,
-            climb,
-            final_climb,
-            level_at_s: state.time_s + climb_s,
-        };
-        (shot, [first, second])
+        let side = -libm::copysign(1.0, direct_m);
+        let steepest_rad = leg.air_turn_rad(side * steepest_rad);
+        // The shorter way round, unless the leg is near on that side.
+        let mut by_rad = wrap_pi(onto_rad + steepest_rad);
+        let mut left_m = cross_m(steepest_rad, by_rad);
+        if left_m * direct_m <= 0.0 {
+            by_rad = onto_rad + steepest_rad;
+            left_m = cross_m(steepest_rad, by_rad);
+        }
+        if left_m * direct_m > 0.0 {
+            let closing_mps = side * leg.cross_speed_mps(leg.air_course_rad + steepest_rad);
+            let straight_s = if closing_mps > 0.0 {
+                left_m.abs() / closing_mps
+            } else {
+                0.0
+            };
+            return (steepest_rad, by_rad, straight_s);
+        }
+        // The leg is near: the intercept angle that needs no straight piece. Between two turns of one radius the distance is
+        // linear in its versed sine.
+        let off_rad = |versine: f64| side * 2.0 * libm::asin(libm::sqrt(0.5 * versine));
+        let near_m = |versine: f64| cross_m(off_rad(versine), onto_rad + off_rad(versine));
+        let steepest = (1.0 - libm::cos(steepest_rad), left_m);
+        let off_rad = off_rad(root(near_m, (0.0, direct_m), steepest));
+        (off_rad, onto_rad + off_rad, 0.0)
     }
 }
 
-/// Climb angle to hold, and its duration from now, to gain `gain_m` relative to the leg.
+/// The join of a leg at an intercept angle, exact for level flight without lag.
+pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_rad: f64) -> Shot {
+    let flyer = route.flyer;
+    let most_rad = flyer.full_bank_rad();
+    let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
+    let kept = [bank_rad, -bank_rad].map(|bank_rad| (bank_rad, flyer.bend_from(bank_rad)));
+    let work = kept.map(|(_, bend)| if bend.is_some() { 0 } else { BEND });
+    let made = if route.meter.take(SETUP + work.iter().sum::<usize>()) {
+        kept.map(|(bank_rad, bend)| bend.is_none().then(|| Bend::new(flyer, bank_rad)))
+    } else {
+        [None, None]
+    };
+    let [left, right] = [0, 1].map(|side: usize| {
+        let kept = kept.get(side).and_then(|(_, bend)| *bend);
+        kept.or_else(|| made.get(side)?.as_ref())
+    });
+    let final_climb_rad = route.climb_rad(leg);
+    let mut shot = Shot {
+        intercept_course_rad: state.course_rad,
+        course_rad: state.course_rad,
+        turn_at_s: state.time_s,
+        climb_rad: final_climb_rad,
+        final_climb_rad,
+        level_at_s: state.time_s,
+    };
+    let (Some(left), Some(right)) = (left, right) else {
+        // Without work left there are no turns.
+        return shot;
+    };
+    let position = leg.position(state.position_m, state.time_s);
+    let turns = Turns {
+        route,
+        leg,
+        state,
+        cross_m: position.cross_m,
+        bends: [left, right],
+        rolls_out_rad: flyer.rollout_rad(bank_rad),
+    };
+    let (off_rad, by_rad, straight_s) = turns.intercept(intercept_rad);
+    let (_, turn_s, over_s) = turns.after((off_rad, by_rad));
+    shot.intercept_course_rad = state.course_rad + by_rad;
+    shot.course_rad = shot.intercept_course_rad - off_rad;
+    shot.turn_at_s += turn_s + straight_s;
+    let climbs_rad = [state.climb_rad, final_climb_rad];
+    let gain_m = -position.above_m;
+    let (climb_rad, climb_s) = climb_back(route, climbs_rad, gain_m, over_s + straight_s);
+    shot.climb_rad = climb_rad;
+    shot.level_at_s += climb_s;
+    shot
+}
+
+/// The climb angle to hold, and for how long from now, to gain a height relative to the leg: the gentlest one that gains it
+/// within a time, and the quickest where none does.
 fn climb_back(
-    flyer: &Flyer,
-    now_rad: f64,
-    final_rad: f64,
+    route: &Route<'_>,
+    [now_rad, final_rad]: [f64; 2],
     gain_m: f64,
-    limits: &JoinLimits,
     within_s: f64,
 ) -> (f64, f64) {
-    let (low, high) = limits.climb_limits_rad;
-    let speed = flyer.airspeed_mps();
-    let rate = flyer.climb_rate_radps();
-    if rate <= 0.0 || high <= low {
-        return (final_rad, 0.0);
-    }
+    let (low, high) = route.climb_limits_rad;
+    let speed_mps = route.flyer.airspeed_mps();
+    let rate_radps = route.flyer.climb_rate_radps();
     // Height gained relative to the leg while the climb angle moves from one value to another.
-    let ramp = |from: f64, to: f64| {
+    let ramp_m = |from: f64, to: f64| {
         let turn = to - from;
         if turn.abs() < 1e-9 {
             return 0.0;
         }
-        let seconds = turn.abs() / rate;
-        speed * ((libm::cos(from) - libm::cos(to)) / turn - libm::sin(final_rad)) * seconds
+        let mean = (libm::cos(from) - libm::cos(to)) / turn - libm::sin(final_rad);
+        speed_mps * mean * turn.abs() / rate_radps
     };
-    let ramps = |climb: f64| ramp(now_rad, climb) + ramp(climb, final_rad);
-    if (ramp(now_rad, final_rad) - gain_m).abs() < ON_LEG_M {
+    if rate_radps <= 0.0 || high <= low {
         return (final_rad, 0.0);
     }
-    let limit = if gain_m > ramp(now_rad, final_rad) {
-        high
-    } else {
-        low
-    };
-    let side = if limit == high { 1.0 } else { -1.0 };
-    for share in [0.25, 0.5, 1.0] {
-        let climb = final_rad + share * (limit - final_rad);
-        let left = gain_m - ramps(climb);
-        let climbing = speed * (libm::sin(climb) - libm::sin(final_rad));
-        if left * side < 0.0 {
-            break;
-        }
-        let hold_s = if climbing.abs() > 1e-6 {
-            left / climbing
-        } else {
-            0.0
-        };
-        let ramp_s = (climb - now_rad).abs() / rate;
-        if share == 1.0 || hold_s + ramp_s + (climb - final_rad).abs() / rate <= within_s {
-            return (climb, ramp_s + hold_s);
-        }
+    let more_m = gain_m - ramp_m(now_rad, final_rad);
+    if more_m.abs() < ON_LEG_M {
+        return (final_rad, 0.0);
     }
-    // Close to the height: the climb angle whose two ramps alone gain it.
-    let left = |climb: f64| gain_m - ramps(climb);
-    let ends = ((final_rad, left(final_rad)), (limit, left(limit)));
-    let climb = root(left, ends, near_m(flyer));
-    (climb, (climb - now_rad).abs() / rate)
+    // A climb by δ off the leg's for T, with its ramps, gains V (δ T - δ² / rate), about.
+    let gain_rad_s = more_m.abs() / speed_mps;
+    let square = within_s * within_s - 4.0 * gain_rad_s / rate_radps;
+    let off_rad = if square > 0.0 {
+        2.0 * gain_rad_s / (within_s + libm::sqrt(square))
+    } else {
+        libm::sqrt(gain_rad_s * rate_radps)
+    };
+    let climb_rad = (final_rad + libm::copysign(off_rad, more_m)).limited(low, high);
+    let climbing_mps = speed_mps * (libm::sin(climb_rad) - libm::sin(final_rad));
+    let ramps_m = ramp_m(now_rad, climb_rad) + ramp_m(climb_rad, final_rad);
+    let ramp_s = (climb_rad - now_rad).abs() / rate_radps;
+    let hold_s = if climbing_mps.abs() > 1e-6 {
+        (gain_m - ramps_m) / climbing_mps
+    } else {
+        0.0
+    };
+    (climb_rad, (ramp_s + hold_s).max(0.0))
 }
 
-/// Where a function with opposite signs at two points is within a bound of zero (the Illinois method).
-fn root(
-    mut function: impl FnMut(f64) -> f64,
-    (low, high): ((f64, f64), (f64, f64)),
-    within: f64,
-) -> f64 {
+/// Where a function with opposite signs at two points is near zero (the Illinois method).
+fn root(mut function: impl FnMut(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
     let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
-    for _ in 0..24 {
+    // Six trials are usual.
+    for _ in 0..f64::MANTISSA_DIGITS {
         let step = at_b - at_a;
-        if at_b.abs() < within || step == 0.0 {
+        if at_b.abs() < NEAR_M || step == 0.0 {
             break;
         }
         let c = b - at_b * (b - a) / step;
@@ -359,61 +264,66 @@ fn root(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Way;
-    use crate::join::{join, join_roughly};
-    use fga_proof::prediction::flown;
-    use fga_proof::vehicle::Vehicle;
-    use proptest::prelude::*;
+    use crate::draw::table_4;
+    use core::f64::consts::{FRAC_PI_2, FRAC_PI_3};
+    use fga_proof::Vec3;
 
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(400))]
-        /// A way that is not flown leads where the flown one does, to a tenth of a turn radius, at the same heights.
-        #[test]
-        fn a_way_leads_where_it_is_flown(
-            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
-            bank in -1.0..1.0f64,
-            (cross_m, course_rad) in (-300.0..300.0f64, -2.6..2.6f64),
-            intercept_rad in 0.3..1.2f64,
-            wind_mps in -6.0..6.0f64,
-            (above_m, climb_rad) in prop_oneof![
-                Just((0.0, 0.0)),
-                (-40.0..40.0f64, -0.2..0.2f64),
-            ],
-        ) {
-            let vehicle = Vehicle::lagged(lag_s);
-            let mut flyer = Flyer::new(&vehicle);
-            let bank_rad = bank * flyer.full_bank_rad();
-            flyer.keep_rolls_from(bank_rad);
+    /// The join of a leg along +x from beside it, flown along it, by the vehicle of Table 4 (30 m, 0.5 rad/s).
+    fn aimed(cross_m: f64, above_m: f64, intercept_rad: f64) -> Shot {
+        table_4(&[], |route| {
+            let leg = Leg::endless(Vec3::ZERO, 0.0, route.air());
             let state = MotionState {
-                time_s: 0.0,
                 position_m: Vec3::new(0.0, cross_m, above_m),
-                course_rad,
-                climb_rad,
-                bank_rad,
+                ..MotionState::ahead(0.0)
             };
-            let speed_mps = vehicle.airspeed_mps;
-            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
-            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
-            let limits = JoinLimits {
-                intercept_rad,
-                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-            };
-            let meter = Meter::unlimited();
-            let mut way = Way::default();
-            with_turns(&flyer, &state, &meter, |turns| join_roughly(turns, &leg, &state, &limits, &mut way));
-            let exact = join(&flyer, &leg, &state, &limits, &meter);
-            // A climb shortens the way, which moves the second turn.
-            let share = if above_m == 0.0 { 0.1 } else { 0.3 };
-            let most_m = share * speed_mps / flyer.course_rate_radps();
-            for place in way.places() {
-                let (place_m, at_s) = (place.at_m, place.at_s);
-                let there = flown(&flyer, &state, &exact.maneuver, at_s, &meter);
-                let higher_m = there.position_m.z - place_m.z;
-                prop_assert!(higher_m.abs() < 1.0, "{higher_m} m higher at {at_s} s of {way:?}");
-                let off_m = there.position_m.distance(place_m);
-                prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");
-            }
-            prop_assert!(above_m != 0.0 || exact.cross_m.abs() < 0.05, "{exact:?}");
+            aim(route, &leg, &state, intercept_rad)
+        })
+    }
+
+    /// Two quarter circles of 30 m and 40 m straight lead 100 m aside.
+    #[test]
+    fn a_far_leg_is_intercepted_after_a_straight_piece() {
+        for side in [-1.0, 1.0] {
+            let shot = aimed(side * 100.0, 0.0, FRAC_PI_2);
+            assert!((shot.intercept_course_rad + side * FRAC_PI_2).abs() < 1e-9);
+            let turn_s = 0.5 * core::f64::consts::PI / 0.5 + 40.0 / 15.0;
+            assert!((shot.turn_at_s - turn_s).abs() < 1e-9, "{shot:?}");
+            assert!(shot.course_rad.abs() < 1e-9);
         }
+    }
+
+    /// Two turns by 60° lead 2 · 30 m · (1 - cos 60°) = 30 m aside.
+    #[test]
+    fn a_near_leg_is_intercepted_at_the_angle_that_needs_no_straight_piece() {
+        let shot = aimed(30.0, 0.0, FRAC_PI_2);
+        assert!(
+            (shot.intercept_course_rad + FRAC_PI_3).abs() < 1e-3,
+            "{shot:?}"
+        );
+        assert!((shot.turn_at_s - FRAC_PI_3 / 0.5).abs() < 1e-2);
+        // On the leg nothing turns.
+        assert_eq!(aimed(0.0, 0.0, FRAC_PI_2).intercept_course_rad, 0.0);
+    }
+
+    /// The way takes two turns of π/2 at 0.5 rad/s and 40 m: it climbs as gently as that allows.
+    #[test]
+    fn height_is_regained_by_the_end_of_the_way() {
+        let shot = aimed(100.0, -10.0, FRAC_PI_2);
+        let within_s = 2.0 * core::f64::consts::PI + 40.0 / 15.0;
+        let about_rad = 10.0 / (15.0 * within_s);
+        assert!(shot.climb_rad > about_rad && shot.climb_rad < 1.4 * about_rad);
+        assert!(shot.level_at_s > 0.5 * within_s && shot.level_at_s <= within_s);
+        // As steeply as it can where the way is too short.
+        let steep = aimed(0.0, -100.0, FRAC_PI_2);
+        assert!((steep.climb_rad - core::f64::consts::PI / 12.0).abs() < 1e-9);
+        assert!(steep.level_at_s > 100.0 / 15.0);
+        assert!(aimed(0.0, 100.0, FRAC_PI_2).climb_rad < 0.0);
+    }
+
+    #[test]
+    fn a_root_lies_between_opposite_signs() {
+        let function = |x: f64| x * x * x - 2.0;
+        let found = root(function, (0.0, -2.0), (2.0, 6.0));
+        assert!(function(found).abs() < NEAR_M, "{found}");
     }
 }

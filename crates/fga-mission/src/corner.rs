@@ -7,19 +7,15 @@
 //! | no room for a turn of either kind: near survey lines, turns back | over the waypoint, then a teardrop, bulb or race-track to the beginning of the next sufficiently long leg |
 //! | fly-over | over the waypoint; then the turn onto the next leg where it overshoots by little, else a loop back over the waypoint on the next leg's course |
 //! | a chain of legs shorter than the turn | the first leg behind them that the aircraft can join |
-//!
-//! Course and cross-track distance as in [`super::leg`].
 
-use crate::join::{Join, JoinLimits, join};
+use crate::join::{Join, join};
 use crate::leg::Leg;
-use crate::turnaround::{Arrival, turnaround};
-use fga_proof::Vec3;
+use crate::route::Legs;
+use crate::turn_round::turn_round;
 use fga_proof::angle::wrap_pi;
-use fga_proof::limit::Limit as _;
-use fga_proof::maneuver::{Maneuver, Stage};
-use fga_proof::meter::{COMPARED, Meter};
-use fga_proof::prediction::{Flyer, MotionState, flown};
-use fga_proof::situation::{FLY_OVER_WITHIN_M, Passing};
+use fga_proof::meter::COMPARED;
+use fga_proof::prediction::{MotionState, flown};
+use fga_proof::situation::FLY_OVER_WITHIN_M;
 
 /// A turn beyond this never uses a fly-by, radians (137°): its arc would begin tan(1.2) = 2.6 turn radii before the waypoint.
 const MOST_FLY_BY_RAD: f64 = 2.4;
@@ -32,11 +28,11 @@ const CUT_SHARE: f64 = 0.045;
 const LATE_RADII: f64 = 0.85;
 
 /// Guidance, and an overshoot, come back onto a leg at this angle, radians (45°): as fast across it as along it.
-pub(super) const INTERCEPT_RAD: f64 = 0.785;
+pub(crate) const INTERCEPT_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
-/// A leg of at least this many turn radii is no part of a chain of short ones, and never skipped before it was begun; a way joins a
-/// leg at most as far before its beginning. Two turn diameters (`fga-experiments missions`).
-pub(super) const LONG_RADII: f64 = 4.0;
+/// A leg of at least this many turn radii ends a chain of short ones, and is skipped only once it was begun; a way joins a leg
+/// at most this far before its beginning. Two turn diameters (`fga-experiments missions`).
+pub(crate) const LONG_RADII: f64 = 4.0;
 
 /// A leg shorter than this many turn radii between two corners may merge into one turn: half a circle spans two radii.
 const SHORT_RADII: f64 = 2.0;
@@ -44,338 +40,315 @@ const SHORT_RADII: f64 = 2.0;
 /// Most legs that one corner skips.
 const MOST_IN_CHAIN: usize = 24;
 
-/// The inputs of a corner besides the legs.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Air<'a> {
-    /// The vehicle's motion.
-    pub(crate) flyer: &'a Flyer,
-    /// Velocity of the air over the ground, metres per second.
-    pub(crate) wind_mps: Vec3,
-    /// Steepest descent and climb, radians.
-    pub(crate) climb_limits_rad: (f64, f64),
-    /// Counts the work.
-    pub(crate) meter: &'a Meter,
-}
+/// Corners up to this make a curve, radians (46°: circles drawn with eight corners or more).
+const GENTLE_RAD: f64 = 0.8;
 
-impl Air<'_> {
-    /// Radius of the tightest real turn, metres.
-    pub(crate) fn radius_m(&self) -> f64 {
-        self.flyer.turn_radius_m()
-    }
+/// Checked positions on a way over a chain of legs.
+const PLACES: usize = 24;
 
-    fn is_still_and_ideal(&self) -> bool {
-        self.flyer.is_ideal() && self.wind_mps == Vec3::ZERO
-    }
-
-    /// Distance in which an aircraft with bank lag settles on a leg after a turn, metres.
-    fn settling_m(&self) -> f64 {
-        if self.flyer.is_ideal() {
-            return 0.0;
-        }
-        let quarter = Maneuver::turn(0.0, core::f64::consts::FRAC_PI_2, 0.0);
-        let end = flown(self.flyer, &still(0.0), &quarter, f64::INFINITY, self.meter);
-        // The effect of the lag on a quarter turn, at either end of it.
-        let late_m = (end.position_m.x - self.radius_m()).max(0.0);
-        self.radius_m() + 4.0 * late_m
-    }
-}
-
-fn still(course_rad: f64) -> MotionState {
-    MotionState {
-        course_rad,
-        ..MotionState::ahead(0.0)
-    }
-}
+/// A turn whose sine is smaller than this counts as one without lag and wind: its tangent is ill defined.
+const LEAST_SINE: f64 = 0.02;
 
 /// A corner between two legs of the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Corner {
     /// Distance of its start before the leg's end, metres.
     pub(crate) lead_m: f64,
-    /// Index of the waypoint at the start of the next flown leg.
-    pub(crate) next: usize,
     /// Whether the aircraft enters the next leg at its beginning, after a turn round.
-    pub(crate) is_turnaround: bool,
-    /// The manoeuvre, in time from its start, course from the leg's course through the air.
-    pub(crate) maneuver: Maneuver,
-    /// Its duration, seconds.
-    pub(crate) duration_s: f64,
-    /// Distance of its end along the next leg, metres.
-    pub(crate) along_m: f64,
+    pub(crate) is_turn_round: bool,
+    /// The way onto the next flown leg, in time from the corner's start; its courses follow on the leg's course through the air.
+    pub(crate) join: Join,
 }
 
-/// The legs of a mission, laid for an aircraft in a wind.
-pub(crate) trait Legs {
-    /// The leg that begins at a waypoint.
-    fn leg(&self, index: usize) -> Option<Leg>;
-    /// How the waypoint with an index is passed.
-    fn passing(&self, index: usize) -> Passing;
+/// The change of course over the ground from a leg onto another, radians.
+fn turn_rad(leg: &Leg, next: &Leg) -> f64 {
+    wrap_pi(next.course_rad - leg.course_rad)
+}
+
+/// The corner at the end of a leg; `None` after the last one.
+pub(crate) fn corner(legs: &Legs<'_>, index: usize, leg: &Leg) -> Option<Corner> {
+    let route = legs.route;
+    let radius_m = route.radius_m();
+    let next = legs.leg(index + 1)?;
+    let turn = turn_rad(leg, &next).abs();
+    // Over the waypoint, then onto the next leg: how far beyond that one?
+    let beyond_m = radius_m * (1.0 - libm::cos(turn));
+    let overshoots = route.is_flown_over(index) && beyond_m > FLY_OVER_WITHIN_M;
+    let may_turn = turn <= MOST_FLY_BY_RAD && !overshoots;
+    let turned = may_turn.then(|| {
+        let lead_m = lead_m(legs, index, leg, &next);
+        arc(legs, index, leg, &next, lead_m).or_else(|| chain(legs, index, leg, lead_m))
+    });
+    turned.flatten().or_else(|| {
+        // Turn round: onto the next leg, or over a short one onto the leg behind it.
+        let is_short = next.length_m < SHORT_RADII * radius_m;
+        let skipped = usize::from(is_short && legs.leg(index + 2).is_some());
+        round(legs, leg, index + 1 + skipped)
+    })
 }
 
 /// Distance of the start of a fly-by before the end of the leg at `index`, metres; 0 for a fly-over
 /// waypoint.
-fn lead_m(legs: &impl Legs, index: usize, leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
-    if legs.passing(index + 1) == Passing::FlyOver {
+fn lead_m(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg) -> f64 {
+    let turn = turn_rad(leg, next).abs();
+    if legs.route.is_flown_over(index) || turn > MOST_FLY_BY_RAD {
         return 0.0;
     }
-    let turn = wrap_pi(next.course_rad - leg.course_rad).abs();
-    if turn > MOST_FLY_BY_RAD {
-        return 0.0;
-    }
-    let radius_m = air.radius_m();
-    let tangent = tangent_m(leg, next, air);
-    let longer_m = leg.length_m.max(next.length_m);
-    let lead = if tangent <= CUT_SHARE * longer_m {
-        tangent
+    let radius_m = legs.route.radius_m();
+    let tangent_m = tangent_m(legs, leg, next);
+    let lead_m = if tangent_m <= CUT_SHARE * leg.length_m.max(next.length_m) {
+        tangent_m
     } else {
-        tangent.min(LATE_RADII * radius_m + (tangent - still_tangent_m(turn, radius_m)).max(0.0))
+        let late_m = (tangent_m - radius_m * libm::tan(0.5 * turn)).max(0.0);
+        tangent_m.min(LATE_RADII * radius_m + late_m)
     };
-    if lead > leg.length_m || lead > next.length_m {
+    if lead_m > leg.length_m.min(next.length_m) {
         0.0
     } else {
-        lead
+        lead_m
     }
 }
 
-fn still_tangent_m(turn_rad: f64, radius_m: f64) -> f64 {
-    radius_m * libm::tan(0.5 * turn_rad)
+/// The same of the corner after a leg, none after the last one.
+fn next_lead_m(legs: &Legs<'_>, index: usize, leg: &Leg) -> f64 {
+    let next = legs.leg(index + 1);
+    next.map_or(0.0, |next| lead_m(legs, index, leg, &next))
 }
 
-/// Distance before the waypoint of the start of the turn from one leg onto the next that ends on it, metres:
-/// in wind and with bank lag from the displacement of the real turn.
-fn tangent_m(leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
-    let turn = wrap_pi(next.course_rad - leg.course_rad);
-    let plain = still_tangent_m(turn.abs(), air.radius_m());
-    let (sin, cos) = libm::sincos(turn);
-    if air.is_still_and_ideal() || sin.abs() < 0.02 {
-        return plain;
+/// Distance before the waypoint of the start of the turn from one leg onto the next that ends on it, metres.
+fn tangent_m(legs: &Legs<'_>, leg: &Leg, next: &Leg) -> f64 {
+    let route = legs.route;
+    let turn_rad = turn_rad(leg, next);
+    let (sin, cos) = libm::sincos(turn_rad);
+    if sin.abs() < LEAST_SINE {
+        return route.radius_m() * libm::tan(0.5 * turn_rad.abs());
     }
-    let air_turn = wrap_pi(next.air_course_rad - leg.air_course_rad);
-    let maneuver = Maneuver::turn(0.0, leg.air_course_rad + air_turn, 0.0);
-    let from = still(leg.air_course_rad);
-    let end = flown(air.flyer, &from, &maneuver, f64::INFINITY, air.meter);
-    let moved = end.position_m + air.wind_mps * end.time_s;
-    // In the frame of the leg: forward and left.
-    let (s, c) = libm::sincos(leg.course_rad);
-    let (forward, left) = (c * moved.x + s * moved.y, c * moved.y - s * moved.x);
-    let on_next = left / sin;
-    (forward - on_next * cos).max(0.0)
-}
-
-/// The corner at the end of a leg; `None` after the last one.
-pub(crate) fn corner(legs: &impl Legs, index: usize, leg: &Leg, air: &Air<'_>) -> Option<Corner> {
-    let next = legs.leg(index + 1)?;
-    let turn = wrap_pi(next.course_rad - leg.course_rad).abs();
-    let lead = lead_m(legs, index, leg, &next, air);
-    let lead_after = |at: usize, leg: &Leg| {
-        legs.leg(at + 1).map_or(f64::NEG_INFINITY, |after| {
-            lead_m(legs, at, leg, &after, air)
-        })
-    };
-    let is_over = legs.passing(index + 1) == Passing::FlyOver;
-    let may_turn = if is_over {
-        // Over the waypoint, then onto the next leg: how far beyond that one?
-        let overshoot = still_tangent_m(turn.min(2.0), air.radius_m()) * libm::sin(turn).abs();
-        turn < 0.5 && overshoot <= FLY_OVER_WITHIN_M
-    } else {
-        turn <= MOST_FLY_BY_RAD
-    };
-    if may_turn {
-        if let Some(arc) = arc(index, leg, &next, lead, lead_after(index + 1, &next), air) {
-            return Some(arc);
-        }
-        if let Some(found) = chain(legs, index, leg, lead, air, lead_after) {
-            return Some(found);
-        }
-    }
-    // Turn round: onto the next leg, or over a short one onto the leg behind it.
-    let short = next.length_m < SHORT_RADII * air.radius_m();
-    let target = if short && legs.leg(index + 2).is_some() {
-        index + 2
-    } else {
-        index + 1
-    };
-    turn_round(legs, leg, target, air)
+    let air_turn_rad = wrap_pi(next.air_course_rad - leg.air_course_rad);
+    let side = libm::copysign(1.0, air_turn_rad);
+    let exit = route.exit(air_turn_rad.abs());
+    // On the line on which the turn ends, in the frame of the leg: forward and left.
+    let (ahead_m, aside_m) = (exit.from_m.0, side * exit.from_m.1);
+    let (air_sin, air_cos) = libm::sincos(leg.air_course_rad - leg.course_rad);
+    let drift = leg.position(leg.from_m, exit.begins_s);
+    let forward_m = air_cos * ahead_m - air_sin * aside_m + drift.along_m;
+    let left_m = air_cos * aside_m + air_sin * ahead_m + drift.cross_m;
+    (forward_m - left_m / sin * cos).max(0.0)
 }
 
 /// The tangent arc, if both legs have room for it.
-fn arc(
-    index: usize,
-    leg: &Leg,
-    next: &Leg,
-    lead: f64,
-    lead_after: f64,
-    air: &Air<'_>,
-) -> Option<Corner> {
-    let turn = wrap_pi(next.air_course_rad - leg.air_course_rad);
-    let ground_turn = wrap_pi(next.course_rad - leg.course_rad);
-    let plain = still_tangent_m(ground_turn.abs(), air.radius_m());
-    let is_tangent = if air.is_still_and_ideal() {
-        lead == plain
-    } else {
-        lead > 0.0 && lead >= tangent_m(leg, next, air)
-    };
-    if !is_tangent || lead + lead_after.max(0.0) > next.length_m {
+fn arc(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg, lead_m: f64) -> Option<Corner> {
+    let turn_rad = wrap_pi(next.air_course_rad - leg.air_course_rad);
+    let room_m = next.length_m - next_lead_m(legs, index + 1, next);
+    if lead_m < tangent_m(legs, leg, next) || lead_m > room_m {
         return None;
     }
-    let (low, high) = air.climb_limits_rad;
+    let mut join = Join::new(index + 1, lead_m);
+    join.push(legs.route.stage(0.0, leg.air_course_rad + turn_rad, next));
+    join.joined_s = turn_rad.abs() / legs.route.flyer.course_rate_radps();
     Some(Corner {
-        lead_m: lead,
-        next: index + 1,
-        is_turnaround: false,
-        maneuver: Maneuver::turn(0.0, turn, next.climb_rad.limited(low, high)),
-        duration_s: turn.abs() / air.flyer.course_rate_radps(),
-        along_m: lead,
+        lead_m,
+        is_turn_round: false,
+        join,
     })
 }
 
 /// The first leg behind the corner that the aircraft joins before its end.
-fn chain(
-    legs: &impl Legs,
-    index: usize,
-    leg: &Leg,
-    lead: f64,
-    air: &Air<'_>,
-    lead_after: impl Fn(usize, &Leg) -> f64,
-) -> Option<Corner> {
-    let long_m = LONG_RADII * air.radius_m();
-    let exit = at_exit(leg, lead, air);
-    let limits = JoinLimits {
-        intercept_rad: INTERCEPT_RAD,
-        climb_limits_rad: air.climb_limits_rad,
-    };
+fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner> {
+    let route = legs.route;
+    let radius_m = route.radius_m();
+    let exit = exit(legs, leg, lead_m);
     for at in index + 1..=index + MOST_IN_CHAIN {
-        if air.meter.is_met() {
+        if route.meter.is_met() {
             return None;
         }
-        let candidate = legs.leg(at)?;
+        let next = legs.leg(at)?;
         let is_last = legs.leg(at + 1).is_none();
-        let turn = wrap_pi(candidate.course_rad - leg.course_rad).abs();
-        if at > index + 1
-            && turn > MOST_FLY_BY_RAD
-            && candidate.length_m >= SHORT_RADII * air.radius_m()
-        {
+        let turns_back = turn_rad(leg, &next).abs() > MOST_FLY_BY_RAD;
+        if at > index + 1 && turns_back && next.length_m >= SHORT_RADII * radius_m {
             // A turn back beyond short legs: not deep into the leg, but onto its beginning.
-            return turn_round(legs, leg, at, air);
+            return round(legs, leg, at);
         }
-        let joined = join(air.flyer, &candidate, &exit, &limits, air.meter);
-        let room_m = candidate.length_m - lead_after(at, &candidate).max(0.0);
-        if joined.is_on_leg() && (joined.along_m <= room_m || is_last) {
-            if !passes_all(legs, (index + 1, at), &exit, &joined, air) {
-                return None;
-            }
-            return Some(Corner {
-                lead_m: lead,
-                next: at,
-                is_turnaround: false,
-                maneuver: relative(&joined.maneuver, leg.air_course_rad),
-                duration_s: joined.joined_s,
-                along_m: joined.along_m,
+        let join = join(route, (at, &next), &exit, INTERCEPT_RAD);
+        let room_m = next.length_m - next_lead_m(legs, at, &next);
+        if join.is_on_leg() && (join.along_m <= room_m || is_last) {
+            return keeps_waypoints(legs, index + 1, &exit, &join).then_some(Corner {
+                lead_m,
+                is_turn_round: false,
+                join,
             });
         }
-        if candidate.length_m >= long_m || legs.passing(at + 1) == Passing::FlyOver {
-            return turn_round(legs, leg, at, air);
+        if next.length_m >= LONG_RADII * radius_m || route.is_flown_over(at) {
+            return round(legs, leg, at);
         }
     }
     None
 }
 
-/// Whether a way passes the waypoints from `first` to before `last` within a turn radius, or they
-/// lie on a curve of gentle corners, which it follows as closely as it can.
-fn passes_all(
-    legs: &impl Legs,
-    (first, last): (usize, usize),
-    from: &MotionState,
-    joined: &Join,
-    air: &Air<'_>,
-) -> bool {
-    /// Corners up to this make a curve, radians (46°: circles drawn with eight corners or more).
-    const GENTLE_RAD: f64 = 0.8;
-    /// Number of checked positions on the way.
-    const PLACES: usize = 24;
-    if first == last {
+/// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
+/// follows as closely as it can.
+fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
+    let route = legs.route;
+    let skipped = join.index - first;
+    if skipped == 0 {
         return true;
     }
-    if !air.meter.take((last - first + 1) * PLACES / COMPARED) {
+    if !route.meter.take((skipped + 1) * PLACES / COMPARED) {
         return false;
     }
-    let mut places = [Vec3::ZERO; PLACES + 1];
-    let mut state = *from;
-    for (k, place) in places.iter_mut().enumerate() {
-        let at_s = joined.joined_s * k as f64 / PLACES as f64;
-        state = flown(air.flyer, &state, &joined.maneuver, at_s, air.meter);
-        *place = state.position_m + air.wind_mps * at_s;
+    let waypoints_m = route.mission.waypoints_m.get(first..=join.index);
+    let turns_gently = |at: usize| {
+        let pair = legs.leg(at - 1).zip(legs.leg(at));
+        pair.is_none_or(|(before, here)| turn_rad(&before, &here).abs() <= GENTLE_RAD)
+    };
+    if (first..=join.index).all(turns_gently) {
+        return true;
     }
-    let mut before = legs.leg(first.saturating_sub(1));
-    let mut is_gentle = true;
-    let mut misses = false;
-    for at in first..=last {
-        let here = legs.leg(at);
-        if let (Some(before), Some(here)) = (before, here) {
-            is_gentle &= wrap_pi(here.course_rad - before.course_rad).abs() <= GENTLE_RAD;
-            let nearest_m = places
-                .iter()
-                .map(|place| *place - here.from_m)
-                .map(|offset| libm::hypot(offset.x, offset.y))
-                .fold(f64::INFINITY, f64::min);
-            misses |= nearest_m > air.radius_m();
-        }
-        before = here;
-    }
-    is_gentle || !misses
+    let (mut state, maneuver) = (*from, join.maneuver());
+    let places_m = [(); PLACES + 1].map(|()| {
+        let at_m = state.position_m + route.wind_mps * state.time_s;
+        let next_s = state.time_s + join.joined_s / PLACES as f64;
+        state = flown(route.flyer, &state, &maneuver, next_s, route.meter);
+        at_m
+    });
+    let is_near = |waypoint_m: &fga_proof::Vec3| {
+        let mut offsets = places_m.iter().map(|place_m| *place_m - *waypoint_m);
+        offsets.any(|offset| libm::hypot(offset.x, offset.y) <= route.radius_m())
+    };
+    waypoints_m.is_some_and(|waypoints_m| waypoints_m.iter().all(is_near))
 }
 
 /// Over the waypoint and round to the beginning of a leg.
-fn turn_round(legs: &impl Legs, leg: &Leg, target: usize, air: &Air<'_>) -> Option<Corner> {
-    let onto = legs.leg(target)?;
-    let exit = at_exit(leg, 0.0, air);
-    let to = arrival(&onto, air);
-    let found = turnaround(air, &exit, &to);
-    let (maneuver, duration_s) = found.map_or((Maneuver::hold(), 0.0), |found| {
-        (
-            relative(&found.maneuver, leg.air_course_rad),
-            found.arrives_s,
-        )
-    });
+fn round(legs: &Legs<'_>, leg: &Leg, index: usize) -> Option<Corner> {
+    let onto = legs.leg(index)?;
+    let exit = exit(legs, leg, 0.0);
+    let join = turn_round(legs.route, (index, &onto), &exit);
     Some(Corner {
         lead_m: 0.0,
-        next: target,
-        is_turnaround: true,
-        maneuver,
-        duration_s,
-        along_m: -air.settling_m(),
+        is_turn_round: true,
+        join: join.unwrap_or(Join::new(index, -legs.route.settling_m())),
     })
 }
 
-/// The arrival of a turn round onto a leg: at its beginning, or before it with bank lag.
-pub(crate) fn arrival(leg: &Leg, air: &Air<'_>) -> Arrival {
-    let (low, high) = air.climb_limits_rad;
-    Arrival {
-        position_m: leg.level_point_m(-air.settling_m()),
-        course_rad: leg.air_course_rad,
-        climb_rad: leg.climb_rad.limited(low, high),
-    }
-}
-
 /// The aircraft on its leg, some way before its end.
-fn at_exit(leg: &Leg, lead_m: f64, air: &Air<'_>) -> MotionState {
-    let (low, high) = air.climb_limits_rad;
+fn exit(legs: &Legs<'_>, leg: &Leg, lead_m: f64) -> MotionState {
     MotionState {
-        time_s: 0.0,
         position_m: leg.point_m(leg.length_m - lead_m),
         course_rad: leg.air_course_rad,
-        climb_rad: leg.climb_rad.limited(low, high),
-        bank_rad: 0.0,
+        climb_rad: legs.route.climb_rad(leg),
+        ..MotionState::ahead(0.0)
     }
 }
 
-fn relative(maneuver: &Maneuver, course_rad: f64) -> Maneuver {
-    let mut turned = Maneuver::hold();
-    for stage in maneuver.stages() {
-        turned.push(Stage {
-            course_rad: stage.course_rad - course_rad,
-            ..*stage
-        });
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::{along, table_4};
+    use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_6, PI};
+    use fga_proof::Vec3;
+    use fga_proof::situation::{Mission, Passing};
+    use fga_proof::vehicle::Vehicle;
+
+    /// The first corner of a route.
+    fn first(route: &crate::Route<'_>) -> Corner {
+        let legs = Legs {
+            route,
+            course_rad: 0.0,
+            restart: None,
+        };
+        corner(&legs, 0, &legs.leg(0).unwrap()).unwrap()
     }
-    turned
+
+    /// The tangent of a right angle is one radius, 30 m: 3 % of the leg, which may be cut.
+    #[test]
+    fn a_corner_between_long_legs_is_the_tangent_arc() {
+        let corner = table_4(&[(0.0, 0.0), (1000.0, 0.0), (1000.0, 400.0)], first);
+        assert!((corner.lead_m - 30.0).abs() < 1e-9 && !corner.is_turn_round);
+        let join = corner.join;
+        assert_eq!(join.index, 1);
+        assert!((join.joined_s - PI).abs() < 1e-9 && (join.along_m - 30.0).abs() < 1e-9);
+        let [turn] = join.stages() else {
+            panic!("{join:?}");
+        };
+        assert!((turn.course_rad - FRAC_PI_2).abs() < 1e-12);
+    }
+
+    /// Of shorter legs less may be cut: 0.85 radii before the waypoint, through the next leg and back.
+    #[test]
+    fn a_corner_between_shorter_legs_overshoots() {
+        let corner = table_4(&[(0.0, 0.0), (400.0, 0.0), (400.0, 400.0)], first);
+        assert!((corner.lead_m - 25.5).abs() < 1e-9 && !corner.is_turn_round);
+        assert_eq!(corner.join.stages().len(), 2);
+        assert!(corner.join.is_on_leg());
+    }
+
+    #[test]
+    fn a_turn_back_goes_round_to_the_beginning_of_the_next_leg() {
+        let corner = table_4(&[(0.0, 0.0), (400.0, 0.0), (0.0, 1.0)], first);
+        assert!(corner.is_turn_round && corner.lead_m == 0.0 && corner.join.along_m == 0.0);
+        // Survey lines: over the short leg between them.
+        let lines_m = [(0.0, 0.0), (400.0, 0.0), (400.0, 20.0), (0.0, 20.0)];
+        let corner = table_4(&lines_m, first);
+        assert!(corner.is_turn_round && corner.join.index == 2);
+    }
+
+    /// A turn of 30° overshoots by 4.0 m behind the waypoint, one of 45° by 8.8 m; 5 m are allowed.
+    #[test]
+    fn a_waypoint_is_flown_over_and_the_next_leg_joined_where_that_is_near() {
+        for (course_rad, is_turn_round) in [(FRAC_PI_6, false), (FRAC_PI_4, true)] {
+            let to_m = Vec3::new(libm::cos(course_rad), libm::sin(course_rad), 0.0) * 400.0;
+            let middle_m = Vec3::new(400.0, 0.0, 0.0);
+            let waypoints_m = [Vec3::ZERO, middle_m, middle_m + to_m];
+            let mission = Mission {
+                passing: &[Passing::FlyOver; 3],
+                ..Mission::new(&waypoints_m)
+            };
+            let corner = along(&Vehicle::table_4(), Vec3::ZERO, &mission, first);
+            assert_eq!(corner.is_turn_round, is_turn_round, "{corner:?}");
+            assert_eq!(corner.lead_m, 0.0);
+        }
+    }
+
+    /// Legs of 10 m round a gentle curve are too short to be joined one by one.
+    #[test]
+    fn a_chain_of_short_legs_is_left_behind_at_the_first_that_can_be_joined() {
+        let turn_rad = |k: i32| 0.5 * f64::from(k.clamp(0, 3));
+        let mut waypoints_m = alloc::vec![(0.0, 0.0), (300.0, 0.0)];
+        for k in 1..12 {
+            let (x, y) = waypoints_m[waypoints_m.len() - 1];
+            let (sin, cos) = libm::sincos(turn_rad(k));
+            waypoints_m.push((x + 10.0 * cos, y + 10.0 * sin));
+        }
+        let corner = table_4(&waypoints_m, first);
+        assert!(!corner.is_turn_round && corner.join.index > 1, "{corner:?}");
+    }
+
+    /// In wind and with bank lag the arc ends on the next leg, to a hundredth of the turn radius.
+    #[test]
+    fn the_tangent_arc_ends_on_the_next_leg() {
+        for lag_s in [0.0, 0.6] {
+            for wind_mps in [Vec3::ZERO, Vec3::new(4.0, -5.0, 0.0)] {
+                for turn_rad in [-1.3, -0.4, 0.3, 1.2] {
+                    let to_m = Vec3::new(libm::cos(turn_rad), libm::sin(turn_rad), 0.0);
+                    let middle_m = Vec3::new(3000.0, 0.0, 0.0);
+                    let waypoints_m = [Vec3::ZERO, middle_m, middle_m + to_m * 3000.0];
+                    let mission = Mission::new(&waypoints_m);
+                    along(&Vehicle::lagged(lag_s), wind_mps, &mission, |route| {
+                        let legs = Legs {
+                            route,
+                            course_rad: 0.0,
+                            restart: None,
+                        };
+                        let [leg, next] = [0, 1].map(|at| legs.leg(at).unwrap());
+                        let corner = first(route);
+                        assert_eq!(corner.join.stages().len(), 1);
+                        let from = exit(&legs, &leg, corner.lead_m);
+                        let maneuver = corner.join.maneuver();
+                        let end = flown(route.flyer, &from, &maneuver, f64::INFINITY, route.meter);
+                        let off_m = next.position(end.position_m, end.time_s).cross_m;
+                        assert!(off_m.abs() < 0.01 * route.radius_m(), "{off_m} m off");
+                    });
+                }
+            }
+        }
+    }
 }

@@ -3,10 +3,8 @@
 //! Along-track distance increases from the leg's start to its end; cross-track distance is positive to
 //! the left of the leg; height counts from the leg. All over the ground.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
-
 use fga_proof::Vec3;
-use fga_proof::angle::wrap_pi;
+use fga_proof::angle::{course_of, direction, wrap_pi};
 use fga_proof::limit::Limit as _;
 use fga_proof::prediction::MotionState;
 
@@ -18,8 +16,8 @@ const SHORTEST_M: f64 = 1e-3;
 pub struct Leg {
     /// Its start, metres.
     pub from_m: Vec3,
-    /// Unit vector along it over the ground (horizontal).
-    along: Vec3,
+    /// East and north part of the unit vector along it over the ground.
+    along: [f64; 2],
     /// Horizontal length, metres; infinite for a leg without end.
     pub length_m: f64,
     /// Height gained per metre over the ground.
@@ -32,6 +30,7 @@ pub struct Leg {
     pub climb_rad: f64,
     /// Speed over the ground along the leg, metres per second.
     pub ground_speed_mps: f64,
+    airspeed_mps: f64,
     wind_mps: Vec3,
 }
 
@@ -47,92 +46,70 @@ pub struct LegPosition {
 }
 
 impl Leg {
-    /// The leg between two waypoints for an aircraft of `airspeed_mps` in a wind.
+    /// The leg between two waypoints for an aircraft of an airspeed in a wind.
     ///
-    /// Waypoints that lie above each other give a leg along `fallback_course_rad`.
+    /// Waypoints above each other give a level leg without end along `fallback_course_rad`.
     pub(crate) fn new(
-        from_m: Vec3,
-        to_m: Vec3,
-        airspeed_mps: f64,
-        wind_mps: Vec3,
+        [from_m, to_m]: [Vec3; 2],
+        (airspeed_mps, wind_mps): (f64, Vec3),
         fallback_course_rad: f64,
     ) -> Self {
         let over = Vec3::new(to_m.x - from_m.x, to_m.y - from_m.y, 0.0);
         let length_m = over.length();
-        if length_m < SHORTEST_M || !length_m.is_finite() {
-            return Self::endless(from_m, fallback_course_rad, airspeed_mps, wind_mps);
-        }
-        let slope = (to_m.z - from_m.z) / length_m;
-        Self::along(
+        let (along, length_m, slope) = if length_m < SHORTEST_M || !length_m.is_finite() {
+            (direction(fallback_course_rad, 0.0), f64::INFINITY, 0.0)
+        } else {
+            (over / length_m, length_m, (to_m.z - from_m.z) / length_m)
+        };
+        let across_mps = along.x * wind_mps.y - along.y * wind_mps.x;
+        let crab_rad = -libm::asin((across_mps / airspeed_mps).limited(-1.0, 1.0));
+        let along_mps = airspeed_mps * libm::cos(crab_rad) + along.dot(wind_mps);
+        let ground_speed_mps = along_mps.max(0.0);
+        let climb_mps = slope * ground_speed_mps - wind_mps.z;
+        let course_rad = course_of(along);
+        Self {
             from_m,
-            over / length_m,
+            along: [along.x, along.y],
             length_m,
             slope,
+            course_rad,
+            air_course_rad: course_rad + crab_rad,
+            climb_rad: libm::asin((climb_mps / airspeed_mps).limited(-1.0, 1.0)),
+            ground_speed_mps,
             airspeed_mps,
             wind_mps,
-        )
+        }
     }
 
     /// A level leg without end.
-    pub(crate) fn endless(
-        from_m: Vec3,
-        course_rad: f64,
-        airspeed_mps: f64,
-        wind_mps: Vec3,
-    ) -> Self {
-        let (sin, cos) = libm::sincos(course_rad);
-        let along = Vec3::new(cos, sin, 0.0);
-        Self::along(from_m, along, f64::INFINITY, 0.0, airspeed_mps, wind_mps)
+    pub(crate) fn endless(from_m: Vec3, course_rad: f64, air: (f64, Vec3)) -> Self {
+        Self::new([from_m, from_m], air, course_rad)
     }
 
-    /// Change of course through the air that turns the track over the ground by an angle from the leg, radians: at that angle
-    /// the aircraft nears the leg and gains along it in every wind that it can fly against.
-    pub(crate) fn air_turn_rad(&self, airspeed_mps: f64, by_rad: f64) -> f64 {
+    /// Change of the course through the air that turns the track over the ground by an angle from the leg, radians: the
+    /// aircraft nears the leg at that angle and gains along it in every wind that it can fly against.
+    pub(crate) fn air_turn_rad(&self, by_rad: f64) -> f64 {
+        let (course_rad, air) = (self.course_rad + by_rad, (self.airspeed_mps, self.wind_mps));
+        let turned = Self::endless(self.from_m, course_rad, air);
         let crab_rad = self.air_course_rad - self.course_rad;
-        let (course_rad, wind_mps) = (self.course_rad + by_rad, self.wind_mps);
-        let turned = Self::endless(self.from_m, course_rad, airspeed_mps, wind_mps);
         by_rad + wrap_pi(turned.air_course_rad - course_rad - crab_rad)
     }
 
     /// Whether an aircraft can keep the leg's track and gain along it in the wind.
-    pub(crate) fn can_be_flown(&self, airspeed_mps: f64) -> bool {
-        let off_mps = self.cross_speed_mps(airspeed_mps, self.air_course_rad);
-        self.ground_speed_mps > 0.0 && off_mps.abs() < 1e-6 * airspeed_mps
+    pub(crate) fn can_be_flown(&self) -> bool {
+        let off_mps = self.cross_speed_mps(self.air_course_rad);
+        self.ground_speed_mps > 0.0 && off_mps.abs() < 1e-6 * self.airspeed_mps
     }
 
-    fn along(
-        from_m: Vec3,
-        along: Vec3,
-        length_m: f64,
-        slope: f64,
-        airspeed_mps: f64,
-        wind_mps: Vec3,
-    ) -> Self {
-        let course_rad = libm::atan2(along.y, along.x);
-        let across_wind = along.x * wind_mps.y - along.y * wind_mps.x;
-        let crab = -libm::asin((across_wind / airspeed_mps).limited(-1.0, 1.0));
-        let along_air = airspeed_mps * libm::cos(crab);
-        let ground_speed_mps = (along_air + along.dot(wind_mps)).max(0.0);
-        let climb_speed = slope * ground_speed_mps - wind_mps.z;
-        let climb_rad = libm::asin((climb_speed / airspeed_mps).limited(-1.0, 1.0));
-        let air_course_rad = course_rad + crab;
-        Self {
-            from_m,
-            along,
-            length_m,
-            slope,
-            course_rad,
-            air_course_rad,
-            climb_rad,
-            ground_speed_mps,
-            wind_mps,
-        }
+    /// How far a vector leads to the left of the leg.
+    fn left_of(&self, vector: Vec3) -> f64 {
+        self.along[0] * vector.y - self.along[1] * vector.x
     }
 
     /// Where an air-mass position is `at_s` seconds after the two frames coincided.
     pub fn position(&self, air_position_m: Vec3, at_s: f64) -> LegPosition {
         let offset = air_position_m + self.wind_mps * at_s - self.from_m;
-        let along_m = offset.dot(self.along);
+        let along_m = self.along[0] * offset.x + self.along[1] * offset.y;
         LegPosition {
             along_m,
             cross_m: self.left_of(offset),
@@ -141,63 +118,19 @@ impl Leg {
     }
 
     /// The point of the leg at a distance along it, metres.
-    pub(crate) fn point_m(&self, along_m: f64) -> Vec3 {
-        self.from_m + self.along * along_m + Vec3::new(0.0, 0.0, self.slope * along_m)
+    pub fn point_m(&self, along_m: f64) -> Vec3 {
+        self.level_point_m(along_m) + Vec3::new(0.0, 0.0, self.slope * along_m)
     }
 
     /// The point of the leg at a distance along it, at the height of its beginning, metres.
     pub(crate) fn level_point_m(&self, along_m: f64) -> Vec3 {
-        self.from_m + self.along * along_m
-    }
-
-    /// How far a vector leads to the left of the leg.
-    pub(crate) fn left_of(&self, vector: Vec3) -> f64 {
-        self.along.x * vector.y - self.along.y * vector.x
+        let [x, y] = self.along;
+        self.from_m + Vec3::new(x, y, 0.0) * along_m
     }
 
     /// Cross-track speed at a course through the air, metres per second, left positive.
-    pub(crate) fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
-        airspeed_mps * libm::sin(course_rad - self.course_rad) + self.along.x * self.wind_mps.y
-            - self.along.y * self.wind_mps.x
-    }
-
-    /// The least time in which an aircraft of some airspeed, metres per second, that turns at once at a rate, radians per
-    /// second, can be on the line of the leg, on its course, seconds: it turns to either side until it flies straight at the leg,
-    /// and from there onto it.
-    pub(crate) fn least_s_onto(
-        &self,
-        state: &MotionState,
-        (airspeed_mps, rate_radps): (f64, f64),
-    ) -> f64 {
-        let cross_m = self.position(state.position_m, state.time_s).cross_m;
-        let radii = cross_m.abs() * rate_radps / airspeed_mps;
-        // How far the course is turned towards the leg.
-        let towards_rad = libm::copysign(1.0, cross_m) * self.turn_onto_rad(state);
-        let cos = libm::cos(state.course_rad - self.course_rad);
-        // Turns up to straight at the leg, and down to it from beyond.
-        let (up_rad, down_rad) = if towards_rad > FRAC_PI_2 {
-            (towards_rad - TAU, towards_rad)
-        } else {
-            (towards_rad, towards_rad + TAU)
-        };
-        let wind_share = self.wind_mps.length() / airspeed_mps;
-        let is_windy = wind_share > 0.0;
-        let turns_rad = |radii: f64| {
-            let straight = radii - 1.0 - cos;
-            let up = if straight >= 0.0 {
-                PI - up_rad + straight
-            } else if is_windy {
-                towards_rad.abs()
-            } else {
-                // So near that the second turn follows the first.
-                let steepest_rad = libm::acos((-0.5 * straight).min(1.0)).max(up_rad);
-                2.0 * steepest_rad - up_rad
-            };
-            up.min(down_rad + (radii - 1.0 + cos).max(0.0))
-        };
-        // Before it would be there in still air, wind brings the leg at most so much nearer.
-        let nearer = radii - wind_share * turns_rad(radii);
-        turns_rad(nearer.max(0.0)) / rate_radps
+    pub(crate) fn cross_speed_mps(&self, course_rad: f64) -> f64 {
+        self.airspeed_mps * libm::sin(course_rad - self.course_rad) + self.left_of(self.wind_mps)
     }
 
     /// Change from a course through the air to the one that keeps the leg, radians, shortest way.
@@ -209,63 +142,51 @@ impl Leg {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::join::{JoinLimits, ON_LEG_M, join};
-    use fga_proof::meter::Meter;
-    use fga_proof::prediction::Flyer;
-    use fga_proof::vehicle::Vehicle;
-    use proptest::prelude::*;
+
+    const STILL: (f64, Vec3) = (10.0, Vec3::ZERO);
+
+    #[test]
+    fn a_position_counts_along_the_leg_to_its_left_and_from_its_height() {
+        let leg = Leg::new([Vec3::ZERO, Vec3::new(0.0, 100.0, 10.0)], STILL, 0.0);
+        let at = leg.position(Vec3::new(-7.0, 50.0, 8.0), 0.0);
+        assert_eq!((at.along_m, at.cross_m, at.above_m), (50.0, 7.0, 3.0));
+        assert_eq!(leg.point_m(50.0), Vec3::new(0.0, 50.0, 5.0));
+        assert_eq!(leg.level_point_m(50.0), Vec3::new(0.0, 50.0, 0.0));
+    }
+
+    /// 6 m/s from the side of 10 m/s leave 8 m/s along the leg; 12 m/s leave no way to keep the track.
+    #[test]
+    fn an_aircraft_crabs_into_the_wind_until_the_wind_is_too_strong() {
+        let leg = |wind_mps: f64| {
+            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
+            let ends_m = [Vec3::ZERO, Vec3::new(100.0, 0.0, 10.0)];
+            Leg::new(ends_m, (10.0, wind_mps), 0.0)
+        };
+        let crabbed = leg(6.0);
+        assert!((crabbed.air_course_rad + libm::asin(0.6)).abs() < 1e-12);
+        assert!((crabbed.ground_speed_mps - 8.0).abs() < 1e-12);
+        assert!((crabbed.climb_rad - libm::asin(0.08)).abs() < 1e-12);
+        assert!(crabbed.cross_speed_mps(crabbed.air_course_rad).abs() < 1e-12);
+        assert!(crabbed.can_be_flown() && !leg(12.0).can_be_flown());
+        // After 2 s the air has carried it 12 m to the left.
+        assert_eq!(crabbed.position(Vec3::ZERO, 2.0).cross_m, 12.0);
+    }
+
+    #[test]
+    fn waypoints_above_each_other_give_a_level_leg_without_end() {
+        let leg = Leg::new([Vec3::ZERO, Vec3::new(0.0, 0.0, 50.0)], STILL, 1.0);
+        assert!(leg.length_m.is_infinite() && leg.climb_rad == 0.0);
+        assert!((leg.course_rad - 1.0).abs() < 1e-15);
+    }
 
     /// A leg whose course is near half a turn was once left by a turn of a whole circle more.
     #[test]
     fn in_still_air_the_turn_through_the_air_is_that_over_the_ground() {
         for step in -31..=31 {
-            let leg = Leg::endless(Vec3::ZERO, 0.1 * f64::from(step), 26.2, Vec3::ZERO);
+            let leg = Leg::endless(Vec3::ZERO, 0.1 * f64::from(step), STILL);
             for by_rad in [-1.45, -0.785, 0.17, 0.785, 1.45] {
-                let turn_rad = leg.air_turn_rad(26.2, by_rad);
-                assert!(
-                    (turn_rad - by_rad).abs() < 1e-12,
-                    "{step} {by_rad}: {turn_rad}"
-                );
-            }
-        }
-    }
-
-    proptest! {
-        /// No join, at whatever angle, is over sooner than the least time, and one without lag and wind is hardly later.
-        #[test]
-        fn no_join_is_sooner_than_the_least_time(
-            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
-            (cross_m, course_rad) in (-600.0..600.0f64, -3.1..3.1f64),
-            wind_mps in prop_oneof![Just(0.0), -6.0..6.0f64],
-        ) {
-            let vehicle = Vehicle::lagged(lag_s);
-            let flyer = Flyer::new(&vehicle);
-            let speed_mps = vehicle.airspeed_mps;
-            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
-            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
-            let state = MotionState {
-                position_m: Vec3::new(0.0, cross_m, 0.0),
-                course_rad,
-                ..MotionState::ahead(0.0)
-            };
-            // A join may end a little aside.
-            let nearer_m = libm::copysign((cross_m.abs() - ON_LEG_M).max(0.0), cross_m);
-            let nearer = MotionState { position_m: Vec3::new(0.0, nearer_m, 0.0), ..state };
-            let least_s = leg.least_s_onto(&nearer, (speed_mps, flyer.course_rate_radps()))
-                + flyer.settles_late_s();
-            let meter = Meter::unlimited();
-            let joined_s = |intercept_rad: f64| {
-                let limits = JoinLimits { intercept_rad, climb_limits_rad: (0.0, 0.0) };
-                let joined = join(&flyer, &leg, &state, &limits, &meter);
-                (joined.cross_m.abs() < ON_LEG_M).then_some(joined.joined_s)
-            };
-            let all = (1..=78).filter_map(|step| joined_s(0.02 * f64::from(step)));
-            let soonest_s = all.fold(f64::INFINITY, f64::min);
-            prop_assert!(soonest_s > least_s - 1e-6, "{soonest_s} s, not {least_s} s");
-            let is_plain = lag_s == 0.0 && wind_mps == Vec3::ZERO;
-            let is_towards = course_rad * cross_m < 0.0;
-            if is_plain && is_towards && course_rad.abs() < 1.0 && cross_m.abs() > 100.0 {
-                prop_assert!(soonest_s < 1.02 * least_s + 0.05, "{soonest_s} s, not {least_s} s");
+                let off_rad = leg.air_turn_rad(by_rad) - by_rad;
+                assert!(off_rad.abs() < 1e-12, "{step} {by_rad}: {off_rad}");
             }
         }
     }

@@ -2,52 +2,42 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use super::join::{Join, JoinLimits};
-use super::leg::Leg;
-use super::way_onto::MOST_LEGS;
-use super::{Laid, Progress};
-use crate::corner::Legs as _;
+use crate::Progress;
+use crate::join::Join;
+use crate::leg::Leg;
+use crate::route::Route;
+use crate::way_back::MOST_LEGS;
 use fga_proof::Vec3;
 use fga_proof::limit::Limit as _;
-use fga_proof::prediction::{Flyer, MotionState};
-use fga_proof::situation::{FLY_OVER_WITHIN_M, Mission, Passing};
+use fga_proof::prediction::MotionState;
+use fga_proof::situation::FLY_OVER_WITHIN_M;
 
-/// The aircraft flies back to its last waypoint at most so often without coming nearer: a wind that gusts can keep it aside for ever.
+pub(crate) use crate::route::Restart;
+
+/// Most returns to the last waypoint that bring the aircraft no nearer: gusts can keep the aircraft aside for ever.
 const MOST_PASSES: u8 = 3;
 
-/// A leg that begins where the aircraft was.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Restart {
-    /// Index of the waypoint before its end.
-    pub(super) index: usize,
-    pub(super) from_m: Vec3,
-}
-
 impl Progress {
-    /// Whether the aircraft flies over the end of a leg.
-    pub(super) fn ends_over(mission: &Mission<'_>, index: usize) -> bool {
-        mission.passing.get(index + 1) == Some(&Passing::FlyOver)
-    }
-
-    /// Whether the aircraft, which passed the last waypoint aside, flies back to it. A pass nearer than those before does not count: an
-    /// aircraft comes down in circles. From then on the leg leads over the waypoint with the wind, which gains the room for the turn back.
-    pub(super) fn flies_back(
+    /// Whether the aircraft passed the last waypoint aside and returns to it. A pass nearer than those before does not count, for
+    /// an aircraft comes down in circles. The leg then leads over the waypoint with the wind, which gains room for the turn back.
+    pub(crate) fn returns_over_waypoint(
         &mut self,
-        mission: &Mission<'_>,
-        (leg, state, flyer): (&Leg, &MotionState, &Flyer),
+        route: &Route<'_>,
+        (leg, state): (&Leg, &MotionState),
         passed_s: f64,
     ) -> bool {
         let position = leg.position(state.position_m, state.time_s);
-        let since_m = (leg.ground_speed_mps * passed_s).limited(0.0, flyer.turn_radius_m());
+        let since_m = (leg.ground_speed_mps * passed_s).limited(0.0, route.radius_m());
         let beyond_m = position.along_m - leg.length_m - since_m;
         let aside_m = position.cross_m.abs().max(position.above_m.abs());
-        let is_missed = Self::ends_over(mission, self.index)
+        let wind_mps = route.wind_mps;
+        let is_missed = route.is_flown_over(self.index)
             && aside_m.max(beyond_m) > FLY_OVER_WITHIN_M
             && self.corner.is_none()
             && self.passes <= MOST_PASSES
-            && self.wind_mps.length() < self.airspeed_mps;
+            && wind_mps.length() < route.flyer.airspeed_mps();
         if is_missed {
-            let moved_m = (flyer.velocity_mps(state) + self.wind_mps) * passed_s;
+            let moved_m = (route.flyer.velocity_mps(state) + wind_mps) * passed_s;
             let before = leg.position(state.position_m - moved_m, state.time_s);
             let is_now = before.along_m < leg.length_m;
             if is_now && aside_m < self.nearest_m - FLY_OVER_WITHIN_M {
@@ -55,68 +45,50 @@ impl Progress {
             } else {
                 self.passes += u8::from(is_now);
             }
-            let wind_mps = Vec3::new(self.wind_mps.x, self.wind_mps.y, 0.0);
-            let along = wind_mps.normalize_or(leg.level_point_m(1.0) - leg.from_m);
+            let along = Vec3::new(wind_mps.x, wind_mps.y, 0.0);
+            let along = along.normalize_or(leg.level_point_m(1.0) - leg.from_m);
             let (index, from_m) = (self.index, leg.point_m(leg.length_m) - along);
             self.restart = Some(Restart { index, from_m });
-            self.go_to(index, false, mission, state, flyer);
+            self.go_to(route, state, index, false);
         }
         is_missed
     }
 
-    /// Whether the wind is too strong to fly along the present leg.
-    pub fn is_adrift(&self) -> bool {
-        let leg = self.leg.filter(|_| !self.complete);
-        leg.is_some_and(|leg| !leg.can_be_flown(self.airspeed_mps))
-    }
-
     /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
     /// waypoint after it that the wind does not keep the aircraft from.
-    pub(super) fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
-        let from_m = state.position_m + self.wind_mps * state.time_s;
-        let last = mission.waypoints_m.len().saturating_sub(1);
-        let (low, high) = self.climb_limits_rad;
+    pub(crate) fn restart_here(&mut self, route: &Route<'_>, state: &MotionState) {
+        let from_m = state.position_m + route.wind_mps * state.time_s;
+        let last = route.mission.waypoints_m.len().saturating_sub(1);
         let found = (self.index..last).take(MOST_LEGS).find_map(|index| {
             let mut restart = Restart { index, from_m };
-            let laid = Laid {
-                restart: Some(restart),
-                ..self.laid(mission)
-            };
-            let leg = laid.leg(index).filter(|leg| leg.length_m.is_finite())?;
-            let climb_rad = leg.climb_rad.limited(low, high);
+            let mut legs = self.legs(route);
+            legs.restart = Some(restart);
+            let leg = legs.leg(index).filter(|leg| leg.length_m.is_finite())?;
+            let climb_rad = route.climb_rad(&leg);
             if climb_rad != leg.climb_rad {
                 // Too steep to fly: as steep as can be flown, to the same end.
-                let climb_mps = self.airspeed_mps * libm::sin(climb_rad) + self.wind_mps.z;
+                let airspeed_mps = route.flyer.airspeed_mps();
+                let climb_mps = airspeed_mps * libm::sin(climb_rad) + route.wind_mps.z;
                 let rise_m = climb_mps * leg.length_m / leg.ground_speed_mps;
-                restart.from_m.z = mission.waypoints_m.get(index + 1)?.z - rise_m;
+                restart.from_m.z = route.mission.waypoints_m.get(index + 1)?.z - rise_m;
             }
-            leg.can_be_flown(self.airspeed_mps).then_some(restart)
+            leg.can_be_flown().then_some(restart)
         });
         if let Some(restart) = found {
             self.restart = found;
-            self.go_to(restart.index, false, mission, state, flyer);
+            self.go_to(route, state, restart.index, false);
         }
     }
 
     /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
-    pub fn way_from_here(
-        &mut self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        flyer: &Flyer,
-    ) -> Option<(Join, usize)> {
-        // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
-        let limits = JoinLimits {
-            intercept_rad: FRAC_PI_2,
-            climb_limits_rad: self.climb_limits_rad,
-        };
+    pub fn direct_way(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
         let before = *self;
-        self.begin_here(mission, state, flyer);
-        let found = self.way_back(mission, state, flyer, &limits, MOST_LEGS);
+        self.restart_here(route, state);
+        // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
+        let found = self.way_back(route, state, FRAC_PI_2, MOST_LEGS);
         let found = found.filter(|_| !self.is_adrift());
         if found.is_none() {
-            let work = self.work;
-            *self = Self { work, ..before };
+            *self = before;
         }
         found
     }
@@ -125,10 +97,12 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw::along;
     use core::f64::consts::PI;
+    use fga_proof::angle::direction;
     use fga_proof::maneuver::Maneuver;
-    use fga_proof::meter::Meter;
-    use fga_proof::prediction::{flown, for_each_piece};
+    use fga_proof::prediction::flown;
+    use fga_proof::situation::{Mission, Passing};
     use fga_proof::vehicle::Vehicle;
     use proptest::prelude::*;
 
@@ -153,46 +127,46 @@ mod tests {
         (steps, away): (u32, Option<(f64, f64)>),
     ) -> Flown {
         let vehicle = Vehicle::lagged(lag_s);
-        let flyer = Flyer::new(&vehicle);
         let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
         let passing = [Passing::FlyBy, Passing::FlyOver];
         let mission = Mission {
             passing: &passing,
             ..Mission::new(&waypoints_m)
         };
-        let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
-        let there = away.map(|(turn_rad, radii)| {
-            let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
-            let away_s = radii / flyer.course_rate_radps();
-            flown(&flyer, &state, &away, away_s, &Meter::unlimited())
-        });
-        let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
-        let first_m = off_m(&state);
-        let (mut least_m, mut farthest_m) = (f64::INFINITY, 0.0_f64);
-        let mut progress = Progress::new();
-        for step in 0..steps {
-            let time = (0.1 * f64::from(step), climb_limits_rad);
-            progress.update(&mission, &state, &flyer, wind_mps, time);
-            least_m = off_m(&state).min(least_m);
-            if progress.is_complete() {
-                break;
+        along(&vehicle, wind_mps, &mission, |route| {
+            let flyer = route.flyer;
+            let there = away.map(|(turn_rad, radii)| {
+                let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
+                let away_s = radii / flyer.course_rate_radps();
+                flown(flyer, &state, &away, away_s, route.meter)
+            });
+            let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
+            let first_m = off_m(&state);
+            let (mut least_m, mut farthest_m) = (f64::INFINITY, 0.0_f64);
+            let mut progress = Progress::new();
+            for step in 0..steps {
+                progress.update(route, &state, 0.1 * f64::from(step));
+                least_m = off_m(&state).min(least_m);
+                if progress.is_complete() {
+                    break;
+                }
+                if step == 0
+                    && let Some(there) = &there
+                {
+                    progress.direct_way(route, there);
+                }
+                farthest_m = off_m(&state).max(farthest_m);
+                let (maneuver, _) = progress.guidance(route, &state, 0.2);
+                state = flown(flyer, &state, &maneuver, 0.1, route.meter);
+                state.position_m += wind_mps * 0.1;
+                state.time_s = 0.0;
             }
-            if step == 0
-                && let Some(there) = &there
-            {
-                progress.way_from_here(&mission, there, &flyer);
+            Flown {
+                is_complete: progress.is_complete(),
+                least_m,
+                strays_radii: (farthest_m - first_m) / flyer.turn_radius_m(),
             }
-            farthest_m = off_m(&state).max(farthest_m);
-            let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
-            state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
-            state.position_m += wind_mps * 0.1;
-            state.time_s = 0.0;
-        }
-        Flown {
-            is_complete: progress.is_complete(),
-            least_m,
-            strays_radii: (farthest_m - first_m) / flyer.turn_radius_m(),
-        }
+        })
     }
 
     /// How far the aircraft strays, turn radii, after a way from elsewhere was dropped; infinite where the mission does not end.
@@ -245,7 +219,7 @@ mod tests {
             away in prop_oneof![Just((0.0, 4.0)), Just((0.0, 12.0)), Just((PI, 6.0)), Just((PI, 18.0))],
         ) {
             let state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
-            let wind_mps = Vec3::new(wind_rad.cos(), wind_rad.sin(), 0.0) * (15.0 * wind_share);
+            let wind_mps = direction(wind_rad, 0.0) * (15.0 * wind_share);
             let radii = strays(lag_s, state, wind_mps, away);
             prop_assert!(radii < STRAYS_RADII, "{radii} turn radii");
         }
@@ -253,14 +227,14 @@ mod tests {
         /// From wherever it is near the end of its mission the aircraft flies over the last waypoint, and the mission ends then, not
         /// where it comes back to the line beyond. From far above it comes down in circles.
         #[test]
-        fn d10_a_mission_ends_over_its_last_waypoint(
+        fn d10_a_mission_is_flown_over_its_last_waypoint(
             lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
             (x, y, z) in (300.0..560.0f64, -80.0..80.0f64, -90.0..90.0f64),
             course_rad in -3.1..3.1f64,
             (wind_share, wind_rad) in (prop_oneof![Just(0.0), 0.0..0.85f64], -3.1..3.1f64),
         ) {
             let state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
-            let wind_mps = Vec3::new(wind_rad.cos(), wind_rad.sin(), 0.0) * (15.0 * wind_share);
+            let wind_mps = direction(wind_rad, 0.0) * (15.0 * wind_share);
             let flown = fly(lag_s, state, wind_mps, (9000, None));
             prop_assert!(flown.is_complete && flown.least_m < 10.0, "{} m off", flown.least_m);
         }

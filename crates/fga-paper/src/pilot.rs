@@ -13,7 +13,8 @@ use fga::avoider::{
 };
 use fga::certificate::Hazard;
 use fga::maneuver::Maneuver;
-use fga::mission::Progress;
+use fga::meter::Meter;
+use fga::mission::{Progress, Route};
 use fga::pilot::Pilot;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Situation;
@@ -128,12 +129,29 @@ impl PaperPilot {
         );
     }
 
+    /// Looks at the mission's geometry.
+    fn on_mission<T>(
+        &mut self,
+        situation: &Situation<'_>,
+        look: impl FnOnce(&mut Progress, &Route<'_>) -> T,
+    ) -> T {
+        let route = Route {
+            mission: &situation.mission,
+            flyer: &self.flyer,
+            wind_mps: situation.wind_mps,
+            climb_limits_rad: (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad),
+            meter: &Meter::unlimited(),
+        };
+        look(&mut self.progress, &route)
+    }
+
     /// The guidance along the mission.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> Maneuver {
-        let (mission, horizon_s) = (&situation.mission, self.settings.horizon_s);
-        self.progress
-            .guidance(mission, now, &self.flyer, horizon_s)
-            .0
+        let horizon_s = self.settings.horizon_s;
+        let (command, _) = self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s)
+        });
+        command
     }
 
     fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
@@ -188,14 +206,9 @@ impl Pilot for PaperPilot {
         }
         self.last_time_s = situation.time_s;
         let now = MotionState::of(&situation.ownship);
-        let climb_limits_rad = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
-        self.progress.update(
-            &situation.mission,
-            &now,
-            &self.flyer,
-            situation.wind_mps,
-            (situation.time_s, climb_limits_rad),
-        );
+        self.on_mission(situation, |progress, route| {
+            progress.update(route, &now, situation.time_s);
+        });
         self.around.load(
             situation,
             self.settings.surveillance_radius_m,

@@ -5,13 +5,18 @@
 //! recorded track.
 
 use fga::Vec3;
-use fga::mission::planned_line;
-use fga::situation::{Mission, Ownship};
+use fga::avoider::Reason;
+use fga::pilot::{MissionPilot, Pilot as _};
+use fga::prediction::{Flyer, MotionState, for_each_piece};
+use fga::situation::{Mission, Obstacles, Ownship, Situation};
 
 use crate::world::World;
 
 /// Distance between points of the planned line, metres.
 const SPACING_M: f64 = 3.0;
+
+/// Most steps of a planned line.
+const MOST_STEPS: u32 = 2_000_000;
 
 /// Longest time of a planned line, as a multiple of the time along the legs.
 const LONGEST_SHARE: f64 = 20.0;
@@ -145,33 +150,57 @@ fn line_of(world: &World) -> (Vec<Vec3>, f64) {
         bank_rad: 0.0,
         airspeed_mps: world.vehicle.airspeed_mps,
     };
-    let mission = Mission {
-        waypoints_m: mission_m,
-        passing: &world.passing,
-        ..Mission::new(mission_m)
-    };
     let length_m: f64 = mission_m
         .windows(2)
         .map(|leg| leg[0].distance(leg[1]))
         .sum();
     let limit_s = LONGEST_SHARE * (length_m / world.vehicle.airspeed_mps + 60.0);
-    let mut line_m = Vec::new();
-    let limits = (SPACING_M, limit_s);
-    let show = |place_m| line_m.push(place_m);
-    let whole = planned_line(
-        &mission,
-        &ownship,
-        &world.vehicle,
-        world.wind_mps,
-        limits,
-        show,
-    );
+    let (line_m, whole) = planned_line(world, ownship, limit_s);
     if !whole || line_m.len() < 2 {
         return (mission_m.clone(), 0.0);
     }
     let rate = world.vehicle.course_rate_radps();
     let radius_m = world.vehicle.airspeed_mps / rate;
     (line_m, AHEAD_RADII * radius_m)
+}
+
+/// The mission flown without obstacles: every position, [`SPACING_M`] apart, and whether the aircraft passed the last
+/// waypoint within a time.
+fn planned_line(world: &World, start: Ownship, limit_s: f64) -> (Vec<Vec3>, bool) {
+    let step_s = SPACING_M / world.vehicle.airspeed_mps;
+    let flyer = Flyer::new(&world.vehicle);
+    let Ok(mut pilot) = MissionPilot::new(2.0 * step_s, world.vehicle) else {
+        return (Vec::new(), false);
+    };
+    let mut situation = Situation {
+        time_s: 0.0,
+        ownship: start,
+        obstacles: Obstacles::Rows(&[]),
+        mission: Mission {
+            passing: &world.passing,
+            ..Mission::new(&world.mission_m)
+        },
+        wind_mps: world.wind_mps,
+    };
+    let mut line_m = vec![start.position_m];
+    for step in 0..MOST_STEPS {
+        situation.time_s = f64::from(step) * step_s;
+        let decision = pilot.step(&situation);
+        if decision.record.reason == Reason::MissionComplete {
+            return (line_m, true);
+        }
+        if situation.time_s >= limit_s {
+            break;
+        }
+        let own = &mut situation.ownship;
+        let now = MotionState::of(own);
+        let next = for_each_piece(&flyer, &now, &decision.command, step_s, |_, _, _| ());
+        own.position_m = next.position_m + world.wind_mps * step_s;
+        (own.course_rad, own.climb_rad, own.bank_rad) =
+            (next.course_rad, next.climb_rad, next.bank_rad);
+        line_m.push(own.position_m);
+    }
+    (line_m, false)
 }
 
 /// The path of a world's mission without obstacles.

@@ -30,7 +30,7 @@ use crate::Vec3;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
-use crate::mission::Progress;
+use crate::mission::{Progress, Route};
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
 use crate::search::{Proof, Tables};
 use crate::situation::{Ownship, Situation};
@@ -91,8 +91,6 @@ struct Returned {
     leg: usize,
     /// Time, seconds on the situation's clock.
     time_s: f64,
-    /// How much later it joins the leg than it seemed to before it was flown, seconds.
-    late_s: f64,
 }
 
 impl Plan {
@@ -115,6 +113,8 @@ pub struct Avoider {
     flyer: Flyer,
     state: State,
     progress: Progress,
+    /// The mission's part of the step's work.
+    mission_meter: Meter,
     tracks: tracks::Tracks,
     path: FlightPath,
     tables: Tables,
@@ -168,6 +168,7 @@ impl Avoider {
             tracks: const { Tracks::new() },
             path: const { FlightPath::new() },
             tables: Tables::NONE,
+            mission_meter: Meter::unlimited(),
             plan: None,
             returned: None,
             last_time_s: f64::NEG_INFINITY,
@@ -313,8 +314,7 @@ impl Avoider {
         let most = self.settings.work_limit;
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);
-        self.progress
-            .begin_step(limit / MISSION_SHARE, most / MISSION_MOST);
+        self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
         let mut decision = self.decide(situation, kept);
         self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
@@ -350,12 +350,8 @@ impl Avoider {
 
     fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         let now = MotionState::of(&situation.ownship);
-        let at = (situation.time_s, self.climb_limits_rad());
-        self.on_mission(|progress, flyer| {
-            let Situation {
-                mission, wind_mps, ..
-            } = situation;
-            progress.update(mission, &now, flyer, *wind_mps, at);
+        self.on_mission(situation, |progress, route| {
+            progress.update(route, &now, situation.time_s);
         });
         self.measure_drift(situation, &now);
         self.step_turn_aware(situation, &now, kept)
@@ -487,16 +483,29 @@ impl Avoider {
     /// The guidance along the mission, and the moment from which it is straight.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
         let horizon_s = self.far_s;
-        self.on_mission(|progress, flyer| {
-            progress.guidance(&situation.mission, now, flyer, horizon_s)
+        self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s)
         })
     }
 
     /// Looks at the mission's geometry, with what is left of the step's work at most.
-    fn on_mission<T>(&mut self, look: impl FnOnce(&mut Progress, &Flyer) -> T) -> T {
-        self.progress.allow(self.meter.most_left());
-        let answer = look(&mut self.progress, &self.flyer);
-        self.meter.count(self.progress.take_work() as usize);
+    fn on_mission<T>(
+        &mut self,
+        situation: &Situation<'_>,
+        look: impl FnOnce(&mut Progress, &Route<'_>) -> T,
+    ) -> T {
+        let most = self.mission_meter.most_left().min(self.meter.most_left());
+        let meter = Meter::new(self.mission_meter.left(), most);
+        let route = Route {
+            mission: &situation.mission,
+            flyer: &self.flyer,
+            wind_mps: situation.wind_mps,
+            climb_limits_rad: self.climb_limits_rad(),
+            meter: &meter,
+        };
+        let answer = look(&mut self.progress, &route);
+        self.mission_meter.count(meter.done() as usize);
+        self.meter.count(meter.done() as usize);
         answer
     }
 

@@ -45,10 +45,10 @@ pub mod pilot;
 
 pub use fga_index::situation;
 pub use fga_mission as mission;
-pub use fga_proof::{Vec2, Vec3, angle, certificate, limit, maneuver, prediction, vehicle, zone};
+pub use fga_proof::{
+    Vec2, Vec3, angle, certificate, limit, maneuver, meter, prediction, vehicle, zone,
+};
 pub use fga_search as search;
-
-use fga_proof::meter;
 
 /// The example of the readme, compiled and run with the tests.
 #[cfg(doctest)]

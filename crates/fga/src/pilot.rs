@@ -6,7 +6,8 @@
 use crate::avoider::{Avoider, Decision, Reason, State};
 use crate::limit::SettingsError;
 use crate::maneuver::Maneuver;
-use crate::mission::Progress;
+use crate::meter::Meter;
+use crate::mission::{Progress, Route};
 use crate::prediction::{Flyer, MotionState};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
@@ -99,14 +100,15 @@ impl Pilot for MissionPilot {
             return Decision::new(State::Cruise, &Maneuver::hold(), Reason::InvalidInput);
         }
         let now = MotionState::of(&situation.ownship);
-        let (mission, wind_mps) = (&situation.mission, situation.wind_mps);
-        let climb_limits_rad = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
-        let clock_and_limits = (situation.time_s, climb_limits_rad);
-        self.progress
-            .update(mission, &now, &self.flyer, wind_mps, clock_and_limits);
-        let (command, _) = self
-            .progress
-            .guidance(mission, &now, &self.flyer, self.horizon_s);
+        let route = Route {
+            mission: &situation.mission,
+            flyer: &self.flyer,
+            wind_mps: situation.wind_mps,
+            climb_limits_rad: (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad),
+            meter: &Meter::unlimited(),
+        };
+        self.progress.update(&route, &now, situation.time_s);
+        let (command, _) = self.progress.guidance(&route, &now, self.horizon_s);
         let reason = if self.progress.is_complete() {
             Reason::MissionComplete
         } else {

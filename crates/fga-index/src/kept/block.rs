@@ -12,7 +12,7 @@ const LEVELS: usize = 7;
 /// No slot.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// An obstacle must be looked at in every step.
+/// The moment of an obstacle that is due in every step.
 pub(super) const ALWAYS: f64 = f64::NEG_INFINITY;
 
 /// Memory for [`Block::OBSTACLES`] kept obstacles, to be lent to a [`Kept`](super::Kept): some 3 kB.
@@ -159,7 +159,7 @@ impl<'m> Memory<'m> {
         block.node_s.get_mut(index % WIDTH)
     }
 
-    /// The obstacle of a slot must be looked at from a moment on: always or never.
+    /// Makes the obstacle of a slot due from a moment on: always or never.
     pub(super) fn set_due(&mut self, at: u32, due_s: f64) {
         let mut index = at as usize;
         let leaf = self.blocks.get_mut(index / WIDTH);
@@ -174,7 +174,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// All obstacles must be looked at.
+    /// Makes every obstacle due.
     pub(super) fn wake_all(&mut self) {
         for block in &mut *self.blocks {
             for (due_s, slot) in block.due_s.iter_mut().zip(&block.slots) {
@@ -186,7 +186,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Looks at each obstacle whose moment has come, in the order of the slots; `look` gives its next moment.
+    /// Looks at each obstacle that is due, in the order of the slots; `look` gives its next moment.
     pub(super) fn each_due(&mut self, now_s: f64, look: &mut impl FnMut(&Slot) -> f64) {
         self.visit(self.height, 0, now_s, look);
     }
@@ -224,5 +224,63 @@ impl<'m> Memory<'m> {
             least_s = least_s.min(due_s);
         }
         least_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    /// The slots that are looked at at a moment, all of which get another moment.
+    fn due(memory: &mut Memory<'_>, now_s: f64, next_s: f64) -> Vec<u32> {
+        let mut ids = Vec::new();
+        memory.each_due(now_s, &mut |slot| {
+            ids.push(slot.obstacle.id);
+            next_s
+        });
+        ids
+    }
+
+    /// In one block, in two levels of blocks and in three.
+    #[test]
+    fn exactly_what_is_due_is_looked_at_in_the_order_of_the_slots() {
+        for count in [1_usize, 19, 300] {
+            let mut blocks = vec![Block::EMPTY; count];
+            let mut memory = Memory::new(&mut blocks);
+            let slots = u32::try_from(memory.capacity()).unwrap();
+            for at in 0..slots {
+                let slot = memory.slot_mut(at).unwrap();
+                (slot.obstacle.id, slot.is_used) = (at, true);
+            }
+            assert!(due(&mut memory, 1e9, 0.0).is_empty());
+            let some: Vec<u32> = (0..slots).filter(|at| at % 7 == 3).collect();
+            for at in some.iter().rev() {
+                memory.set_due(*at, ALWAYS);
+            }
+            assert_eq!(due(&mut memory, 0.0, 5.0), some);
+            assert!(due(&mut memory, 4.0, 9.0).is_empty());
+            assert_eq!(due(&mut memory, 5.0, 9.0), some);
+            memory.set_due(some[0], f64::INFINITY);
+            assert_eq!(due(&mut memory, 9.0, 9.0), some[1..]);
+            memory.wake_all();
+            assert_eq!(due(&mut memory, 0.0, 1.0).len(), memory.capacity());
+        }
+    }
+
+    /// A reported obstacle flies straight on and becomes less certain; one at rest stays.
+    #[test]
+    fn a_slot_moves_its_obstacle_on() {
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let mut slot = Slot::EMPTY;
+        slot.obstacle = Obstacle::straight(1, Vec3::ZERO, Vec3::new(20.0, 0.0, 0.0), volume);
+        slot.obstacle.uncertainty.velocity_mps = 0.5;
+        slot.reported_s = 10.0;
+        let later = slot.at(14.0);
+        assert_eq!(later.position_m, Vec3::new(80.0, 0.0, 0.0));
+        assert_eq!((later.age_s, later.uncertainty.position_m), (4.0, 2.0));
+        slot.obstacle.movement = Movement::AtRest;
+        assert_eq!(slot.at(14.0).position_m, Vec3::ZERO);
     }
 }

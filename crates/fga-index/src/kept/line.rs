@@ -1,31 +1,26 @@
-//! Which obstacles may come near a line that the aircraft follows, as long as it follows it.
+//! Which obstacles may come near a line while the aircraft follows it.
 //!
-//! At the time t ≥ 0 of the line the aircraft is off its place p + v t by at most P and off its velocity v by at most V.
-//! Looking ahead by s ≥ 0 from there, an obstacle at the offset r with the relative velocity w at t = 0 comes within d only
-//! if |r − w u| ≤ d + P + V s at u = t + s. So it never does if |r − w u| > d + P + V u for all u ≥ 0: a quadratic
-//! inequality. What grows with time at g is added to V.
+//! At the time t ≥ 0 of the line the aircraft is off the place p + v t by at most P and off the velocity v by at most V.
+//! An obstacle has the offset r and the relative velocity w at t = 0. A look ahead by s ≥ 0 from t finds it within d only
+//! if |r − w u| ≤ d + P + V s at u = t + s. So no look does if |r − w u| > d + P + V u for all u ≥ 0: a quadratic
+//! inequality. A distance that grows with time at a rate adds this rate to V.
 
 use crate::kept::block::Slot;
 use crate::quiet::LineAhead;
 use fga_proof::Vec3;
 
-/// Least and largest distance off the line, metres, and off its velocity, metres per second. Little is enough for most
-/// flights: a step is quiet only on the leg itself.
-const OFF_M: (f64, f64) = (4.0, 64.0);
-const OFF_MPS: (f64, f64) = (0.25, 4.0);
+/// Distance off the line, metres, and off its velocity, metres per second: enough for most flights, for a step is quiet only
+/// on the leg itself.
+const OFF_M: f64 = 4.0;
+const OFF_MPS: f64 = 0.25;
 
-/// Share of these at which the line is left: what remains is for rounding.
-const USED: f64 = 0.99;
-
-/// A line that was left after fewer seconds than this one is followed by a wider one, and by a narrower one
-/// after more than the other.
-const BRIEF_S: f64 = 5.0;
-const LONG_S: f64 = 60.0;
+/// The line is followed within this share of these distances: the rest is for rounding.
+const FOLLOWED_SHARE: f64 = 0.99;
 
 /// A line ends after this time, seconds: far ahead it is wide.
 const LONGEST_S: f64 = 300.0;
 
-/// Larger coordinates (metres), times (seconds) and speeds (metres per second) are rounded too much.
+/// Beyond these coordinates (metres), times (seconds) and speeds (metres per second) rounding could matter.
 const LARGEST: f64 = 1e9;
 const FASTEST_MPS: f64 = 1e3;
 
@@ -37,24 +32,11 @@ const MORE_MARGIN: (f64, f64) = (1.25, 1.0);
 pub(super) struct Line {
     ahead: LineAhead,
     since_s: f64,
-    off_m: f64,
-    off_mps: f64,
 }
 
 impl Line {
-    /// The line ahead; `last` is the one that ends.
-    pub(super) fn new(ahead: &LineAhead, time_s: f64, last: Option<&Self>) -> Self {
-        let factor = last.map_or(1.0, |last| {
-            let followed_s = time_s - last.since_s;
-            if (0.0..BRIEF_S).contains(&followed_s) {
-                2.0
-            } else if followed_s > LONG_S {
-                0.5
-            } else {
-                1.0
-            }
-        });
-        let (off_m, off_mps) = last.map_or((OFF_M.0, OFF_MPS.0), |last| (last.off_m, last.off_mps));
+    /// The line ahead.
+    pub(super) fn new(ahead: &LineAhead, time_s: f64) -> Self {
         let (share, more_m) = MORE_MARGIN;
         Self {
             ahead: LineAhead {
@@ -62,8 +44,6 @@ impl Line {
                 ..*ahead
             },
             since_s: time_s,
-            off_m: (factor * off_m).max(OFF_M.0).min(OFF_M.1),
-            off_mps: (factor * off_mps).max(OFF_MPS.0).min(OFF_MPS.1),
         }
     }
 
@@ -73,15 +53,15 @@ impl Line {
         let followed_s = time_s - self.since_s;
         let expected_m = from.position_m + from.velocity_mps * followed_s;
         (0.0..=LONGEST_S).contains(&followed_s)
-            && (now.position_m - expected_m).length() <= USED * self.off_m
-            && (now.velocity_mps - from.velocity_mps).length() <= USED * self.off_mps
+            && (now.position_m - expected_m).length() <= FOLLOWED_SHARE * OFF_M
+            && (now.velocity_mps - from.velocity_mps).length() <= FOLLOWED_SHARE * OFF_MPS
             && now.margin_m <= from.margin_m
             && now.sigmas == from.sigmas
             && now.horizon_s == from.horizon_s
     }
 
     /// Whether an obstacle may come near the line, or near the aircraft if it may turn.
-    pub(super) fn may_be_met_by(&self, slot: &Slot) -> bool {
+    pub(super) fn may_meet(&self, slot: &Slot) -> bool {
         let from = &self.ahead;
         let obstacle = slot.at(self.since_s);
         let velocity_mps = obstacle.velocity_mps;
@@ -97,11 +77,11 @@ impl Line {
         }
         let mut reach_m = from.reach_m(&obstacle);
         if obstacle.movement.bounds().is_some() {
-            let speed_mps = speeds_mps.0 + self.off_mps + speeds_mps.1;
+            let speed_mps = speeds_mps.0 + OFF_MPS + speeds_mps.1;
             reach_m = reach_m.max(from.near_m(&obstacle, speed_mps));
         }
-        let wide_m = reach_m + self.off_m;
-        let wider_mps = self.off_mps + from.sigmas * obstacle.uncertainty.velocity_mps;
+        let wide_m = reach_m + OFF_M;
+        let wider_mps = OFF_MPS + from.sigmas * obstacle.uncertainty.velocity_mps;
         let offset = obstacle.position_m - from.position_m;
         let relative = from.velocity_mps - velocity_mps;
         // |r − w u|² > (G + V u)²: c − 2 b u + a u² > 0.
@@ -179,18 +159,18 @@ mod tests {
                 horizon_s: 60.0,
             };
             let since_s = draw.within(-1e3, 1e3);
-            let line = Line::new(&from, since_s, None);
+            let line = Line::new(&from, since_s);
             let (obstacle, aside) = draw.just_clear(&line.ahead);
             kept.put(&obstacle, since_s).unwrap();
             let slot = kept.memory.slot(0).unwrap();
-            if line.may_be_met_by(slot) {
+            if line.may_meet(slot) {
                 continue;
             }
             clear += 1;
             for _ in 0..40 {
                 let followed_s = draw.within(-30.0, 330.0);
-                let off_m = aside * draw.within(-1.3, 1.3) * OFF_M.0;
-                let off_mps = aside * draw.within(-1.3, 1.3) * OFF_MPS.0;
+                let off_m = aside * draw.within(-1.3, 1.3) * OFF_M;
+                let off_mps = aside * draw.within(-1.3, 1.3) * OFF_MPS;
                 let now = LineAhead {
                     position_m: from.position_m + from.velocity_mps * followed_s + off_m,
                     velocity_mps: from.velocity_mps + off_mps,
@@ -200,7 +180,7 @@ mod tests {
                 let time_s = since_s + followed_s;
                 if line.is_followed(&now, time_s) {
                     states += 1;
-                    let met = now.may_meet_row(&slot.at(time_s));
+                    let met = now.may_meet(&slot.at(time_s));
                     assert!(!met, "{now:?} {:?} after {followed_s} s", slot.obstacle);
                 }
             }

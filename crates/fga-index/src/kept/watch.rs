@@ -1,15 +1,14 @@
-//! From when on an obstacle could be seen or reached: a bound on the closing speed.
+//! When could an obstacle be within surveillance or reach? A bound on the closing speed gives the moment.
 //!
-//! The watch has a clock of its own, which passes as fast as the situation's or as the aircraft covers its distance at
-//! the watch's speed, whichever is more. So in a second of it the aircraft and an obstacle close by no more than a
-//! second at the sum of their speeds, whatever the aircraft flies, and a jump of the position or of the situation's clock only
-//! makes it pass faster.
+//! The clock of the watch passes with the situation's clock, or with the distance that the aircraft covers at the watch's
+//! speed, whichever is more. So in a second of this clock the aircraft and an obstacle close by at most a second at the sum
+//! of their speeds, whatever the aircraft flies. A jump of the position or of the situation's clock makes this clock pass faster.
 
 use crate::kept::block::{ALWAYS, Slot};
 use crate::situation::Situation;
 use fga_proof::Vec3;
 
-/// Share added to distances and times for rounding: a million times more than it is.
+/// Share added to distances and times for rounding: a million times what rounding takes.
 const ROUNDING: f64 = 1e-9;
 
 /// Distance added for rounding, metres.
@@ -18,7 +17,7 @@ const ROUNDING_M: f64 = 1e-6;
 /// Time added at each reading of the clock for rounding, seconds.
 const ROUNDING_S: f64 = 1e-11;
 
-/// The clock starts again at this time, seconds: so long a double counts in steps of [`ROUNDING_S`].
+/// The clock starts again at this time, seconds: up to it a double resolves [`ROUNDING_S`].
 const LONGEST_S: f64 = 1e5;
 
 /// An obstacle that could matter sooner than this is looked at in every step, seconds.
@@ -116,5 +115,66 @@ impl Watch {
             ALWAYS
         };
         (due_s, false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kept::Kept;
+    use crate::kept::block::Block;
+    use crate::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume};
+
+    /// An aircraft of 10 m/s at a time and a place: the watch allows for 13 m/s and 2 m/s of wind.
+    fn flying(time_s: f64, x_m: f64, airspeed_mps: f64) -> Situation<'static> {
+        Situation {
+            time_s,
+            ownship: Ownship {
+                position_m: Vec3::new(x_m, 0.0, 0.0),
+                airspeed_mps,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            obstacles: Obstacles::Rows(&[]),
+            mission: Mission::new(&[]),
+            wind_mps: Vec3::ZERO,
+        }
+    }
+
+    #[test]
+    fn the_clock_passes_with_time_or_with_the_way_of_the_aircraft() {
+        let limits = (1000.0, 60.0);
+        let mut watch = Watch::new(&flying(0.0, 0.0, 10.0), limits);
+        for (time_s, x_m, clock_s) in [(5.0, 50.0, 5.0), (6.0, 200.0, 15.0), (4.0, 200.0, 17.0)] {
+            assert!(watch.pass(&flying(time_s, x_m, 10.0), limits));
+            assert!((watch.clock_s - clock_s).abs() < 1e-6, "{watch:?}");
+        }
+        // Faster than the watch allows for, or with another radius, all obstacles need a look.
+        assert!(!watch.pass(&flying(5.0, 200.0, 14.0), limits));
+        assert!(!watch.pass(&flying(5.0, 200.0, 14.0), (2000.0, 60.0)));
+    }
+
+    /// 1,500 m beyond surveillance, closed at 15 m/s by the aircraft and at 5 m/s by what flies.
+    #[test]
+    fn an_obstacle_needs_a_look_once_it_could_have_come() {
+        let watch = Watch::new(&flying(0.0, 0.0, 10.0), (1000.0, 60.0));
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        let mut next_s = |away_m: f64, movement: Movement| {
+            let (place_m, velocity_mps) = (Vec3::new(away_m, 0.0, 0.0), Vec3::new(0.0, 5.0, 0.0));
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let mut obstacle = Obstacle::straight(1, place_m, velocity_mps, volume);
+            obstacle.movement = movement;
+            kept.put(&obstacle, 0.0).unwrap();
+            watch.next_s(kept.memory.slot(0).unwrap(), place_m, Vec3::ZERO, 0.0)
+        };
+        for (movement, wait_s) in [(Movement::AtRest, 100.0), (Movement::Straight, 75.0)] {
+            let (due_s, is_near) = next_s(2500.0, movement);
+            assert!(!is_near && (due_s - wait_s).abs() < 1e-4, "{due_s}");
+        }
+        assert_eq!(next_s(900.0, Movement::Straight), (ALWAYS, true));
+        // What could come within a second needs a look in each step.
+        assert_eq!(next_s(1010.0, Movement::Straight), (ALWAYS, false));
     }
 }

@@ -276,6 +276,33 @@ impl PaperPilot {
         self.choose_direction(situation, now, edition, 0.0, Reason::ManeuverReplaced)
     }
 
+    /// Points of the mission ahead of the aircraft, nearest first: every `spacing_m` along the present leg, then the
+    /// waypoints. Returns the number of filled `points`.
+    fn points_ahead(
+        &self,
+        situation: &Situation<'_>,
+        spacing_m: f64,
+        points: &mut [Vec3; MAX_POINTS],
+    ) -> usize {
+        let leg = self.progress.leg(&MotionState::of(&situation.ownship));
+        let from_m = leg.position(situation.ownship.position_m, 0.0).along_m;
+        // The last ones are the waypoints'.
+        let along = (1u32..)
+            .map(|k| from_m + f64::from(k) * spacing_m)
+            .take(MAX_POINTS * 2 / 3)
+            .take_while(|along_m| *along_m < leg.length_m)
+            .map(|along_m| leg.point_m(along_m));
+        let waypoints = situation.mission.waypoints_m.iter().copied();
+        let ahead = along.chain(waypoints.skip(self.progress.index() + 1));
+        points
+            .iter_mut()
+            .zip(ahead)
+            .fold(0, |count, (slot, point)| {
+                *slot = point;
+                count + 1
+            })
+    }
+
     /// Algorithm 3: the next point of the mission that a Dubins path reaches.
     fn back_to_waypoint(
         &mut self,
@@ -286,12 +313,7 @@ impl PaperPilot {
         let own = situation.ownship;
         let radius_m = self.flyer.turn_radius_m();
         let mut points = [Vec3::ZERO; MAX_POINTS];
-        let count = self.progress.points_ahead(
-            &situation.mission,
-            own.position_m,
-            2.0 * radius_m,
-            &mut points,
-        );
+        let count = self.points_ahead(situation, 2.0 * radius_m, &mut points);
         let margin_m = match edition {
             Edition::Corrected => self.settings.margin_m,
             // Every waypoint passes line 4 as printed.

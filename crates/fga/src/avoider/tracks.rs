@@ -428,7 +428,7 @@ impl Tracks {
         sigmas: f64,
     ) {
         let before = self.begin(situation, sigmas);
-        let others = kept.each_near(situation, limits, |obstacle| {
+        let others = kept.for_each_near(situation, limits, |obstacle| {
             self.consider(situation, obstacle, limits);
         });
         self.seen = self.seen.saturating_add(others);

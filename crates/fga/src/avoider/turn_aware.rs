@@ -122,7 +122,9 @@ impl Avoider {
         kept: Option<&mut Kept<'_>>,
     ) -> Option<Decision> {
         let horizon_s = self.settings.horizon_s;
-        let course_rad = self.progress.straight_on_rad(now, &self.flyer, horizon_s)?;
+        let course_rad = self
+            .progress
+            .straight_course_rad(now, &self.flyer, horizon_s)?;
         let line = LineAhead {
             position_m: now.position_m,
             velocity_mps: self.ours_mps,
@@ -133,7 +135,7 @@ impl Avoider {
         };
         let is_clear = match kept {
             None => line.is_clear_of(&situation.obstacles),
-            Some(kept) => kept.is_clear_of(&line, situation),
+            Some(kept) => kept.is_clear_of(&line),
         };
         is_clear.then(|| {
             let command = Maneuver::turn(0.0, course_rad, now.climb_rad);

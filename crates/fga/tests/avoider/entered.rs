@@ -2,18 +2,13 @@
 
 use fga::Vec3;
 use fga::avoider::{Decision, Start, State};
-use fga::mission::Progress;
-use fga::mission::join::JoinLimits;
+use fga::meter::Meter;
+use fga::mission::{Progress, Route};
 use fga::prediction::{Flyer, MotionState};
 use fga::situation::Mission;
 
 use crate::flight::{planar, sphere};
 use crate::policies::{avoider, settings};
-
-const LIMITS: JoinLimits = JoinLimits {
-    intercept_rad: 0.52,
-    climb_limits_rad: (0.0, 0.0),
-};
 
 /// The corner is so sharp that the way onto the second leg is a turn round to its beginning; the vehicle flies its own turn.
 #[test]
@@ -24,7 +19,13 @@ fn a_leg_that_the_vehicle_has_entered_by_itself_is_joined_ahead() {
         Vec3::new(-3000.0, 0.0, 0.0),
     ];
     let mission = Mission::new(&waypoints_m);
-    let flyer = Flyer::new(&planar());
+    let route = Route {
+        mission: &mission,
+        flyer: &Flyer::new(&planar()),
+        wind_mps: Vec3::ZERO,
+        climb_limits_rad: (0.0, 0.0),
+        meter: &Meter::unlimited(),
+    };
     let at = |x_m: f64, y_m: f64, course_deg: f64| MotionState {
         time_s: 0.0,
         position_m: Vec3::new(x_m, y_m, 0.0),
@@ -44,12 +45,12 @@ fn a_leg_that_the_vehicle_has_entered_by_itself_is_joined_ahead() {
             (67.0, at(1001.0, 0.0, 0.0)),
             (90.0, at(500.0, y_m, course_deg)),
         ] {
-            progress.update(&mission, &state, &flyer, Vec3::ZERO, (time_s, (0.0, 0.0)));
+            progress.update(&route, &state, time_s);
         }
         assert_eq!(progress.index(), 1);
         let state = at(500.0, y_m, course_deg);
-        let (join, _) = progress
-            .way_back(&mission, &state, &flyer, &LIMITS, 0)
+        let join = progress
+            .way_back(&route, &state, 0.52, 0)
             .expect("a way back");
         assert_eq!(
             join.along_m > 500.0,

@@ -107,9 +107,7 @@ impl Avoider {
         plan: &Plan,
     ) -> Option<Plan> {
         let left_s = plan.joined_s - situation.time_s;
-        let may_come_sooner = plan.next_start_s.is_none()
-            && left_s - self.progress.least_s_onto_leg(now, &self.flyer) >= SOONER_S;
-        if !may_come_sooner {
+        if plan.next_start_s.is_some() || left_s < SOONER_S {
             return None;
         }
         let before = (self.progress, self.returned);

@@ -5,15 +5,14 @@ use core::f64::consts::PI;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Avoider, Plan, Returned};
-use crate::certificate::{Hazard, Line, mark_close};
+use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::mission::join::{Join, JoinLimits};
+use crate::mission::Join;
 use crate::mission::leg::Leg;
-use crate::mission::{Bend, Progress, Turns, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
-use crate::situation::{Mission, Situation};
+use crate::situation::Situation;
 
 use super::{Answer, ENOUGH_M, NEXT_ENCOUNTER_S};
 
@@ -28,9 +27,6 @@ const SHALLOW_RAD: f64 = 0.5;
 
 /// A way back may skip a leg only this long after the avoidance began, seconds.
 const SKIP_AFTER_S: f64 = 4.0;
-
-/// Another intercept angle is chosen if its way departs less by this share.
-const CLEARLY_NEARER: f64 = 0.9;
 
 /// Longest flight at a shallow intercept angle, seconds.
 const SHALLOW_S: f64 = 15.0;
@@ -52,9 +48,6 @@ const AWAY: [(f64, f64); 6] = [
     (PI, 18.0),
     (0.0, 36.0),
 ];
-
-/// A way that is not flown leads hardly farther than this from where it seems to, turn radii: without bank lag and with it.
-const ROUGHLY: [f64; 2] = [0.002, 0.02];
 
 /// Memory of a way back: one that led back to the same obstacle is not repeated within this time,
 /// seconds.
@@ -110,16 +103,6 @@ const fn place_of(look: usize) -> usize {
     }
 }
 
-/// From which intercept angle on a way onto the leg that begins at waypoint `index` is the same, radians. A larger one may
-/// lead onto a leg before it, if there is one after the present one.
-const fn same_from_rad(way: &Way, index: usize, present: usize) -> f64 {
-    if index == present {
-        way.shot.same_from_rad
-    } else {
-        f64::INFINITY
-    }
-}
-
 impl Avoider {
     /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`. Does not look at
     /// one that seems to join the mission after `latest_s`.
@@ -140,7 +123,6 @@ impl Avoider {
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
-        let mission = &situation.mission;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let waited_s = situation.time_s - plan.start_s;
         let skips = waited_s >= SKIP_AFTER_S;
@@ -153,29 +135,17 @@ impl Avoider {
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
-        let intercepts_rad: &[f64] = match (is_any, latest_s < f64::INFINITY) {
-            (true, true) => core::slice::from_ref(&flown_rad),
-            (true, false) => &INTERCEPTS_RAD,
-            (false, _) => core::slice::from_ref(&intercept_rad),
-        };
-        let mut way = Way::default();
-        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad, &mut way);
-        let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
-        let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
-        let target_m = demand.margin_m;
-        if detour.is_none() && (is_late || nearest.is_some() && self.is_blocked(&way, target_m)) {
-            return None;
-        }
-        let limits = JoinLimits {
-            intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
-            climb_limits_rad: self.climb_limits_rad(),
+        let asked_rad = if is_any && latest_s.is_finite() {
+            flown_rad
+        } else {
+            intercept_rad
         };
         let before = self.progress;
-        let way = self.on_mission(|progress, flyer| {
-            progress.way_back(mission, &from, flyer, &limits, skipped)
+        let way = self.on_mission(situation, |progress, route| {
+            progress.way_back(route, &from, asked_rad, skipped)
         });
         let is_near = |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
-        let mut way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
+        let mut way = way.filter(|joined| joined.is_on_leg() && (is_any || is_near(joined)));
         // Straight to the next waypoint, as if the mission began here: no leg could be joined for long.
         for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any && given_up > 0) {
             if way.is_some() {
@@ -183,10 +153,16 @@ impl Avoider {
             }
             first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
             let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
-            way = self.on_mission(|progress, flyer| progress.way_from_here(mission, &from, flyer));
+            way = self.on_mission(situation, |progress, route| {
+                progress.direct_way(route, &from)
+            });
         }
-        let (joined, index) = way?;
-        let back = self.fly_back(&first, (&joined, index), plan, (situation, now), rung);
+        let joined = way?;
+        if situation.time_s + joined.joined_s > latest_s {
+            self.progress = before;
+            return None;
+        }
+        let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices.
         let is_robust = |avoider: &mut Self, back: &Plan| {
             let back = &back.maneuver;
@@ -197,8 +173,7 @@ impl Avoider {
             self.progress = before;
             return None;
         };
-        let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
-        self.return_to(index, plan, (joined.joined_s, late_s), (situation, now));
+        self.return_to(&joined, plan, (situation, now));
         Some(back)
     }
 
@@ -207,7 +182,7 @@ impl Avoider {
     fn fly_back(
         &mut self,
         first: &Maneuver,
-        (joined, index): (&Join, usize),
+        joined: &Join,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
         rung: usize,
@@ -217,23 +192,17 @@ impl Avoider {
             ..self.demand_of(rung)
         };
         let leg = self.progress.leg(now);
-        let gained_m = if index == self.progress.index() {
+        let gained_m = if joined.index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
         } else {
             f64::INFINITY
         };
         let mut maneuver = *first;
-        for stage in joined.maneuver.stages() {
+        for stage in joined.stages() {
             maneuver.push(*stage);
         }
-        let bend = Bend {
-            index,
-            straight_s: joined.joined_s,
-            along_m: joined.along_m,
-        };
-        self.on_mission(|progress, flyer| {
-            let mission = &situation.mission;
-            progress.round_corners(mission, flyer, far.horizon_s, &mut maneuver, bend)
+        self.on_mission(situation, |progress, route| {
+            progress.round_corners(route, far.horizon_s, &mut maneuver, joined)
         });
         let mut back = Plan {
             maneuver,
@@ -266,100 +235,21 @@ impl Avoider {
         }
     }
 
-    /// How much later than it seemed to the last way back joined the mission, seconds.
-    fn late_s(&self) -> f64 {
-        self.returned.map_or(0.0, |returned| returned.late_s)
-    }
-
-    /// Whether a way back leads into an obstacle, wherever in its neighbourhood it lies.
-    fn is_blocked(&self, way: &Way, target_m: f64) -> bool {
-        let [ideal, lagged] = ROUGHLY;
-        let radii = if self.flyer.is_ideal() { ideal } else { lagged };
-        let inside_m = target_m - radii * self.flyer.turn_radius_m();
-        let hazards = self.tracks.hazards().rows();
-        way.lines().any(|(line, bow_m)| {
-            let duration_s = line.duration_s.min(self.far_s - line.at_s);
-            if duration_s <= 0.0 || !self.meter.take(hazards.len()) {
-                return false;
-            }
-            let line = Line { duration_s, ..line };
-            let into = |hazard: &Hazard| hazard.least_on_line(&line, inside_m - bow_m, &self.meter);
-            hazards.iter().any(|hazard| into(hazard).is_some())
-        })
-    }
-
     /// Remembers a chosen way back and goes on to its leg.
     fn return_to(
         &mut self,
-        leg: usize,
+        joined: &Join,
         plan: &Plan,
-        (joined_s, late_s): (f64, f64),
         (situation, now): (&Situation<'_>, &MotionState),
     ) {
         self.returned = Some(Returned {
             against: plan.against,
-            leg,
-            time_s: situation.time_s + joined_s,
-            late_s,
+            leg: joined.index,
+            time_s: situation.time_s + joined.joined_s,
         });
-        let mission = &situation.mission;
-        self.on_mission(|progress, flyer| progress.advance_to(leg, mission, now, flyer));
-    }
-
-    /// Of the ways onto the mission at some intercept angles the one that departs least, with its angle and the index of the
-    /// leg's first waypoint; the first, preferred one, unless another is clearly nearer.
-    fn nearest_way_back(
-        &mut self,
-        mission: &Mission<'_>,
-        from: &MotionState,
-        skipped: usize,
-        intercepts_rad: &[f64],
-        nearest: &mut Way,
-    ) -> Option<(f64, usize)> {
-        let climb_limits_rad = self.climb_limits_rad();
-        let is_only = intercepts_rad.len() == 1;
-        let look = |progress: &mut Progress, turns: &Turns<'_>| {
-            let mut other = Way::default();
-            let mut best: Option<(f64, (f64, usize))> = None;
-            for intercept_rad in intercepts_rad {
-                let most_m = best.map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
-                let same_from_rad = best.map_or(f64::INFINITY, |(_, (_, index))| {
-                    same_from_rad(nearest, index, progress.index())
-                });
-                if *intercept_rad >= same_from_rad {
-                    continue;
-                }
-                let limits = JoinLimits {
-                    intercept_rad: *intercept_rad,
-                    climb_limits_rad,
-                };
-                if !progress.may_measure(mission, skipped) {
-                    break;
-                }
-                let way = if best.is_none() {
-                    &mut *nearest
-                } else {
-                    &mut other
-                };
-                let asked = (&limits, skipped);
-                let found = progress.way_back_roughly(mission, from, turns, asked, way);
-                let Some(index) = found else { continue };
-                let away_m = if is_only {
-                    0.0
-                } else {
-                    progress.departure_m(mission, (way, index), most_m)
-                };
-                if best.is_some() {
-                    if away_m >= most_m {
-                        continue;
-                    }
-                    *nearest = other;
-                }
-                best = Some((away_m, (*intercept_rad, index)));
-            }
-            best.map(|(_, found)| found)
-        };
-        self.on_mission(|progress, flyer| progress.with_turns(flyer, from, look))
+        self.on_mission(situation, |progress, route| {
+            progress.advance_to(route, now, joined.index);
+        });
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
@@ -486,43 +376,6 @@ impl Avoider {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
-    use crate::avoider::Settings;
-    use crate::situation::{Obstacles, Ownship};
-    use crate::vehicle::Vehicle;
-
-    const WAYPOINTS_M: [Vec3; 3] = [
-        Vec3::ZERO,
-        Vec3::new(300.0, 0.0, 0.0),
-        Vec3::new(300.0, 900.0, 0.0),
-    ];
-
-    /// Aircraft at places beside the first leg of a mission with two, on their way alone.
-    fn on_their_way(mut look: impl FnMut(Avoider, &Mission<'_>, &MotionState)) {
-        let mission = Mission::new(&WAYPOINTS_M);
-        for lag_s in [0.0, 0.6] {
-            for case in 0..200_u32 {
-                let mut avoider =
-                    Avoider::new(Settings::default(), Vehicle::lagged(lag_s)).unwrap();
-                let part = f64::from(case) / 200.0;
-                let ownship = Ownship {
-                    position_m: Vec3::new(60.0 + 200.0 * part, 120.0 * (17.0 * part).sin(), 0.0),
-                    airspeed_mps: avoider.vehicle().airspeed_mps,
-                    course_rad: 6.0 * (31.0 * part).sin(),
-                    climb_rad: 0.0,
-                    bank_rad: 0.0,
-                };
-                avoider.step(&Situation {
-                    time_s: 0.0,
-                    ownship,
-                    obstacles: Obstacles::Rows(&[]),
-                    mission,
-                    wind_mps: Vec3::ZERO,
-                });
-                look(avoider, &mission, &MotionState::of(&ownship));
-            }
-        }
-    }
 
     /// An earlier version derived the angle from the cycle: at one period in four each look had the same.
     #[test]
@@ -533,25 +386,5 @@ mod tests {
             looks.for_each(|cycle| of_place[place_of((cycle / every) as usize)] += 1);
             assert_eq!(of_place, [100, 20, 20, 20, 20, 20], "{every}");
         }
-    }
-
-    /// The nearest way belongs to the angle told with it. A later way may be nearer than the first.
-    #[test]
-    fn the_nearest_way_back_is_that_of_its_angle() {
-        let mut others = 0;
-        on_their_way(|mut avoider, mission, state| {
-            let (mut way, mut same) = (Way::default(), Way::default());
-            let all = &INTERCEPTS_RAD;
-            let found = avoider.nearest_way_back(mission, state, 1, all, &mut way);
-            let Some((intercept_rad, index)) = found else {
-                return;
-            };
-            others += u32::from(intercept_rad != all[0]);
-            let alone = [intercept_rad];
-            let found = avoider.nearest_way_back(mission, state, 1, &alone, &mut same);
-            assert_eq!(found, Some((intercept_rad, index)), "{state:?}");
-            assert_eq!(way.end(), same.end(), "{state:?}");
-        });
-        assert!(others > 10, "{others} ways of another angle than the first");
     }
 }

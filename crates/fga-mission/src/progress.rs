@@ -1,0 +1,498 @@
+//! Which leg does the aircraft fly, and which command along it?
+
+use crate::corner::{Corner, INTERCEPT_RAD, LONG_RADII, corner};
+use crate::join::{Join, is_on_leg, join};
+use crate::leg::Leg;
+use crate::restart::Restart;
+use crate::route::{Legs, Route};
+use crate::turn_round::turn_round;
+use crate::way_back::{LEG, MOST_LEGS};
+use fga_proof::Vec3;
+use fga_proof::angle::{course_of, wrap_pi};
+use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::prediction::{Flyer, MotionState, flown};
+
+/// Stages that corners leave free for the turns of an avoidance.
+const ROOM_TO_AVOID: usize = 2;
+
+/// A turn round is planned again once the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`].
+const OFF_TURN_RADII: f64 = 0.2;
+
+/// An aircraft past the beginning of a leg has entered it within this distance and angle: turn radii and radians (11°). The
+/// larger distance holds near the beginning while no turn round is in progress: an obstacle may stand there, and from 1.5 radii
+/// aside two turns of 2.6 radii lead onto the leg, where a circle takes 6.3.
+const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
+const ENTERED_RAD: f64 = 0.2;
+
+/// A turn round in progress.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Turn {
+    join: Join,
+    from: MotionState,
+    /// Its start, seconds on the situation's clock.
+    begun_s: f64,
+}
+
+/// Where the aircraft is in its mission: the present leg, and the corner at its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Index of the waypoint at the start of the leg.
+    pub(crate) index: usize,
+    pub(crate) leg: Option<Leg>,
+    pub(crate) corner: Option<Corner>,
+    /// Whether the aircraft must still enter the leg at its beginning, by a turn round.
+    pub(crate) is_unentered: bool,
+    turn: Option<Turn>,
+    time_s: f64,
+    /// Airspeed, metres per second, and wind, for which leg and corner are laid; and the climb limits, radians.
+    air: (f64, Vec3),
+    climb_limits_rad: (f64, f64),
+    pub(crate) is_complete: bool,
+    /// Whether the meter refused the corner: the next step plans it.
+    is_cut: bool,
+    /// The leg that begins at a place of the aircraft, not at its waypoint.
+    pub(crate) restart: Option<Restart>,
+    /// Passes aside of the last waypoint since the nearest one, and the distance of that one, metres.
+    pub(crate) passes: u8,
+    pub(crate) nearest_m: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Progress {
+    /// At the start of an unknown mission.
+    pub const fn new() -> Self {
+        Self {
+            index: 0,
+            leg: None,
+            corner: None,
+            is_unentered: false,
+            turn: None,
+            time_s: 0.0,
+            air: (0.0, Vec3::ZERO),
+            climb_limits_rad: (0.0, 0.0),
+            is_complete: false,
+            is_cut: false,
+            restart: None,
+            passes: 0,
+            nearest_m: f64::INFINITY,
+        }
+    }
+
+    /// Index of the waypoint at the start of the leg.
+    pub const fn index(&self) -> usize {
+        self.index
+    }
+
+    /// Whether the aircraft passed the last waypoint.
+    pub const fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// The present leg; before the first [`Self::update`] straight on.
+    pub fn leg(&self, state: &MotionState) -> Leg {
+        let ahead = || Leg::endless(state.position_m, state.course_rad, self.air);
+        self.leg.unwrap_or_else(ahead)
+    }
+
+    /// Whether the wind is too strong to fly along the present leg.
+    pub fn is_adrift(&self) -> bool {
+        let leg = self.leg.filter(|_| !self.is_complete);
+        leg.is_some_and(|leg| !leg.can_be_flown())
+    }
+
+    pub(crate) fn legs<'a>(&self, route: &'a Route<'a>) -> Legs<'a> {
+        Legs {
+            route,
+            course_rad: self.leg.map_or(0.0, |leg| leg.course_rad),
+            restart: self.restart,
+        }
+    }
+
+    /// Distance before the corner, or before the leg's end, metres.
+    fn left_m(&self, leg: &Leg, state: &MotionState) -> f64 {
+        let lead_m = self.corner.map_or(0.0, |corner| corner.lead_m);
+        leg.length_m - lead_m - leg.position(state.position_m, state.time_s).along_m
+    }
+
+    /// Advances to the leg for a state at a time on the situation's clock, seconds.
+    pub fn update(&mut self, route: &Route<'_>, state: &MotionState, time_s: f64) {
+        let passed_s = time_s - self.time_s;
+        self.time_s = time_s;
+        let laid_for = (route.air(), route.climb_limits_rad);
+        if self.leg.is_none() || self.is_cut || laid_for != (self.air, self.climb_limits_rad) {
+            (self.air, self.climb_limits_rad) = laid_for;
+            if !self.is_complete {
+                self.load(route, state);
+            }
+        }
+        self.update_turn(route, state);
+        while let (Some(leg), false, false) = (self.leg, self.is_complete, self.is_unentered) {
+            let is_over = self.left_m(&leg, state) <= 0.0;
+            let goes_on = is_over && !self.returns_over_waypoint(route, (&leg, state), passed_s);
+            if !goes_on || self.is_cut || route.meter.is_met() {
+                break;
+            }
+            let next = self
+                .corner
+                .map(|corner| (corner.join.index, corner.is_turn_round));
+            let (index, is_unentered) = next.unwrap_or((self.index + 1, false));
+            self.go_to(route, state, index, is_unentered);
+        }
+        if self.is_adrift() {
+            self.restart_here(route, state);
+        }
+    }
+
+    /// Lays the leg and the corner.
+    fn load(&mut self, route: &Route<'_>, state: &MotionState) {
+        let legs = self.legs(route);
+        self.is_cut = !route.meter.take(LEG);
+        self.leg = legs.leg(self.index);
+        self.corner = self
+            .leg
+            .filter(|_| !self.is_cut)
+            .and_then(|leg| corner(&legs, self.index, &leg));
+        self.is_cut |= route.meter.is_spent();
+        if self.leg.is_none() {
+            // Past the last waypoint, or no mission: hold course and height from here.
+            self.is_complete = true;
+            self.leg = Some(Leg::endless(state.position_m, state.course_rad, self.air));
+        }
+    }
+
+    pub(crate) fn go_to(
+        &mut self,
+        route: &Route<'_>,
+        state: &MotionState,
+        index: usize,
+        is_unentered: bool,
+    ) {
+        self.index = index;
+        self.is_unentered = is_unentered;
+        self.turn = None;
+        self.load(route, state);
+    }
+
+    /// Advances to the leg that begins at a waypoint.
+    pub fn advance_to(&mut self, route: &Route<'_>, state: &MotionState, index: usize) {
+        if index > self.index && !self.is_complete {
+            self.go_to(route, state, index, false);
+        }
+    }
+
+    /// Whether the aircraft flies along the leg, past its beginning and near it.
+    fn has_entered(&self, leg: &Leg, state: &MotionState, radius_m: f64) -> bool {
+        let position = leg.position(state.position_m, state.time_s);
+        let [beside, alone] = ENTERED_RADII;
+        let is_begun = position.along_m > LONG_RADII * radius_m;
+        let within = if self.turn.is_some() || is_begun {
+            beside
+        } else {
+            alone
+        };
+        position.along_m > 0.0
+            && position.cross_m.abs() < within * radius_m
+            && leg.turn_onto_rad(state).abs() < ENTERED_RAD
+    }
+
+    /// Ends a turn round that has arrived, and drops one that the aircraft does not follow.
+    fn update_turn(&mut self, route: &Route<'_>, state: &MotionState) {
+        let Some(leg) = self.leg.filter(|_| self.is_unentered) else {
+            return;
+        };
+        let radius_m = route.radius_m();
+        if is_on_leg(&leg, state) || self.has_entered(&leg, state, radius_m) {
+            self.turn = None;
+            self.is_unentered = false;
+        } else if let Some(turn) = self.turn {
+            let since_s = self.time_s - turn.begun_s;
+            let maneuver = turn.join.maneuver();
+            let there = flown(route.flyer, &turn.from, &maneuver, since_s, route.meter);
+            if route.meter.is_spent() {
+                return;
+            }
+            let planned_m = there.position_m + route.wind_mps * since_s;
+            let off_m = planned_m.distance(state.position_m);
+            let is_followed = off_m <= OFF_TURN_RADII * radius_m && since_s >= 0.0;
+            let has_arrived = since_s >= turn.join.joined_s - 1e-9;
+            if !is_followed || has_arrived {
+                self.turn = None;
+                self.is_unentered &= !is_followed;
+            }
+        }
+    }
+
+    /// How long the leg leads straight on from a state, seconds: until its corner or its end; 0 off the leg.
+    pub fn straight_for_s(&self, state: &MotionState) -> f64 {
+        let leg = self
+            .leg
+            .filter(|leg| !self.is_unentered && is_on_leg(leg, state));
+        leg.map_or(0.0, |leg| self.left_m(&leg, state) / leg.ground_speed_mps)
+    }
+
+    /// The course to hold if the aircraft is on its leg and no corner comes within `horizon_s`.
+    pub fn straight_course_rad(
+        &self,
+        state: &MotionState,
+        flyer: &Flyer,
+        horizon_s: f64,
+    ) -> Option<f64> {
+        let leg = self
+            .leg
+            .filter(|leg| !self.is_unentered && is_on_leg(leg, state))?;
+        let is_straight = self.corner.is_none() || self.straight_for_s(state) > horizon_s;
+        (is_straight && flyer.is_level_at(state))
+            .then(|| state.course_rad + leg.turn_onto_rad(state))
+    }
+
+    /// The guidance along the mission from a state: onto the leg, and round the corners up to
+    /// `horizon_s`, with the moment from which it is straight.
+    pub fn guidance(
+        &mut self,
+        route: &Route<'_>,
+        state: &MotionState,
+        horizon_s: f64,
+    ) -> (Maneuver, f64) {
+        let onto = self.capture(route, state);
+        let mut maneuver = onto.maneuver();
+        let straight_s = self.round_corners(route, horizon_s, &mut maneuver, &onto);
+        (maneuver, straight_s.unwrap_or(onto.joined_s))
+    }
+
+    /// The way onto the leg, or along it.
+    fn capture(&mut self, route: &Route<'_>, state: &MotionState) -> Join {
+        let leg = self.leg(state);
+        if let Some(turn) = self.turning(route, state) {
+            return turn;
+        }
+        if self.is_adrift() {
+            let into_wind_rad = wrap_pi(course_of(-route.wind_mps) - state.course_rad);
+            let mut held = Join::new(self.index, 0.0);
+            held.push(Stage {
+                start_s: 0.0,
+                course_rad: state.course_rad + into_wind_rad,
+                climb_rad: 0.0,
+                rate_share: 1.0,
+            });
+            return held;
+        }
+        if is_on_leg(&leg, state) {
+            let along_m = leg.position(state.position_m, state.time_s).along_m;
+            let mut held = Join::new(self.index, along_m);
+            let course_rad = state.course_rad + leg.turn_onto_rad(state);
+            held.push(route.stage(0.0, course_rad, &leg));
+            return held;
+        }
+        let found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
+        let found = found.or_else(|| self.direct_way(route, state));
+        if let Some(joined) = &found {
+            self.advance_to(route, state, joined.index);
+        }
+        found.unwrap_or_else(|| join(route, (self.index, &leg), state, INTERCEPT_RAD))
+    }
+
+    /// The rest of the turn round to the beginning of the leg; it begins now if none is in progress.
+    fn turning(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
+        let leg = self.leg.filter(|_| self.is_unentered)?;
+        let begins = || {
+            let join = turn_round(route, (self.index, &leg), state)?;
+            Some(Turn {
+                join,
+                from: *state,
+                begun_s: self.time_s,
+            })
+        };
+        self.turn = self.turn.or_else(begins);
+        let turn = self.turn?;
+        let since_s = self.time_s - turn.begun_s;
+        let mut rest = Join::new(turn.join.index, turn.join.along_m);
+        for stage in turn.join.maneuver().after(since_s).stages() {
+            rest.push(*stage);
+        }
+        rest.joined_s = turn.join.joined_s - since_s;
+        Some(rest)
+    }
+
+    /// Appends the corners up to `horizon_s` to a manoeuvre that flies along a leg once it has joined it.
+    /// Returns the moment from which it is straight, `None` without a corner.
+    pub fn round_corners(
+        &self,
+        route: &Route<'_>,
+        horizon_s: f64,
+        maneuver: &mut Maneuver,
+        joined: &Join,
+    ) -> Option<f64> {
+        let legs = self.legs(route);
+        let (mut straight_s, mut along_m) = (joined.joined_s, joined.along_m);
+        let mut turned = None;
+        let laid = |index: usize| {
+            let leg = legs.leg(index)?;
+            Some((leg, corner(&legs, index, &leg)))
+        };
+        let (mut leg, mut ahead) = if joined.index == self.index {
+            (self.leg?, self.corner)
+        } else {
+            laid(joined.index)?
+        };
+        let after_s = |leg: &Leg, left_m: f64| left_m / leg.ground_speed_mps.max(f64::MIN_POSITIVE);
+        while let Some(here) = ahead {
+            let left_m = leg.length_m - here.lead_m - along_m;
+            let corner_s = straight_s + after_s(&leg, left_m).max(0.0);
+            let stages = here.join.stages();
+            // Corners beyond the room are for a later cycle: straight on is also a complete flight.
+            let is_full = maneuver.room() < stages.len() + ROOM_TO_AVOID;
+            if corner_s > horizon_s || is_full || route.meter.is_met() {
+                break;
+            }
+            let onto_rad = maneuver.stages().last()?.course_rad - leg.air_course_rad;
+            for stage in stages {
+                maneuver.push(Stage {
+                    start_s: corner_s + stage.start_s,
+                    course_rad: onto_rad + stage.course_rad,
+                    ..*stage
+                });
+            }
+            straight_s = corner_s + here.join.joined_s;
+            turned = Some(straight_s);
+            along_m = here.join.along_m;
+            (leg, ahead) = laid(here.join.index)?;
+        }
+        let end_s = straight_s + after_s(&leg, leg.length_m - along_m);
+        let is_sloped_end = ahead.is_none() && leg.climb_rad != 0.0 && end_s < horizon_s;
+        if is_sloped_end && maneuver.room() > ROOM_TO_AVOID {
+            // Beyond the last waypoint it flies level.
+            maneuver.push(Stage {
+                start_s: end_s.max(straight_s),
+                climb_rad: 0.0,
+                ..*maneuver.stages().last()?
+            });
+        }
+        turned
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::table_4;
+
+    const WAYPOINTS_M: [(f64, f64); 3] = [(0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0)];
+
+    fn at(x_m: f64, y_m: f64, course_rad: f64) -> MotionState {
+        MotionState {
+            position_m: Vec3::new(x_m, y_m, 0.0),
+            course_rad,
+            ..MotionState::ahead(0.0)
+        }
+    }
+
+    /// The right angle is turned from 30 m before the waypoint on.
+    #[test]
+    fn a_leg_is_over_where_its_corner_begins() {
+        table_4(&WAYPOINTS_M, |route| {
+            let mut progress = Progress::new();
+            for (x_m, index, left_s) in [(100.0, 0, 58.0), (969.0, 0, 1.0 / 15.0), (971.0, 1, 0.0)]
+            {
+                let state = at(x_m, 0.0, 0.0);
+                progress.update(route, &state, x_m / 15.0);
+                assert_eq!(progress.index(), index);
+                assert!((progress.straight_for_s(&state) - left_s).abs() < 1e-9);
+            }
+            progress.update(route, &at(1000.0, 1001.0, 1.57), 140.0);
+            assert!(progress.is_complete());
+        });
+    }
+
+    #[test]
+    fn straight_on_is_the_course_of_the_leg_until_a_corner_is_near() {
+        table_4(&WAYPOINTS_M, |route| {
+            let mut progress = Progress::new();
+            let state = at(520.0, 0.0, 0.0);
+            progress.update(route, &state, 0.0);
+            let straight =
+                |horizon_s: f64| progress.straight_course_rad(&state, route.flyer, horizon_s);
+            assert_eq!((straight(29.0), straight(31.0)), (Some(0.0), None));
+            let aside = at(520.0, 1.0, 0.0);
+            assert_eq!(progress.straight_course_rad(&aside, route.flyer, 1.0), None);
+        });
+    }
+
+    /// From 470 m before the corner the arc begins after 470 / 15 s and lasts π s.
+    #[test]
+    fn guidance_turns_at_the_corner_and_is_straight_after_it() {
+        table_4(&WAYPOINTS_M, |route| {
+            let mut progress = Progress::new();
+            let state = at(500.0, 0.0, 0.0);
+            progress.update(route, &state, 0.0);
+            let (near, straight_s) = progress.guidance(route, &state, 20.0);
+            assert_eq!((near.stages().len(), straight_s), (1, 0.0));
+            let (far, straight_s) = progress.guidance(route, &state, 60.0);
+            let [_, turn] = far.stages() else {
+                panic!("{far:?}");
+            };
+            let corner_s = 470.0 / 15.0;
+            assert!((turn.start_s - corner_s).abs() < 1e-9, "{turn:?}");
+            assert!((straight_s - corner_s - core::f64::consts::PI).abs() < 1e-9);
+            let again = progress.guidance(route, &state, 60.0);
+            assert_eq!(again.0, far);
+        });
+    }
+
+    /// Against the leg 1 m aside: it turns round to the beginning, keeps that turn while it follows it, and then flies the leg.
+    #[test]
+    fn a_turn_round_is_flown_to_its_end() {
+        table_4(&[(0.0, 0.0), (400.0, 0.0), (0.0, 1.0)], |route| {
+            let (mut progress, mut state) = (Progress::new(), at(0.0, 0.0, 0.0));
+            let mut turned_s = 0.0;
+            for step in 0..700_u32 {
+                let time_s = 0.1 * f64::from(step);
+                progress.update(route, &state, time_s);
+                if progress.is_complete() {
+                    break;
+                }
+                let (maneuver, straight_s) = progress.guidance(route, &state, 0.2);
+                if progress.is_unentered {
+                    let ends_s = time_s + straight_s;
+                    assert!(
+                        turned_s == 0.0 || (ends_s - turned_s).abs() < 1e-6,
+                        "{ends_s}"
+                    );
+                    turned_s = ends_s;
+                }
+                state = flown(route.flyer, &state, &maneuver, 0.1, route.meter);
+                state.time_s = 0.0;
+                if progress.index() == 1 && !progress.is_unentered {
+                    let leg = progress.leg(&state);
+                    assert!(leg.position(state.position_m, 0.0).cross_m.abs() < 10.0);
+                }
+            }
+            assert!(progress.is_complete() && turned_s > 30.0, "{turned_s}");
+        });
+    }
+
+    /// Without work a corner is left for the next step.
+    #[test]
+    fn a_corner_that_was_refused_is_planned_later() {
+        table_4(&WAYPOINTS_M, |route| {
+            let mut progress = Progress::new();
+            let none = fga_proof::meter::Meter::new(0, 0);
+            let state = at(100.0, 0.0, 0.0);
+            progress.update(
+                &Route {
+                    meter: &none,
+                    ..*route
+                },
+                &state,
+                0.0,
+            );
+            assert!(progress.corner.is_none());
+            progress.update(route, &state, 0.1);
+            assert!(progress.corner.is_some());
+        });
+    }
+}
