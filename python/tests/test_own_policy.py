@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import pickle
+import subprocess
+import sys
 import time
 import warnings
 
@@ -11,6 +13,8 @@ import fga
 import numpy as np
 import pyarrow
 import pytest
+from conftest import needed
+from fga._own import fingerprint
 
 RUNS = """
 policies = ["turn-aware"]
@@ -79,6 +83,13 @@ class Counts:
         return (0.5, 0.0) if 20 < self.steps < 60 else None
 
 
+class Plain:
+    """A class without `__init__` is made of nothing."""
+
+    def step(self, situation):
+        return give_way(situation)
+
+
 class GiveWayAll:
     """`give_way` for many flights at once."""
 
@@ -132,6 +143,12 @@ def test_a_policy_that_calls_the_avoider_flies_recordings_as_the_built_in_one(ro
     campaign = tmp_path / "recorded.toml"
     vehicle = (root / "vehicles" / "general-aviation.toml").as_posix()
     campaign.write_text(f'policies = ["none"]\nvehicle = "{vehicle}"\n')
+    flight = fga.Simulation(folder / "one.daa", vehicle=vehicle)
+    avoider = Builtin(flight.model.settings, flight.model.vehicle)
+    while (situation := flight.situation) is not None:
+        if (limits := flight.take_retuned()) is not None:
+            avoider.retune(limits)
+        flight.advance(avoider.step(situation))
     tables = [
         rows(fga.campaign(campaign, tmp_path / str(number), policies=[policy], recordings=[folder]).table())
         for number, policy in enumerate(["turn-aware", Builtin])
@@ -139,6 +156,10 @@ def test_a_policy_that_calls_the_avoider_flies_recordings_as_the_built_in_one(ro
     for expected, found in zip(*tables, strict=True):
         assert expected["start_s"] is not None
         assert {**found, "policy": ""} == {**expected, "policy": ""}
+        # A flight step by step is judged as in a campaign.
+        standards = flight.outcome()["standards"]
+        assert len(standards) > 20
+        assert {name: expected[name] for name in standards} == standards
 
 
 def test_each_flight_has_a_policy_of_its_own(encounters):
@@ -151,6 +172,7 @@ def test_each_flight_has_a_policy_of_its_own(encounters):
 def test_a_policy_for_many_flights_gives_the_rows_of_the_one_for_a_flight(encounters):
     each = fga.batch(encounters, policy=give_way)
     together = fga.batch(encounters, policy=GiveWayAll)
+    assert fga.batch(encounters, policy=Plain).to_csv() == each.to_csv()
     assert any(row["start_s"] is not None for row in rows(each))
     assert together.to_csv() == each.to_csv()
 
@@ -291,11 +313,51 @@ def test_a_campaign_does_not_go_on_with_another_policy(file, tmp_path):
         fga.campaign(file, tmp_path / "out", policies=[Turns(20)], encounters=4)
 
 
+NOTEBOOK = """
+import sys, fga
+file, out = sys.argv[1:3]
+TURN = {turn}
+def turned(course): return course - TURN, 0.0
+class Mine:
+    def step(self, situation):
+        return turned(situation.ownship.course_rad) if situation.obstacles else None
+print(fga.campaign(file, out, policies=[Mine], encounters=300, processes={processes}).sha256)
+"""
+
+
+def test_a_class_without_a_file_flies_in_processes_and_is_known_by_its_code(file, tmp_path):
+    """As in a notebook: what `python -c` defines has no file from which to take a fingerprint."""
+    needed("cloudpickle")
+
+    def flown(out, turn, processes=None):
+        script = NOTEBOOK.format(turn=turn, processes=processes)
+        command = [sys.executable, "-c", script, str(file), str(tmp_path / out)]
+        done = subprocess.run(command, capture_output=True, text=True)
+        return done.stdout or done.stderr.splitlines()[-1]
+
+    here = flown("here", 0.5)
+    assert here == flown("here", 0.5), "goes on"
+    assert here == flown("processes", 0.5, processes=2)
+    # The class is the same; a value that its function names is another one.
+    assert "own_sha256" in flown("here", 0.4)
+    assert flown("another", 0.4) != here
+
+
+def test_a_policy_with_a_file_is_looked_at_where_it_arrives(file):
+    """A module of another version on another machine is noticed."""
+    campaign = fga.Campaign(file, policies=[give_way], encounters=4)
+    assert fga.Campaign.from_json(campaign.to_json(), [(give_way, "0" * 64)]).hash == campaign.hash
+    with pytest.raises(ValueError, match="begun with another program for python:give_way"):
+        fga.Campaign.from_json(campaign.to_json().replace(fingerprint(give_way), "0" * 64), [(give_way, "0" * 64)])
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
         ({"policies": [3]}, TypeError, "expected a name, a class or an object with step"),
         ({"policies": [give_way, give_way]}, ValueError, "named twice"),
+        ({"policies": "none"}, TypeError, "Can't extract `str` to `Vec`"),
+        ({"policies": ["none"], "recordings": "flights"}, TypeError, "Can't extract `str` to `Vec`"),
         ({"policies": [give_way], "time_limit_s": 0.0}, ValueError, "time_limit_s is 0"),
         ({"policies": ["python:give_way"]}, ValueError, "is an object of a Python program"),
         ({"policies": ["none"], "processes": 0}, ValueError, "processes is 0"),

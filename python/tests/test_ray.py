@@ -117,6 +117,24 @@ def test_a_league_on_ray_has_the_bytes_of_one_here(cluster, tmp_path):
     assert fga_ray.league(tmp_path / "there", address="nowhere", **given) == here
 
 
+NOTEBOOK = """
+import sys, fga
+from fga import ray
+class Mine:
+    def step(self, situation): return (situation.ownship.course_rad - 0.3, 0.0) if situation.obstacles else None
+given = {"policies": [Mine], "sets": ["drawn-1hz"], "encounters": 12, "worst": 0}
+out, address = sys.argv[1:3]
+assert ray.league(out + "/there", address=address, **given) == fga.league(out + "/here", **given)
+"""
+
+
+def test_a_class_of_a_notebook_flies_on_ray(cluster, tmp_path):
+    command = [sys.executable, "-c", NOTEBOOK, str(tmp_path), cluster.address]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "here/league.html").read_bytes() == (tmp_path / "there/league.html").read_bytes()
+
+
 def test_empty_blocks_take_little_of_the_driver(cluster):
     if not ray.is_initialized():
         ray.init(address=cluster.address, include_dashboard=False, log_to_driver=False)

@@ -38,7 +38,7 @@ pub(crate) struct BatchArgs {
     #[command(flatten)]
     threads: ThreadArgs,
     /// Longest time flown in an encounter, seconds; without it 60, for recordings until the way back ends.
-    #[arg(long, value_name = "S", value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = positive_seconds)]
     pub(crate) horizon: Option<f64>,
     /// Exit with 0 although damaged recordings were left out.
     #[arg(long)]

@@ -8,7 +8,7 @@ use fga_formats::atomic;
 use fga_formats::error::read_text;
 use fga_formats::words::{counted, per_second};
 use fga_results::campaign::summary::{document as summary_document, in_words};
-use fga_results::campaign::{document, finish};
+use fga_results::campaign::{decision_times, document, finish};
 use fga_results::flight::summary as flight_summary;
 use fga_results::flight_files;
 use fga_results::provenance::{Provenance, TARGET};
@@ -301,33 +301,6 @@ impl SourceArgs {
             ..Overrides::default()
         }
     }
-}
-
-fn decision_times(campaign: &Campaign, times: &[DecisionTimes], fly_s: f64) -> Value {
-    let encounters = times.first().map_or(0, |times| times.encounters);
-    let policies: Vec<Value> = campaign
-        .configuration
-        .policies
-        .iter()
-        .zip(times)
-        .map(|(policy, times)| {
-            json!({
-                "policy": policy,
-                "encounters": times.encounters,
-                "decisions": times.decisions,
-                "decision_median_us": times.median_us.at(0.5),
-                "decision_median_p99_us": times.median_us.at(0.99),
-                "decision_max_us": times.max_ns as f64 / 1000.0,
-                "flight_mean_us": times.flight_ns as f64 / 1000.0 / times.encounters.max(1) as f64,
-            })
-        })
-        .collect();
-    json!({
-        "encounters_flown": encounters,
-        "flying_s": fly_s,
-        "encounters_per_s": encounters as f64 / fly_s,
-        "policies": policies,
-    })
 }
 
 fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {

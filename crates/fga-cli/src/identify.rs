@@ -26,15 +26,10 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Radius of the volume to protect, metres.
-    #[arg(
-        long,
-        value_name = "M",
-        default_value_t = 150.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "M", default_value_t = 150.0)]
     radius_m: f64,
     /// Half height of that volume, metres; without it the volume is a sphere.
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     half_height_m: Option<f64>,
     #[command(flatten)]
     answer: AnswerArgs,

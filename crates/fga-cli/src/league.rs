@@ -92,7 +92,7 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
     for sentence in &flown.left_out {
         eprintln!("fga: left out: {sentence}");
     }
-    tell_failures(&flown.policies);
+    tell_failures(&flown.own);
     let answer = serde_json::json!({
         "file": flown.page.display().to_string(),
         "left_out": flown.left_out,

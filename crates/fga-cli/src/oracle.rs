@@ -39,7 +39,7 @@ pub(crate) struct OracleArgs {
     #[command(flatten)]
     threads: ThreadArgs,
     /// Time over which the margin counts, seconds.
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds)]
     horizon: f64,
     /// Exit with 0 although damaged recordings were left out.
     #[arg(long)]

@@ -42,7 +42,7 @@ pub(crate) struct GroundArgs {
     #[arg(long, value_name = "DATUM", value_parser = datum)]
     datum: Option<Datum>,
     /// Vertical error of the heights, instead of what the files say, metres.
-    #[arg(long, value_name = "M", value_parser = metres, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = metres)]
     vertical_error: Option<f64>,
 }
 

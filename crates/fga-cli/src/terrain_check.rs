@@ -27,7 +27,7 @@ pub(crate) struct CheckArgs {
     #[arg(long, value_name = "MISSION", requires = "clearance")]
     mission: Option<PathBuf>,
     /// Least height above the ground, metres; the vertical error of the ground is added.
-    #[arg(long, value_name = "M", value_parser = metres, requires = "mission", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = metres, requires = "mission")]
     clearance: Option<f64>,
     /// Draw the mission over the ground.
     #[arg(long, value_name = "OUT.svg", requires = "mission")]

@@ -22,7 +22,7 @@ use pyo3::types::{PyBytes, PyDict, PyType};
 use rayon::prelude::*;
 
 use crate::failure::{campaign as failed, input, output};
-use crate::own::{LIMIT_S, choice, own, warn_of_failures};
+use crate::own::{LIMIT_S, Owns, Pickled, choice, cloned, own, warn_of_failures};
 use crate::table::{Column, Table};
 use crate::work::interruptible;
 
@@ -34,22 +34,16 @@ use crate::work::interruptible;
 pub(crate) struct Campaign {
     core: CoreCampaign,
     /// The policies of one's own.
-    own: Vec<Py<PyAny>>,
+    own: Vec<Pickled>,
     limit_s: f64,
 }
 
 /// A pickled campaign: what makes it again, of what.
-type Remade<'py> = (Bound<'py, PyAny>, (String, Vec<Py<PyAny>>, f64));
-
-/// Policies of one's own.
-fn owns(py: Python<'_>, objects: &[Py<PyAny>], limit_s: f64) -> PyResult<Vec<OwnPolicy>> {
-    let each = objects.iter().map(|object| own(object.bind(py), limit_s));
-    each.collect()
-}
+type Remade<'py> = (Bound<'py, PyAny>, (String, Vec<Pickled>, f64));
 
 impl Campaign {
     /// A campaign with the policies of one's own that it may name.
-    pub(crate) const fn of(core: CoreCampaign, own: Vec<Py<PyAny>>, limit_s: f64) -> Self {
+    pub(crate) const fn of(core: CoreCampaign, own: Vec<Pickled>, limit_s: f64) -> Self {
         Self { core, own, limit_s }
     }
 
@@ -111,21 +105,15 @@ impl Campaign {
                 "encounters is 0, expected at least 1",
             ));
         }
-        let mut objects = Vec::new();
-        let mut names = Vec::new();
-        for policy in &policies {
-            if let Ok(name) = policy.extract::<String>() {
-                names.push(name);
-            } else {
-                objects.push(policy.clone().unbind());
-                names.push(own(policy, time_limit_s)?.name().to_owned());
-            }
-        }
-        let owns = owns(py, &objects, time_limit_s)?;
+        let mut owns = Owns::default();
+        let names = policies.iter();
+        let names = names.map(|policy| owns.named(policy, time_limit_s));
+        let names = names.collect::<PyResult<_>>()?;
+        let Owns { policies, pickled } = owns;
         let overrides = Overrides {
             encounters,
             policies: names,
-            own: owns.clone(),
+            own: policies.clone(),
             recordings,
             model,
             vehicle: vehicle
@@ -138,35 +126,30 @@ impl Campaign {
         };
         py.detach(|| {
             let configuration = file::read(&file, &overrides)?;
-            CoreCampaign::with_own(configuration, &file, &owns)
+            CoreCampaign::with_own(configuration, &file, &policies)
         })
-        .map(|core| Self {
-            core,
-            own: objects,
-            limit_s: time_limit_s,
-        })
+        .map(|core| Self::of(core, pickled, time_limit_s))
         .map_err(failed)
     }
 
-    /// The campaign of a configuration from `to_json`; `own` are its policies that are no names, in their order.
+    /// The campaign of a configuration from `to_json`; `own` are its policies that are no names, each with its fingerprint.
     #[staticmethod]
     #[pyo3(signature = (text, own = Vec::new(), time_limit_s = LIMIT_S))]
     fn from_json(
         py: Python<'_>,
         text: &str,
-        own: Vec<Py<PyAny>>,
+        own: Vec<Pickled>,
         time_limit_s: f64,
     ) -> PyResult<Self> {
         let wrong =
             |error| PyValueError::new_err(format!("is no configuration of a campaign: {error}"));
         let configuration: Configuration = serde_json::from_str(text).map_err(wrong)?;
-        let owns = owns(py, &own, time_limit_s)?;
+        let each = own.iter();
+        let each =
+            each.map(|(policy, sha256)| self::own(policy.bind(py), time_limit_s, Some(sha256)));
+        let owns: Vec<OwnPolicy> = each.collect::<PyResult<_>>()?;
         CoreCampaign::with_own(configuration, Path::new("the configuration"), &owns)
-            .map(|core| Self {
-                core,
-                own,
-                limit_s: time_limit_s,
-            })
+            .map(|core| Self::of(core, own, time_limit_s))
             .map_err(failed)
     }
 
@@ -380,7 +363,7 @@ impl Campaign {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remade<'py>> {
         let class: Bound<'py, PyType> = slf.get_type();
         let this = slf.get();
-        let own = this.own.iter().map(|own| own.clone_ref(slf.py())).collect();
+        let own = cloned(slf.py(), &this.own);
         Ok((
             class.getattr("from_json")?,
             (this.to_json(), own, this.limit_s),

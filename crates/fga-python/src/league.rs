@@ -4,12 +4,11 @@ use core::sync::atomic::Ordering;
 use std::path::PathBuf;
 
 use fga_results::league::{Terms, campaigns, checked_data, data_of_environment, run as fly};
-use fga_sim::own::OwnPolicy;
 use pyo3::prelude::*;
 
 use crate::campaign::Campaign;
 use crate::failure::{campaign as failed, input};
-use crate::own::{LIMIT_S, own, warn_of_failures};
+use crate::own::{LIMIT_S, Owns, Pickled, cloned, warn_of_failures};
 use crate::work::interruptible;
 
 /// Flies policies over sets of encounters and writes one page: `fga league`.
@@ -51,7 +50,7 @@ pub(crate) fn league<'py>(
         })
     })?
     .map_err(failed)?;
-    warn_of_failures(py, &flown.policies)?;
+    warn_of_failures(py, &flown.own)?;
     py.import("json")?
         .call_method1("loads", (flown.rows.to_string(),))
 }
@@ -76,14 +75,14 @@ pub(crate) fn _league_campaigns<'py>(
     time_limit_s: f64,
     intruders: Vec<Bound<'py, PyAny>>,
 ) -> PyResult<Vec<(String, Campaign)>> {
-    let (terms, objects) = told(&policies, sets, data, encounters, &intruders, time_limit_s)?;
+    let (terms, pickled) = told(&policies, sets, data, encounters, &intruders, time_limit_s)?;
     let found = py
         .detach(|| campaigns(&terms, &out))
         .map_err(failed)?
         .into_iter();
     Ok(found
         .map(|one| {
-            let own = objects.iter().map(|object| object.clone_ref(py)).collect();
+            let own = cloned(py, &pickled);
             (one.place, Campaign::of(one.campaign, own, time_limit_s))
         })
         .collect())
@@ -97,7 +96,7 @@ fn told(
     encounters: Option<u64>,
     intruders: &[Bound<'_, PyAny>],
     time_limit_s: f64,
-) -> PyResult<(Terms, Vec<Py<PyAny>>)> {
+) -> PyResult<(Terms, Vec<Pickled>)> {
     let mut terms = Terms {
         sets,
         data: data
@@ -108,33 +107,13 @@ fn told(
         encounters,
         ..Terms::default()
     };
-    let mut objects = Vec::new();
+    let mut owns = Owns::default();
     for policy in policies {
-        let name = named(policy, time_limit_s, &mut terms.own, &mut objects)?;
-        terms.policies.push(name);
+        terms.policies.push(owns.named(policy, time_limit_s)?);
     }
     for policy in intruders {
-        let name = named(policy, time_limit_s, &mut terms.own, &mut objects)?;
-        terms.intruders.push(name);
+        terms.intruders.push(owns.named(policy, time_limit_s)?);
     }
-    Ok((terms, objects))
-}
-
-/// The name of a policy; one of one's own joins the others once, for it may fly on both sides.
-fn named(
-    policy: &Bound<'_, PyAny>,
-    time_limit_s: f64,
-    own_ones: &mut Vec<OwnPolicy>,
-    objects: &mut Vec<Py<PyAny>>,
-) -> PyResult<String> {
-    if let Ok(name) = policy.extract::<String>() {
-        return Ok(name);
-    }
-    let own = own(policy, time_limit_s)?;
-    let name = own.name().to_owned();
-    if !own_ones.iter().any(|known| known.name() == name) {
-        own_ones.push(own);
-        objects.push(policy.clone().unbind());
-    }
-    Ok(name)
+    terms.own = owns.policies;
+    Ok((terms, owns.pickled))
 }

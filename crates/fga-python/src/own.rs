@@ -52,7 +52,7 @@ pub(crate) fn choice(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<Policy
     if let Ok(name) = policy.extract::<String>() {
         return parse_policy(&name).map_err(PyValueError::new_err);
     }
-    own(policy, limit_s).map(PolicyChoice::Own)
+    own(policy, limit_s, None).map(PolicyChoice::Own)
 }
 
 /// The argument `policy`.
@@ -86,8 +86,13 @@ pub(crate) fn is_for_all(policy: &Bound<'_, PyAny>) -> PyResult<bool> {
     policy.hasattr(STEP_ALL)
 }
 
-/// A policy of one's own: a class that is made of settings and vehicle, an object, or a function.
-pub(crate) fn own(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<OwnPolicy> {
+/// A policy of one's own: a class that is made of settings and vehicle, an object, or a function; with the fingerprint that it was
+/// pickled with.
+pub(crate) fn own(
+    policy: &Bound<'_, PyAny>,
+    limit_s: f64,
+    carried: Option<&str>,
+) -> PyResult<OwnPolicy> {
     let py = policy.py();
     let limit_s = checked_limit(limit_s)?;
     if !(policy.hasattr(STEP)? || is_for_all(policy)? || policy.is_callable()) {
@@ -97,7 +102,9 @@ pub(crate) fn own(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<OwnPolicy
         )));
     }
     let name: String = helper(py, "name")?.call1((policy,))?.extract()?;
-    let sha256: String = helper(py, "fingerprint")?.call1((policy,))?.extract()?;
+    let sha256: String = helper(py, "fingerprint")?
+        .call1((policy, carried))?
+        .extract()?;
     let name = if limit_s == LIMIT_S {
         format!("{PYTHON}{name}")
     } else {
@@ -119,6 +126,48 @@ pub(crate) fn own(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<OwnPolicy
             })
         }),
     ))
+}
+
+/// A policy of one's own, and the fingerprint that it is pickled with.
+pub(crate) type Pickled = (Py<PyAny>, String);
+
+/// The same policies once more.
+pub(crate) fn cloned(py: Python<'_>, pickled: &[Pickled]) -> Vec<Pickled> {
+    let each = pickled.iter();
+    each.map(|(policy, sha256)| (policy.clone_ref(py), sha256.clone()))
+        .collect()
+}
+
+/// The policies of one's own in a list of policies, each once, for one may fly on both sides.
+#[derive(Default)]
+pub(crate) struct Owns {
+    pub(crate) policies: Vec<OwnPolicy>,
+    pub(crate) pickled: Vec<Pickled>,
+}
+
+impl Owns {
+    /// The name of a policy, which joins the others if it is one of one's own.
+    pub(crate) fn named(&mut self, policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<String> {
+        if let Ok(name) = policy.extract::<String>() {
+            return Ok(name);
+        }
+        let own = own(policy, limit_s, None)?;
+        let name = own.name().to_owned();
+        match self.policies.iter().find(|known| known.name() == name) {
+            Some(known) if *known != own => {
+                return Err(PyValueError::new_err(format!(
+                    "two policies are called {name}, expected another name for one of them"
+                )));
+            }
+            Some(_) => {}
+            None => {
+                let sha256 = own.sha256().to_owned();
+                self.pickled.push((policy.clone().unbind(), sha256));
+                self.policies.push(own);
+            }
+        }
+        Ok(name)
+    }
 }
 
 /// Warns of the flights in which policies of one's own failed.

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use fga::situation::Situation as CoreSituation;
 use fga_formats::InputError;
 use fga_results::{flight, flight_files, replay_page};
+use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
 use fga_sim::run::{Plan, RunLog};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
@@ -56,13 +57,19 @@ fn read_plan(
 /// your own. Flown with the same policy, it is the flight of `fga run`, bit for bit.
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Simulation {
-    flight: Mutex<SteppedFlight>,
+    flight: Mutex<Flying>,
     mission: Py<Mission>,
     plan: Plan,
 }
 
+/// A flight and its path.
+struct Flying {
+    flight: SteppedFlight,
+    path: FlownPath,
+}
+
 impl Simulation {
-    fn flight(&self) -> PyResult<MutexGuard<'_, SteppedFlight>> {
+    fn flight(&self) -> PyResult<MutexGuard<'_, Flying>> {
         match self.flight.try_lock() {
             Ok(guard) => Ok(guard),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
@@ -102,7 +109,10 @@ impl Simulation {
         );
         Ok(Self {
             mission: Py::new(py, mission)?,
-            flight: Mutex::new(SteppedFlight::new(world)),
+            flight: Mutex::new(Flying {
+                flight: SteppedFlight::new(world),
+                path: FlownPath::default(),
+            }),
             plan,
         })
     }
@@ -128,41 +138,45 @@ impl Simulation {
     /// Time of the next decision, seconds; at the end the time of the end.
     #[getter]
     fn time_s(&self) -> PyResult<f64> {
-        Ok(self.flight()?.time_s())
+        Ok(self.flight()?.flight.time_s())
     }
 
     /// The aircraft now.
     #[getter]
     fn ownship(&self) -> PyResult<Ownship> {
-        Ok(Ownship(*self.flight()?.ownship()))
+        Ok(Ownship(*self.flight()?.flight.ownship()))
     }
 
     /// The present situation; None once the flight has ended.
     #[getter]
     fn situation(&self, py: Python<'_>) -> PyResult<Option<Situation>> {
-        let flight = self.flight()?;
-        Ok(flight.situation().map(|situation| self.of(py, &situation)))
+        let flying = self.flight()?;
+        Ok(flying
+            .flight
+            .situation()
+            .map(|situation| self.of(py, &situation)))
     }
 
     /// Changed limits of the vehicle since the last decision, once; a pilot applies them by `retune`
     /// before it decides.
     fn take_retuned(&self) -> PyResult<Option<Vehicle>> {
-        Ok(self.flight()?.take_retuned().map(Vehicle))
+        Ok(self.flight()?.flight.take_retuned().map(Vehicle))
     }
 
     /// Flies a decision until the next one is due. Returns whether the flight goes on.
     fn advance(&self, py: Python<'_>, decision: &Bound<'_, Decision>) -> PyResult<bool> {
         let mut guard = self.flight()?;
-        let flight = &mut *guard;
+        let Flying { flight, path } = &mut *guard;
         let decision = decision.get();
-        Ok(py.detach(|| flight.advance(&decision.decision, &mut ())))
+        Ok(py.detach(|| flight.advance(&decision.decision, path)))
     }
 
     /// Lets a pilot decide and flies on. Returns its decision; None once the flight has ended.
     fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<Decision>> {
         let mut guard = self.flight()?;
-        let retuned = guard.take_retuned();
-        let Some(situation) = guard.situation() else {
+        let Flying { flight, path } = &mut *guard;
+        let retuned = flight.take_retuned();
+        let Some(situation) = flight.situation() else {
             return Ok(None);
         };
         let decision = with_pilot(pilot, |pilot| {
@@ -172,18 +186,30 @@ impl Simulation {
             pilot.step(&situation)
         })?;
         let ownship = situation.ownship;
-        guard.advance(&decision, &mut ());
+        flight.advance(&decision, path);
         Ok(Some(Decision::of(decision, ownship)))
     }
 
-    /// The result of the flight so far, by the names of the columns of results.csv.
+    /// The result of the flight so far, by the names of the columns of results.csv; of a recording also what the standards count
+    /// (`standards`: near mid-air collision, well clear, severity, alerts), by the names of the columns of results.parquet.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        outcome_dict(py, &self.flight()?.outcome())
+        let mut guard = self.flight()?;
+        let Flying { flight, path } = &mut *guard;
+        let outcome = flight.outcome();
+        let dict = outcome_dict(py, &outcome)?;
+        if let Some(metrics) = metrics_of(&self.plan.world, path, &outcome) {
+            let text = flight::standards(&metrics).to_string();
+            let standards = py.import("json")?.call_method1("loads", (text,))?;
+            dict.set_item("standards", standards)?;
+        }
+        Ok(dict)
     }
 
     /// Back to the start.
     fn restart(&self) -> PyResult<()> {
-        self.flight()?.restart(self.plan.world.clone());
+        let mut flying = self.flight()?;
+        flying.flight.restart(self.plan.world.clone());
+        flying.path.clear();
         Ok(())
     }
 
@@ -191,7 +217,7 @@ impl Simulation {
         Ok(format!(
             "Simulation({:?}, at {:.1} s)",
             self.plan.name,
-            self.flight()?.time_s()
+            self.flight()?.flight.time_s()
         ))
     }
 

@@ -60,6 +60,8 @@ pub struct Standing {
     pub extra_path_m: Option<f64>,
     /// Times away of flights with a manoeuvre: median, seconds.
     pub away_s: Option<f64>,
+    /// Largest works of a decision: median and most of the flights; `None` for a policy that counts none.
+    pub work: [Option<f64>; 2],
     /// SHA-256 of its `results.parquet`.
     pub sha256: String,
 }
@@ -114,7 +116,7 @@ impl League {
         blocks.push(Block::Paragraph(
             "Where a set does not say how, intruders do not react. A loss of well clear or a near mid-air collision counts whoever makes it. Recorded encounters were flown on \
              purpose: they are a stress set, no airspace. Settings of the baselines were searched on other encounters than these (docs/baselines.md); \
-             the default policy was developed with the recorded ones at hand. Decision times are in timing.csv, because they differ from run to run."
+             the default policy was developed with the recorded ones at hand. Decision times differ from run to run: they are in timing.csv."
                 .into(),
         ));
         Section {
@@ -241,6 +243,8 @@ impl LeagueSet {
                 number(most_m, 0),
                 number(standing.extra_path_m, 0),
                 number(standing.away_s, 0),
+                number(standing.work[0], 0),
+                number(standing.work[1], 0),
                 count(standing.manoeuvred - standing.rejoined),
                 count(standing.case.failed),
             ]
@@ -248,7 +252,8 @@ impl LeagueSet {
         Table {
             caption: "The protected volume of the vehicle file, and what it costs to keep it. Entered: with the policy, of those that holding course and \
                  altitude (or the recorded flight) enters; share of all encounters with its 95 % interval. Cross-track distance, extra path and time \
-                 away: of flights with a manoeuvre. Failed: encounters in which a policy of one’s own raised, hung or answered wrongly."
+                 away: of flights with a manoeuvre. Work: the largest decision of a flight, median and most of the flights (to 1 %), in units of 100 to 180 \
+                 instructions; only decisions of the core count their work, others stand empty. Failed: encounters in which a policy of one’s own raised, hung or answered wrongly."
                 .into(),
             columns: vec![
                 Column::text("policy"),
@@ -260,6 +265,8 @@ impl LeagueSet {
                 Column::number("90 % (m)"),
                 Column::number("extra path median (m)"),
                 Column::number("away median (s)"),
+                Column::number("work median"),
+                Column::number("work most"),
                 Column::number("not back"),
                 Column::number("failed"),
             ],

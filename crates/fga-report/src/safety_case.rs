@@ -378,6 +378,32 @@ mod tests {
         assert_eq!(verdict(&estimate(0.19, 0.3), &cooperative), "not met");
     }
 
+    /// Of five that lose well clear, two are lost as flown, and one of these only because of the policy: four were given way to.
+    #[test]
+    fn giving_way_leaves_out_what_the_policy_loses_itself() {
+        let policy = PolicyCase {
+            policy: "turn-aware".into(),
+            lowc: Lost {
+                nominal: 5,
+                flown: 2,
+                induced: 1,
+                ..Lost::default()
+            },
+            action_leads_s: vec![30.0, 12.0, 20.0],
+            ..PolicyCase::default()
+        };
+        let case = SafetyCase {
+            policies: vec![policy],
+            ..SafetyCase::default()
+        };
+        let Block::Table(table) = case.gave_way() else {
+            panic!("a table");
+        };
+        assert_eq!(table.rows[0][1], Cell::Text("4 of 5".into()));
+        assert_eq!(table.rows[0][2], cells::number(Some(12.0), 1));
+        assert_eq!(table.rows[0][4], cells::number(Some(20.0), 1));
+    }
+
     #[test]
     fn n11_thresholds_that_every_policy_meets_are_said_to_rank_none() {
         let case = |policy: &str, high: f64| PolicyCase {

@@ -5,7 +5,9 @@ pub mod safety;
 pub mod summary;
 
 use fga_formats::atomic;
-use fga_sim::campaign::{Assembled, Campaign, CampaignError, Folder, Manifest, Summary};
+use fga_sim::campaign::{
+    Assembled, Campaign, CampaignError, DecisionTimes, Folder, Manifest, Summary,
+};
 use serde_json::{Value, json};
 
 use crate::flight_files;
@@ -34,6 +36,34 @@ pub fn finish(
     assembled.commit()?;
     folder.remove_blocks()?;
     Ok(assembled.summary)
+}
+
+/// The times of the decisions of one run, for its `run.json`: of all policies together, and of each.
+pub fn decision_times(campaign: &Campaign, times: &[DecisionTimes], fly_s: f64) -> Value {
+    let encounters = times.first().map_or(0, |times| times.encounters);
+    let policies: Vec<Value> = campaign
+        .configuration
+        .policies
+        .iter()
+        .zip(times)
+        .map(|(policy, times)| {
+            json!({
+                "policy": policy,
+                "encounters": times.encounters,
+                "decisions": times.decisions,
+                "decision_median_us": times.median_us.at(0.5),
+                "decision_median_p99_us": times.median_us.at(0.99),
+                "decision_max_us": times.max_ns as f64 / 1000.0,
+                "flight_mean_us": times.flight_ns as f64 / 1000.0 / times.encounters.max(1) as f64,
+            })
+        })
+        .collect();
+    json!({
+        "encounters_flown": encounters,
+        "flying_s": fly_s,
+        "encounters_per_s": encounters as f64 / fly_s,
+        "policies": policies,
+    })
 }
 
 /// Writes the events of the encounters in the key `events`, flown again under every policy.

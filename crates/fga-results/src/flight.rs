@@ -4,6 +4,9 @@ use std::path::Path;
 
 use fga::situation::ProtectedVolume;
 use fga_formats::OutputError;
+use fga_sim::campaign::metrics::{Access, FIELDS, Metrics};
+use fga_sim::campaign::{FlownPath, metrics_of};
+use fga_sim::engine::Observer as _;
 use fga_sim::run::RunLog;
 use serde_json::{Value, json};
 
@@ -116,10 +119,28 @@ pub fn summary(log: &RunLog) -> Value {
         "obstacles": obstacles,
         "zones": zones,
     });
+    let mut path = FlownPath::default();
+    log.samples.iter().for_each(|sample| path.sample(sample));
+    if let Some(metrics) = metrics_of(&log.plan.world, &path, outcome) {
+        summary["standards"] = standards(&metrics);
+    }
     if let Some(failure) = log.failure {
         summary["policy_failure"] = failure.name().into();
     }
     summary
+}
+
+/// What the standards count, by the names of the columns of `results.parquet`.
+pub fn standards(metrics: &Metrics) -> Value {
+    let named = FIELDS.iter().filter_map(|field| {
+        let value = match field.access {
+            Access::Real(get, _) => json!(get(metrics)),
+            Access::Flag(get, _) => json!(get(metrics)),
+            Access::Failure(..) => return None,
+        };
+        Some((field.name.to_owned(), value))
+    });
+    Value::Object(named.collect())
 }
 
 /// Writes the files of `fga run` for a flight of `input`, whose fingerprint is `input_sha256`, with further

@@ -7,21 +7,22 @@ mod sets;
 mod standing;
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use fga_formats::{InputError, atomic};
 use fga_report::league::{League, LeagueSet};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard, Stamp,
-    Summary, Task, assemble, policy_called, reread, run as fly,
+    Campaign, CampaignError, Folder, Manifest, Progress, RESULTS, Shard, Stamp, Summary, Task,
+    assemble, policy_called, reread, run as fly,
 };
 use fga_sim::own::OwnPolicy;
 use fga_sim::policy::PolicyChoice;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use crate::campaign::finish;
 use crate::campaign::safety::{file_name, safety_case};
-use crate::named_rows::{Row, csv, objects, rounded};
+use crate::campaign::{decision_times, finish};
+use crate::named_rows::{Row, csv, objects};
 use crate::parquet_rows::parquet;
 use crate::provenance::{Provenance, TARGET};
 use sets::{Set, sets};
@@ -79,8 +80,8 @@ pub struct Flown {
     pub words: String,
     /// The standings, one object for each set and policy.
     pub rows: Value,
-    /// The policies, for what they say of failures.
-    pub policies: Vec<PolicyChoice>,
+    /// The policies of one's own on both sides, for what they say of failures.
+    pub own: Vec<PolicyChoice>,
 }
 
 /// A campaign of a league: a policy over a set.
@@ -119,6 +120,15 @@ pub fn run(
     show: &mut (dyn FnMut(&str, &str, &Progress) + Send),
 ) -> Result<Flown, CampaignError> {
     let policies = policies(terms)?;
+    // Every campaign asks the same ones, so that they know of all failures.
+    let own = own_of(terms, &policies);
+    let terms = &Terms {
+        own: own
+            .iter()
+            .filter_map(|policy| policy.own().cloned())
+            .collect(),
+        ..terms.clone()
+    };
     atomic::prepare_folder(out)?;
     let (sets, left_out) = sets(terms, out)?;
     let stamp = Stamp::of_this_build(TARGET);
@@ -146,7 +156,7 @@ pub fn run(
             let flown = fly_one(&campaign, &stamp, &folder, go_on, &mut |progress| {
                 show(&title, &name, progress);
             })?;
-            timing.extend(timing_row(&folder, &title, &name));
+            timing.extend(timing_row(&folder, &title));
             let beside = rival(policy, &policies);
             let mut case = safety_case(
                 &campaign,
@@ -186,8 +196,21 @@ pub fn run(
         left_out,
         words: in_words(&league),
         rows: objects(rows),
-        policies,
+        own,
     })
+}
+
+/// The policies of one's own on both sides, each once.
+fn own_of(terms: &Terms, policies: &[PolicyChoice]) -> Vec<PolicyChoice> {
+    let intruders = terms.intruders.iter();
+    let intruders = intruders.filter_map(|name| policy_called(name, &terms.own).ok());
+    let mut own: Vec<PolicyChoice> = Vec::new();
+    for policy in policies.iter().cloned().chain(intruders) {
+        if policy.own().is_some() && !own.contains(&policy) {
+            own.push(policy);
+        }
+    }
+    own
 }
 
 /// The policy whose flight a replay shows beside another one's: the default one, and beside that the first other one that acts.
@@ -283,7 +306,9 @@ fn fly_one(
         });
     }
     let provenance = Provenance::begin();
+    let begun = Instant::now();
     let times = fly(&task, go_on, show)?;
+    let fly_s = begun.elapsed().as_secs_f64();
     let assembled = assemble(&folder.blocks()?, campaign, stamp, folder, false)?;
     let sha256 = assembled.sha256.clone();
     let summary = finish(
@@ -292,7 +317,7 @@ fn fly_one(
         &manifest,
         assembled,
         &provenance,
-        json!({ TIMING: times.first().map(timing_of) }),
+        json!({ "decision_times": decision_times(campaign, &times, fly_s) }),
     )?;
     Ok(FlownCampaign {
         manifest,
@@ -301,32 +326,18 @@ fn fly_one(
     })
 }
 
-/// The key of the decision times in a campaign's `run.json`.
-const TIMING: &str = "league_timing";
-
-/// The decision times of the flights of one run.
-fn timing_of(times: &DecisionTimes) -> Value {
-    let mean_ns = times.flight_ns as f64 / times.encounters.max(1) as f64;
-    json!({
-        "encounters_flown": times.encounters,
-        "decisions": times.decisions,
-        "decision_median_us": times.median_us.at(0.5).map(rounded),
-        "decision_max_us": times.max_ns as f64 / 1000.0,
-        "flight_mean_us": rounded(mean_ns / 1000.0),
-    })
-}
-
 /// A row of `timing.csv`, of the run that completed the campaign; none where others flew it.
-fn timing_row(folder: &Folder, set: &str, policy: &str) -> Option<Row<String>> {
+fn timing_row(folder: &Folder, set: &str) -> Option<Row<String>> {
     let text = std::fs::read_to_string(folder.file("run.json")).ok()?;
     let document: Value = serde_json::from_str(&text).ok()?;
-    let times: &Map<String, Value> = document.get(TIMING)?.as_object()?;
-    let named = [("set", json!(set)), ("policy", json!(policy))];
-    let named = named.map(|(name, value)| (name.to_owned(), value));
+    let times = document
+        .pointer("/decision_times/policies/0")?
+        .as_object()?;
     let times = times
         .iter()
         .map(|(name, value)| (name.clone(), value.clone()));
-    Some(named.into_iter().chain(times).collect())
+    let set = ("set".to_owned(), json!(set));
+    Some(core::iter::once(set).chain(times).collect())
 }
 
 /// The folder of third-party data that the environment names.

@@ -125,7 +125,6 @@ pub enum BatchError<E> {
 }
 
 /// The world of a batch without its obstacles; `None` if the wind is too strong for the line.
-/// flown.
 pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let model = &settings.model;
     let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;

@@ -104,12 +104,19 @@ pub struct Outcome {
     pub mission_flown: bool,
     /// Number of passed waypoints that it passed farther away than planned.
     pub waypoints_missed: usize,
+    /// Largest work of a decision, in units of the core's meter; 0 for a pilot that counts none.
+    pub work_most: u32,
 }
 
 impl Outcome {
     /// Whether the flight entered no protected volume.
     pub fn separated(&self) -> bool {
         self.min_margin_m >= 0.0
+    }
+
+    /// Largest work of a decision, in units of the core's meter; `None` for a pilot that counts none.
+    pub fn work(&self) -> Option<f64> {
+        (self.work_most > 0).then(|| f64::from(self.work_most))
     }
 }
 
@@ -142,6 +149,7 @@ struct Milestones {
     /// Whether the pilot says that it has passed the last waypoint.
     says_flown: bool,
     last: State,
+    work_most: u32,
 }
 
 impl Milestones {
@@ -168,6 +176,7 @@ impl Milestones {
         }
         self.says_flown = decision.record.reason == Reason::MissionComplete;
         self.last = state;
+        self.work_most = self.work_most.max(decision.record.work.work);
     }
 
     /// The pilot says that it is back, and the track says so too.
@@ -593,6 +602,7 @@ impl<'a> Flight<'a> {
             end_s,
             mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
             waypoints_missed: self.missed.len(),
+            work_most: milestones.work_most,
         }
     }
 }

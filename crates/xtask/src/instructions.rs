@@ -48,8 +48,10 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
     let program = build(&root)?;
     let mut counts = BTreeMap::new();
     for (aircraft, obstacles, kind) in COUNTED {
-        let counted = step(&program, aircraft, obstacles, kind)?;
-        println!("{aircraft}, {obstacles} obstacles, {kind}: {counted} instructions a step");
+        let (counted, work) = step(&program, aircraft, obstacles, kind)?;
+        println!(
+            "{aircraft}, {obstacles} obstacles, {kind}: {counted} instructions a step, {work} units of work"
+        );
         counts.insert(format!("{aircraft},{obstacles},{kind}"), counted);
     }
     TABLE.check(&root, &counts, write)
@@ -74,24 +76,25 @@ fn build(root: &Path) -> Result<PathBuf, String> {
     Ok(target.join("release/fga-instructions"))
 }
 
-/// Instructions of one step of a kind.
-fn step(program: &Path, aircraft: &str, obstacles: u32, kind: &str) -> Result<u64, String> {
-    let (with, steps) = run(program, aircraft, obstacles, kind, TIMES)?;
+/// Instructions and work of one step of a kind.
+fn step(program: &Path, aircraft: &str, obstacles: u32, kind: &str) -> Result<(u64, u64), String> {
+    let (with, [steps, work]) = run(program, aircraft, obstacles, kind, TIMES)?;
     let (without, _) = run(program, aircraft, obstacles, kind, 0)?;
     if steps == 0 {
         return Err(format!("no step is {kind} with {aircraft} and {obstacles}"));
     }
-    Ok(with.saturating_sub(without) / (steps * u64::from(TIMES)))
+    let counted = with.saturating_sub(without) / (steps * u64::from(TIMES));
+    Ok((counted, work / steps))
 }
 
-/// Instructions of the program, and the number of steps that it repeats.
+/// Instructions of the program, the number of steps that it repeats, and their work.
 fn run(
     program: &Path,
     aircraft: &str,
     obstacles: u32,
     kind: &str,
     times: u32,
-) -> Result<(u64, u64), String> {
+) -> Result<(u64, [u64; 2]), String> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .arg(program)
@@ -102,7 +105,10 @@ fn run(
     let counted = told
         .lines()
         .find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
-    let steps = String::from_utf8_lossy(&output.stdout).trim().parse().ok();
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let numbers = printed.split_whitespace().map(str::parse);
+    let steps: Option<Vec<u64>> = numbers.collect::<Result<_, _>>().ok();
+    let steps = steps.and_then(|numbers| numbers.try_into().ok());
     counted
         .zip(steps)
         .ok_or_else(|| format!("valgrind counted nothing: {told}"))

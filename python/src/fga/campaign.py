@@ -69,10 +69,10 @@ def campaign(
     told = Campaign(
         file,
         encounters=encounters,
-        policies=list(policies),
+        policies=policies,
         vehicle=vehicle,
         oracle=oracle,
-        recordings=list(recordings),
+        recordings=recordings,
         model=model,
         time_limit_s=time_limit_s,
     )
@@ -88,12 +88,15 @@ def campaign(
 
 
 def pickled(campaign: Campaign) -> bytes:
-    """A campaign for other processes, with the functions and classes of a notebook where cloudpickle is installed."""
+    """A campaign for other processes, with the functions and classes of a notebook where cloudpickle or Ray is installed."""
     try:
-        import cloudpickle
+        import cloudpickle as pickler
     except ImportError:
-        return pickle.dumps(campaign)
-    return cloudpickle.dumps(campaign)
+        try:
+            from ray import cloudpickle as pickler
+        except ImportError:
+            pickler = pickle
+    return pickler.dumps(campaign)
 
 
 _known: dict[bytes, Campaign] = {}

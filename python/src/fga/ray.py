@@ -119,7 +119,7 @@ def run(
     campaign = Campaign(
         file,
         encounters=encounters,
-        policies=list(policies),
+        policies=policies,
         vehicle=vehicle,
         oracle=oracle,
         time_limit_s=time_limit_s,
@@ -186,11 +186,11 @@ def league(
     _checked(in_flight)
     out = os.path.abspath(os.fspath(out))
     given = {
-        "policies": list(policies),
-        "sets": list(sets),
+        "policies": policies,
+        "sets": sets,
         "data": data,
         "encounters": encounters,
-        "intruders": list(intruders),
+        "intruders": intruders,
         "time_limit_s": time_limit_s,
     }
     for place, campaign in _league_campaigns(out, **given):

@@ -1,4 +1,5 @@
-//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, repeated TIMES times.
+//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, repeated TIMES times; prints the
+//! number of steps and their work.
 //! `fga-instructions adversarial NUMBER CYCLE TIMES`: one step of an adversarial encounter. `fga-instructions adversarial
 //! NUMBER` prints the work of each of its steps.
 
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
         eprintln!("unknown aircraft or number");
         return ExitCode::FAILURE;
     };
-    let mut steps = 0;
+    let (mut steps, mut work) = (0, 0);
     for number in 0..ENCOUNTERS {
         if steps > 0 {
             break;
@@ -48,11 +49,12 @@ fn main() -> ExitCode {
                 return false;
             }
             steps += 1;
+            work += decision.record.work.work;
             repeat(before, situation, times);
             true
         });
     }
-    println!("{steps}");
+    println!("{steps} {work}");
     ExitCode::SUCCESS
 }
 

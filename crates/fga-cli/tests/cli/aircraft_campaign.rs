@@ -3,6 +3,8 @@
 
 use core::fmt::Write as _;
 use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -75,6 +77,36 @@ fn run(at: &Path, command: &[&str], more: &[&str]) {
 
 fn bytes(at: &Path, out: &str) -> Vec<u8> {
     fs::read(at.join(out).join("results.parquet")).unwrap()
+}
+
+/// A single flight of a recording is judged as in a campaign, number for number.
+#[test]
+fn one_flight_has_the_numbers_of_the_standards_too() {
+    let folder = written();
+    let at = folder.path();
+    run(at, &RECORDED, &["--csv", "--out", "out"]);
+    for row in rows(&at.join("out/results.csv")) {
+        let recording = format!("flights/{}.daa", row["name"]);
+        let flight = ["run", &recording, "--vehicle", "ga.toml", "--json"];
+        let output = fga_in(at, &[&flight[..], &["--policy", &row["policy"]]].concat());
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let standards = summary["standards"].as_object().unwrap();
+        assert!(standards.len() > 20, "{standards:?}");
+        for (name, value) in standards {
+            let shown = &row[name];
+            let is_same = match value {
+                serde_json::Value::Null => shown.is_empty(),
+                serde_json::Value::Number(number) => shown.parse().ok() == number.as_f64(),
+                serde_json::Value::Bool(flag) => shown.parse().ok() == Some(*flag),
+                other => panic!("{name}: {other}"),
+            };
+            assert!(
+                is_same,
+                "{recording}, {}, {name}: {value} {shown}",
+                row["policy"]
+            );
+        }
+    }
 }
 
 #[test]
@@ -444,12 +476,23 @@ fn losses_in_a_flight_hour_need_a_density_and_an_uncorrelated_model() {
     }
 }
 
+/// A policy that ends at once in every flight. Where the file `armed` is, it kills the campaign in flight 300: in the second block.
+const KILLS: &str = "#!/bin/sh
+if [ -e armed ]; then
+  echo flight >> armed
+  if [ $(wc -l < armed) = 300 ]; then rm armed; kill -9 $PPID; fi
+fi
+exit 1
+";
+
 /// Killed in the middle (no handler runs), resumed, and in parts of which one was killed too: the same bytes.
 #[test]
 fn a_campaign_of_models_that_was_killed_goes_on_to_the_same_bytes() {
     let folder = written();
     let at = folder.path();
-    let count = ["--encounters", "600", "--policy", "turn-aware"];
+    fs::write(at.join("kills.sh"), KILLS).unwrap();
+    fs::set_permissions(at.join("kills.sh"), fs::Permissions::from_mode(0o755)).unwrap();
+    let count = ["--encounters", "600", "--policy", "pipe:./kills.sh"];
     let whole = [&MODELED[..], &count, &["--out", "whole"]].concat();
     run(at, &whole, &[]);
     let killed = |out: &str, shard: &[&str]| {
@@ -460,28 +503,13 @@ fn a_campaign_of_models_that_was_killed_goes_on_to_the_same_bytes() {
             shard,
         ]
         .concat();
-        let mut flying = std::process::Command::new(env!("CARGO_BIN_EXE_fga"))
-            .current_dir(at)
-            .args(&command)
-            .stderr(std::process::Stdio::null())
-            .spawn()
-            .unwrap();
-        // The first finished block.
-        let has_block = || {
-            fs::read_dir(at.join(out).join("blocks")).is_ok_and(|entries| {
-                entries
-                    .filter_map(Result::ok)
-                    .any(|entry| entry.file_name().to_string_lossy().starts_with("block-"))
-            })
-        };
-        while !has_block() && flying.try_wait().unwrap().is_none() {
-            std::thread::sleep(core::time::Duration::from_millis(2));
-        }
-        let was_flying = flying.try_wait().unwrap().is_none();
-        flying.kill().unwrap();
-        flying.wait().unwrap();
-        assert!(was_flying, "{out} was flown before it could be killed");
-        assert!(!at.join(out).join("results.parquet").exists());
+        fs::write(at.join("armed"), "").unwrap();
+        let output = fga_in(at, &command);
+        assert_eq!(output.status.signal(), Some(9), "{}", errors(&output));
+        let blocks = fs::read_dir(at.join(out).join("blocks")).unwrap();
+        let names = blocks.map(|entry| entry.unwrap().file_name());
+        let finished = names.filter(|name| name.to_string_lossy().starts_with("block-"));
+        assert_eq!(finished.count(), 1);
         run(at, &command, &["--resume"]);
     };
     killed("killed", &[]);

@@ -57,6 +57,14 @@ fn the_same_league_has_the_same_bytes_and_is_not_flown_twice() {
     ] {
         assert!(page.contains(what), "{what}");
     }
+    // The default policy counts its work; what is not known is empty, not 0.
+    let standings = rows(&place.join("one/league.csv"));
+    let works = standings.iter().map(|row| &row["work_most"]);
+    let [none, default, mvp] = works.collect::<Vec<_>>()[..] else {
+        panic!("three policies");
+    };
+    assert!(none.is_empty() && mvp.is_empty());
+    assert!(default.parse::<f64>().unwrap() > 100.0, "{default}");
     // Every replay of the page is there.
     let links: Vec<&str> = page
         .split("href=\"drawn-1hz/")
@@ -95,6 +103,8 @@ fn a_program_joins_a_league_and_its_failures_stand_there() {
         let standings = rows(&place.join("out/league.csv"));
         assert_eq!(standings.len(), 2);
         let failed = if fails { "24" } else { "0" };
+        let told = errors(&done).contains("policy pipe:./own.sh failed in ");
+        assert_eq!(told, fails, "{}", errors(&done));
         assert_eq!(standings[1]["policy_failures"], failed);
         // Both fly the mission.
         for column in ["entered", "threatened", "encounters"] {
@@ -115,6 +125,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
             "set drawn-1hz is named twice",
         ),
         (&["--sets", "none.toml", "--policy", "none"], "none.toml"),
+        (&["--encounters", "-5"], "expected a whole number from 1"),
         (&["--policy", "nobody"], "unknown policy \"nobody\""),
         (
             &["--policy", "orca", "--policy", "orca"],
@@ -123,7 +134,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
         (&["--data", "nowhere"], "is no folder"),
         (
             &["--intruders", "nobody"],
-            "intruders: unknown policy \"nobody\"",
+            "arduplane-rules, pipe:PROGRAM, or itself",
         ),
         (
             &["--intruders", "orca", "--intruders", "orca"],

@@ -94,7 +94,7 @@ impl SafetyCase {
     }
 
     /// In how many encounters the aircraft gave way, and how long before.
-    fn gave_way(&self) -> Block {
+    pub(super) fn gave_way(&self) -> Block {
         let rows = self
             .policies
             .iter()

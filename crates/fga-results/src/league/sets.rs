@@ -175,8 +175,9 @@ fn reactions(terms: &Terms) -> Result<Vec<Reaction>, CampaignError> {
         let reaction = if name == ITSELF {
             Reaction::Itself
         } else {
-            let policy = policy_called(name, &terms.own)
-                .map_err(|message| CampaignError::Other(format!("intruders: {message}")))?;
+            let policy = policy_called(name, &terms.own).map_err(|message| {
+                CampaignError::Other(format!("intruders: {message}, or {ITSELF}"))
+            })?;
             Reaction::By(policy)
         };
         if reactions.contains(&reaction) {

@@ -66,6 +66,7 @@ pub(super) fn standing(case: SafetyCase, flown: &FlownCampaign) -> Option<Standi
         cross_track_m: [share(0.5), share(0.9)],
         extra_path_m: totals.extra_path_m.at(0.5),
         away_s: totals.time_away_s.at(0.5),
+        work: [0.5, 1.0].map(|share| totals.work.at(share).map(f64::round)),
         sha256: flown.sha256.clone(),
         case,
     })
@@ -93,6 +94,8 @@ pub(super) fn row(set: &LeagueSet, standing: &Standing) -> Row<String> {
         ("cross_track_p90_m", real(standing.cross_track_m[1])),
         ("extra_path_p50_m", real(standing.extra_path_m)),
         ("time_away_p50_s", real(standing.away_s)),
+        ("work_p50", real(standing.work[0])),
+        ("work_most", real(standing.work[1])),
         ("policy_failures", json!(case.failed)),
     ];
     let named = |(name, value): (&str, Value)| (name.to_owned(), value);

@@ -8,7 +8,7 @@ use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 
 use super::configuration::{Drawn, Scene};
-use super::judge::{self, Judge};
+use super::judge::{FlownPath, Judge};
 use super::metrics::Metrics;
 use super::{Campaign, CampaignError};
 use crate::batch::{self, BatchRow, BatchSettings};
@@ -115,7 +115,7 @@ pub struct Flyer<'a> {
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
     judge: Judge,
-    flown: judge::Flown,
+    flown: FlownPath,
 }
 
 impl<'a> Flyer<'a> {
@@ -143,7 +143,7 @@ impl<'a> Flyer<'a> {
             world,
             campaign,
             judge: Judge::new(),
-            flown: judge::Flown::default(),
+            flown: FlownPath::default(),
         })
     }
 
@@ -205,6 +205,7 @@ impl<'a> Flyer<'a> {
             (self.judge).flown((world, is_other), &self.flown, &mut metrics);
             let failure = reacted.as_ref().and_then(|reacted| reacted.failure);
             metrics.policy_failure = pilot.failure().or(failure);
+            metrics.work = outcome.work();
             let made = Made {
                 number,
                 drawn,
@@ -275,6 +276,7 @@ impl<'a> Flyer<'a> {
                 policy,
                 oracle_margin_m,
                 metrics: Metrics {
+                    work: flown.outcome.work(),
                     policy_failure: flown.failure,
                     ..Metrics::default()
                 },

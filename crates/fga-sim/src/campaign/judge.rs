@@ -11,7 +11,7 @@ use fga_alerts::volume::{Cylinder, Volume, WellClear};
 use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
 
 use super::metrics::Metrics;
-use crate::engine::{Observer, Sample};
+use crate::engine::{Observer, Outcome as Flight, Sample};
 use crate::progress::MissionProgress;
 use crate::track::Track;
 use crate::world::World;
@@ -28,21 +28,21 @@ const WARNING: usize = 3;
 
 /// Follows the flown path.
 #[derive(Debug, Default)]
-pub(super) struct Flown {
+pub struct FlownPath {
     path: Vec<(f64, Vec3)>,
     /// When the aircraft left the recording, seconds.
     left_s: Option<f64>,
 }
 
-impl Flown {
+impl FlownPath {
     /// Ready for another flight.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.path.clear();
         self.left_s = None;
     }
 }
 
-impl Observer for Flown {
+impl Observer for FlownPath {
     fn sample(&mut self, sample: &Sample) {
         if sample.state == FlightState::Avoiding && self.left_s.is_none() {
             self.left_s = Some(sample.time_s);
@@ -51,9 +51,19 @@ impl Observer for Flown {
     }
 }
 
+/// The metrics of a flight of its own in a recorded world; `None` for a world without a recording.
+pub fn metrics_of(world: &World, flown: &FlownPath, outcome: &Flight) -> Option<Metrics> {
+    world.recorded.as_ref()?;
+    let mut judge = Judge::new();
+    let mut metrics = judge.nominal(world);
+    judge.flown((world, false), flown, &mut metrics);
+    metrics.work = outcome.work();
+    Some(metrics.rounded())
+}
+
 /// How often the flown track turns from going away from its line to coming back, or the reverse, by more than
 /// [`TURNED_M`]: what a policy says of itself does not count.
-fn changes(world: &World, flown: &Flown) -> u32 {
+fn changes(world: &World, flown: &FlownPath) -> u32 {
     let Some(left_s) = flown.left_s else {
         return 0;
     };
@@ -149,7 +159,7 @@ impl Judge {
     pub(super) fn flown(
         &mut self,
         (world, is_other): (&World, bool),
-        flown: &Flown,
+        flown: &FlownPath,
         metrics: &mut Metrics,
     ) {
         let Some(own) = &world.recorded else {

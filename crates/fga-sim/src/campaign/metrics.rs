@@ -37,7 +37,7 @@ macro_rules! metrics {
     (@type Flag) => { Option<bool> };
     (@type Failure) => { Option<FailureKind> };
     ($($name:ident: $kind:ident, $meaning:literal;)*) => {
-        /// Metrics of one encounter under one policy; all but the last are `None` for obstacles of families
+        /// Metrics of one encounter under one policy; all but the last two are `None` for obstacles of families
         /// and encounter files, which are no recorded or modeled aircraft.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Metrics {
@@ -82,6 +82,7 @@ metrics! {
     nominal_nmac_scale: Real, "least over time of the larger of horizontal separation / 500 ft and vertical separation / 100 ft, without avoidance; below 1 is a near mid-air collision";
     nmac_scale: Real, "the same as flown";
     altitude_m: Real, "height of the ownship there in the frame of the recording or model, m";
+    work: Real, "largest work of a decision, in units of the core's meter; empty for a policy that counts none";
     policy_failure: Failure, "how a policy of one's own failed, after which it flew the mission: raised, timed-out, not-finite, wrong-shape or ended; empty without a failure";
 }
 

@@ -44,6 +44,7 @@ pub use configuration::{
 pub use expected::Expected;
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
+pub use judge::{FlownPath, metrics_of};
 pub use merge::{Assembled, assemble, merge, reread};
 pub use rows::RowFiles;
 pub use run::{DecisionTimes, Progress, Task, run};

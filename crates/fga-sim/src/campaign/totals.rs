@@ -93,6 +93,8 @@ pub struct Totals {
     pub extra_path_m: Quantiles,
     /// Times away of flights with a manoeuvre, seconds.
     pub time_away_s: Quantiles,
+    /// Largest works of a decision, where the policy counts them.
+    pub work: Quantiles,
 }
 
 impl Totals {
@@ -111,6 +113,7 @@ impl Totals {
             count(&mut self.saved_of_lost, !avoidable && row.separated);
         }
         self.margin_m.take(row.min_margin_m);
+        self.work.take(row.metrics.work.unwrap_or(f64::NAN));
         if let Some(time_away_s) = row.time_away_s() {
             self.manoeuvred += 1;
             count(&mut self.rejoined, row.rejoined_s.is_some());
