@@ -29,6 +29,15 @@ export interface RawObstacle {
   pieces: number;
 }
 
+/** A zone; the last place of its ring is the first one again. */
+export interface Zone {
+  name: string;
+  in: boolean;
+  ring: [number, number][];
+  floor: number | null;
+  ceiling: number | null;
+}
+
 export interface RawDecision {
   t: number;
   state: number;
@@ -72,6 +81,7 @@ export interface RawRun {
   samples: RawSamples;
   mission: Vec3[];
   obstacles: RawObstacle[];
+  zones?: Zone[];
   motion: string;
   decisions: RawDecision[];
   points: string;
@@ -230,6 +240,7 @@ export class Run {
   nearest: Int32Array;
   mission: Vec3[];
   obstacles: Obstacle[];
+  zones: Zone[];
   decisions: Decision[] = [];
   decisionStarts: number[] = [];
   timeT: number[];
@@ -250,6 +261,7 @@ export class Run {
     this.state = bytes(raw.samples.state);
     this.n = this.columns.t.length;
     this.mission = raw.mission;
+    this.zones = raw.zones ?? [];
     const pool = floats(raw.motion);
     let at = 0;
     this.obstacles = raw.obstacles.map((o) => {

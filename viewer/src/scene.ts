@@ -4,13 +4,14 @@ import * as THREE from "three";
 import { Aircraft, aircraftGeometry } from "./aircraft";
 import { CameraRig } from "./camera";
 import { CollisionCone } from "./cone";
-import type { Obstacle, Run, Vec3 } from "./data";
+import type { Obstacle, Run, Vec3, Zone } from "./data";
 import { Ground } from "./ground";
 import { Labels } from "./labels";
 import { FatLines, type Stroke } from "./lines";
 import type { Theme } from "./theme";
 import { Track } from "./track";
 import { ObstacleField } from "./volumes";
+import { ZoneField } from "./zones";
 
 /** How far ahead an obstacle's way is drawn, seconds. */
 const PREDICTION_S = 20;
@@ -44,6 +45,7 @@ export class Scene {
   private readonly scene = new THREE.Scene();
   private readonly grid = new Ground();
   private readonly field = new ObstacleField();
+  private readonly zones = new ZoneField();
   private readonly cone = new CollisionCone();
   private readonly mission = new FatLines(64, 4);
   private readonly ahead = new FatLines(256, 4);
@@ -70,6 +72,7 @@ export class Scene {
     sun.position.set(-0.4, -0.7, 1);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8899aa, 1.6), sun);
     this.scene.add(this.grid.mesh, this.field.group, this.cone.mesh, this.shadow);
+    this.scene.add(this.zones.group);
     for (const lines of [this.mission, this.ahead, this.paths, this.vectors]) {
       this.scene.add(lines.mesh);
     }
@@ -91,6 +94,7 @@ export class Scene {
     const run = runs[focus];
     this.field.rebuild(run?.obstacles ?? []);
     this.ground = groundOf(runs);
+    this.zones.rebuild(run?.zones ?? [], this.ground, highestOf(runs), theme.threat);
     this.mission.begin();
     const points = run?.mission ?? [];
     const stroke = look(theme.mission, 0.9, 1.6, 14);
@@ -173,6 +177,7 @@ export class Scene {
     const decision = run && visible[focus] ? run.decisions[run.decisionAt(t)] : undefined;
     const threat = run?.obstacle(decision?.threat ?? null);
     this.drawObstacles(moment, threat);
+    if (shown.labels) this.nameZones(run?.zones ?? [], theme);
     this.drawPaths(moment, run, shown.candidates && visible[focus] === true);
     this.drawCone(moment, run, shown.cone && visible[focus] === true ? threat : undefined);
     this.grid.update(this.rig.target, this.ground, this.rig.distance, theme.grid);
@@ -184,6 +189,14 @@ export class Scene {
     });
     this.labels.end();
     this.renderer.render(this.scene, camera);
+  }
+
+  /** The name of each zone at its first corner, on the ground. */
+  private nameZones(zones: Zone[], theme: Theme): void {
+    for (const { name, ring, floor } of zones) {
+      const [x, y] = ring[0] ?? [0, 0];
+      this.labels.put(x, y, floor ?? this.ground, name, theme.threat, false);
+    }
   }
 
   private drawObstacles(moment: Moment, threat: Obstacle | undefined): void {
@@ -341,6 +354,15 @@ function boxOf(runs: Run[], from: number, to: number): THREE.Box3 {
 }
 
 const POINT = new THREE.Vector3();
+
+/** The highest altitude flown, metres. */
+function highestOf(runs: Run[]): number {
+  let highest = -Infinity;
+  for (const { n, columns } of runs) {
+    for (let i = 0; i < n; i++) highest = Math.max(highest, columns.z[i]!);
+  }
+  return Number.isFinite(highest) ? highest : 0;
+}
 
 /** Where the grid lies: at 0 where everything flies above it, else below the lowest. */
 function groundOf(runs: Run[]): number {

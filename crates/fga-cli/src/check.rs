@@ -17,6 +17,7 @@ use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
 use fga_sim::drawn::{self, Content};
 use fga_sim::recorded;
+use fga_sim::run::Plan;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
@@ -137,6 +138,8 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
                 return Err(InputError::in_file(path, holds).into());
             }
             mission.notes.push(format!("not for fga run: {holds}"));
+        } else {
+            mission.notes.extend(Plan::read(path, None)?.warnings());
         }
         return Ok(Usable::new("mission", mission.holds()).with(mission.notes));
     }
@@ -333,8 +336,12 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
     match kind {
         FileKind::Scenario => {
             let plan = scenario::read(path, None)?;
+            let zones = match plan.world.zones.len() {
+                0 => String::new(),
+                zones => format!("{}, ", counted(zones, "zone")),
+            };
             let holds = format!(
-                "{}, {}, vehicle {}",
+                "{}, {}, {zones}vehicle {}",
                 counted(plan.world.mission_m.len(), "waypoint"),
                 counted(plan.world.obstacles.len(), "obstacle"),
                 plan.model.name

@@ -14,13 +14,14 @@ use fga_results::flight_files;
 use fga_results::provenance::{Provenance, file_fingerprint};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
+use fga_sim::separation::Least;
 use fga_sim::way_round;
 
 use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs, tell_failures};
 use crate::failure::Failure;
 use crate::live::LiveView;
 
-/// Exit code of a run in which the aircraft entered a protected volume or broke a limit of altitude.
+/// Exit code of a run in which the aircraft entered a protected volume, broke a limit of altitude, or was on the wrong side of a zone.
 const ENTERED: u8 = 2;
 
 /// Options of `fga run`.
@@ -68,6 +69,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
+    if !plan.world.zones.is_empty() {
+        for policy in policies.clone().filter(|policy| !policy.knows_zones()) {
+            let (shown, policy) = (args.file.display(), policy.name());
+            eprintln!(
+                "fga: {shown}: warning: {policy} knows no zones, which only judge its flight"
+            );
+        }
+    }
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
         return Err(InputError::in_file(&args.file, refusal).into());
     }
@@ -92,7 +101,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     args.answer
         .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
     Ok(
-        if log.outcome.separated() && log.limits_broken() == [false; 2] {
+        if log.outcome.separated() && log.limits_broken() == [false; 2] && log.zones_kept() {
             ExitCode::SUCCESS
         } else {
             ExitCode::from(ENTERED)
@@ -188,6 +197,31 @@ fn describe_obstacles(text: &mut String, log: &RunLog) -> core::fmt::Result {
     Ok(())
 }
 
+/// One line for each zone.
+fn describe_zones(text: &mut String, log: &RunLog) -> core::fmt::Result {
+    for zone in &log.zones {
+        let name: String = zone
+            .name
+            .chars()
+            .filter(|c| !c.is_control())
+            .take(24)
+            .collect();
+        let (kind, broken) = if zone.keep_in {
+            ("keep in", "LEFT")
+        } else {
+            ("keep out", "ENTERED")
+        };
+        let Least { value_m, time_s } = zone.margin;
+        let margin = if value_m >= 0.0 {
+            format!("least distance {value_m:.2} m at {time_s:.2} s")
+        } else {
+            format!("{broken} by {:.2} m at {time_s:.2} s", -value_m)
+        };
+        writeln!(text, "zone {name} ({kind}): {margin}")?;
+    }
+    Ok(())
+}
+
 /// One line for each conflict.
 fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
     let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
@@ -240,6 +274,7 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
         log.plan.name, log.policy, log.plan.model.name, outcome.end_s
     )?;
     describe_obstacles(text, log)?;
+    describe_zones(text, log)?;
     describe_conflicts(text, log)?;
     writeln!(
         text,

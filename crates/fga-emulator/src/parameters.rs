@@ -22,6 +22,7 @@ impl Default for Parameters {
             ("FENCE_TYPE", 4.0),
             ("GUIDED_TIMEOUT", 3.0),
             ("MAV_GCS_SYSID", 255.0),
+            ("FENCE_OPTIONS", 1.0),
             ("MIS_RESTART", 0.0),
             ("NAVL1_PERIOD", 17.0),
             ("PTCH_LIM_MAX_DEG", 20.0),

@@ -14,7 +14,7 @@ const LONGEST_S: f64 = 86_400.0;
 const SPARE_S: f64 = 60.0;
 
 /// The text of a scenario that flies the mission in the file `path` at about this airspeed. Its origin is home, or the
-/// first waypoint; altitudes are above mean sea level. What is not flown stands in comments.
+/// first waypoint; altitudes are above mean sea level. Fences are zones; what is not flown stands in comments.
 ///
 /// # Errors
 /// A file of fences or rally points alone.
@@ -82,19 +82,18 @@ pub fn scenario_text(
         })
         .collect();
     let _ = writeln!(text, "]\npassing = [{}]", passing.join(", "));
-    for fence in &mission.fences {
-        let side = if fence.keep_in { "inside" } else { "outside" };
+    for (fence, number) in mission.fences.iter().zip(1..) {
+        let kind = if fence.keep_in { "keep-in" } else { "keep-out" };
+        let _ = write!(
+            text,
+            "\n[[zone]]\nname = \"fence {number}\"\nkind = \"{kind}\"\n"
+        );
         let _ = match &fence.outline {
             Outline::Circle {
                 center_deg,
                 radius_m,
-            } => writeln!(
-                text,
-                "\n# Fence, stay {side}: {radius_m} m about {center_deg:?}."
-            ),
-            Outline::Polygon { corners_deg } => {
-                writeln!(text, "\n# Fence, stay {side}: {corners_deg:?}.")
-            }
+            } => writeln!(text, "center_deg = {center_deg:?}\nradius_m = {radius_m:?}"),
+            Outline::Polygon { corners_deg } => writeln!(text, "polygon_deg = {corners_deg:?}"),
         };
     }
     for place in &mission.rally {

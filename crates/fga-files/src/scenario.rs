@@ -44,6 +44,9 @@ pub struct ScenarioFile {
     /// Obstacles.
     #[serde(default)]
     pub obstacle: Vec<Spanned<ObstacleTable>>,
+    /// Zones.
+    #[serde(default)]
+    pub zone: Vec<Spanned<ZoneTable>>,
 }
 
 impl ScenarioFile {
@@ -145,6 +148,42 @@ pub struct ObstacleTable {
     /// How it may move.
     #[serde(default)]
     pub movement: MovementName,
+}
+
+/// `[[zone]]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ZoneTable {
+    /// Name for people.
+    pub name: Option<String>,
+    /// Which side the aircraft keeps to.
+    pub kind: ZoneKindName,
+    /// Corners in order: east, north, metres.
+    pub polygon_m: Option<Spanned<Vec<[f64; 2]>>>,
+    /// Corners in order: latitude and longitude, degrees.
+    pub polygon_deg: Option<Spanned<Vec<[f64; 2]>>>,
+    /// Centre of a circle: east, north, metres.
+    pub center_m: Option<Spanned<[f64; 2]>>,
+    /// Centre of a circle: latitude and longitude, degrees.
+    pub center_deg: Option<Spanned<[f64; 2]>>,
+    /// Radius of a circle, metres.
+    pub radius_m: Option<Spanned<f64>>,
+    /// File of polygons, each a zone of its own: GeoJSON or KML.
+    pub file: Option<Spanned<PathBuf>>,
+    /// Its lowest altitude, metres.
+    pub floor_m: Option<Spanned<f64>>,
+    /// Its highest altitude, metres.
+    pub ceiling_m: Option<Spanned<f64>>,
+}
+
+/// Word for the side of a zone that the aircraft keeps to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ZoneKindName {
+    /// `keep-out`
+    KeepOut,
+    /// `keep-in`
+    KeepIn,
 }
 
 /// Word for what an obstacle is.

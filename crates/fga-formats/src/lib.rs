@@ -46,6 +46,7 @@
 
 extern crate alloc;
 
+pub mod areas;
 pub mod atomic;
 pub mod build;
 pub mod clock;
@@ -69,5 +70,6 @@ pub mod terrain;
 pub mod traffic;
 pub mod units;
 pub mod words;
+pub mod zones;
 
 pub use error::{InputError, OutputError};

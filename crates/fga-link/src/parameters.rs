@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// The requested parameters. If a figure has two names, the newer comes first; the factor beside the older
 /// one scales it.
-const WANTED: [(&str, &str, f64); 22] = [
+const WANTED: [(&str, &str, f64); 23] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
     ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
@@ -33,6 +33,7 @@ const WANTED: [(&str, &str, f64); 22] = [
     ("STALL_PREVENTION", "STALL_PREVENTION", 1.0),
     ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
     ("FENCE_TYPE", "FENCE_TYPE", 1.0),
+    ("FENCE_OPTIONS", "FENCE_OPTIONS", 1.0),
 ];
 /// It does not act without these: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
@@ -362,13 +363,14 @@ mod tests {
     #[test]
     fn absent_parameters_are_given_up() {
         let (mut parameters, mut outbox) = (VehicleParameters::default(), Outbox::default());
-        for n in 0..200_u8 {
+        for n in 0..250_u8 {
             parameters.tick(f64::from(n), 1, &mut outbox);
         }
         assert!(!parameters.is_complete() && !parameters.is_sufficient());
         let asked = outbox.take().len() + usize::try_from(outbox.dropped).unwrap();
-        // 20 names some times each; bank limit and cruise airspeed every time, by both names.
-        assert_eq!(asked, 20 * usize::from(MOST_ROUNDS) + 2 * 2 * 200);
+        // Most names some times each; bank limit and cruise airspeed every time, by both names.
+        let given_up = WANTED.len() - NEEDED.len();
+        assert_eq!(asked, given_up * usize::from(MOST_ROUNDS) + 2 * 2 * 250);
         // A request or an answer that is lost for a long time does not keep it on the ground.
         parameters.take(&value("ROLL_LIMIT_DEG", 45.0));
         parameters.take(&value("AIRSPEED_CRUISE", 22.0));

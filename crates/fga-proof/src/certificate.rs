@@ -8,8 +8,12 @@
 //! chord covers many nodes.
 
 mod hazards;
+mod zones;
 
-pub use hazards::{ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH};
+pub use hazards::{
+    ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH, Obstruction, Rows,
+};
+pub use zones::{MAX_ZONES, Zones};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
@@ -196,6 +200,33 @@ fn bounded<H: HazardSet + ?Sized>(
     path: &FlightPath,
     hazards: &H,
     asked: &Asked,
+    effort: (u32, &Meter),
+) -> Certificate {
+    let found = bounded_from(flyer, path, hazards, asked, effort);
+    let zones = hazards.zones().filter(|_| found.status == Status::Proven);
+    let Some(zones) = zones else { return found };
+    // What is spared counts only for flights that enter none.
+    let asked = Asked {
+        floor_m: (asked.floor_m - zones.spare_m).max(asked.floor_m.min(0.0)),
+        enough_m: (found.margin_m - zones.spare_m).max(0.0),
+        ..*asked
+    };
+    let nearest = bounded_from(flyer, path, zones, &asked, effort);
+    if nearest.holds(asked.enough_m) {
+        return found;
+    }
+    Certificate {
+        margin_m: found.margin_m.min(zones.margin_m(nearest.margin_m)),
+        ..nearest
+    }
+}
+
+/// The same for a set without the zones beside it.
+fn bounded_from<H: HazardSet + ?Sized>(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &H,
+    asked: &Asked,
     (most_splits, meter): (u32, &Meter),
 ) -> Certificate {
     if meter.is_met() {
@@ -294,7 +325,7 @@ pub fn mark_close(
 }
 
 /// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
-/// moment, seconds.
+/// moment, seconds. Zones, which count for a shorter time, must be looked at again.
 pub fn keeps_on(
     path: &FlightPath,
     hazards: &Hazards,
@@ -304,11 +335,12 @@ pub fn keeps_on(
 ) -> bool {
     let margin_m = margin_m + path.remainder_m();
     let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
-    line.is_some_and(|line| {
-        hazards.each_close(&line, margin_m, meter, |hazard| {
-            hazard.least_on_line(&line, margin_m, meter).is_none()
+    hazards.zones.is_empty()
+        && line.is_some_and(|line| {
+            hazards.each_close(&line, margin_m, meter, |hazard| {
+                hazard.least_on_line(&line, margin_m, meter).is_none()
+            })
         })
-    })
 }
 
 /// The straight line between two moments of a flight, at constant speed.
@@ -370,7 +402,7 @@ impl<'a> Chord<'a> {
     fn split(
         &self,
         flyer: &Flyer,
-        hazard: &Hazard,
+        hazard: &impl Obstruction,
         (floor_m, most_splits): (f64, u32),
         worst: &mut Certificate,
         meter: &Meter,
@@ -407,7 +439,7 @@ impl<'a> Chord<'a> {
         &self,
         splits: u32,
         flyer: &Flyer,
-        hazard: &Hazard,
+        hazard: &impl Obstruction,
         worst: &mut Certificate,
         meter: &Meter,
     ) -> f64 {
@@ -493,7 +525,7 @@ fn each_near<H: HazardSet + ?Sized>(
     (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
     nodes: &[Node],
     worst: &mut Certificate,
-    mut look: impl FnMut(&Chord<'_>, &Hazard, (f64, f64), &mut Certificate),
+    mut look: impl FnMut(&Chord<'_>, &H::Each, (f64, f64), &mut Certificate),
 ) -> bool {
     let (mut rest, mut count) = (nodes, nodes.len());
     while let [node, _, ..] = rest
@@ -526,12 +558,12 @@ fn each_near<H: HazardSet + ?Sized>(
 }
 
 #[inline]
-fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &Hazard) {
+fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &impl Obstruction) {
     if margin_m < worst.margin_m {
         *worst = Certificate {
             margin_m,
             at_s,
-            hazard: Some(hazard.index),
+            hazard: Some(hazard.index()),
             ..*worst
         };
     }

@@ -11,6 +11,8 @@
 //! | [`maneuver`] | what does a command say, and when? |
 //! | [`prediction`] | where would that take the aircraft? |
 //! | [`certificate`] | how close to the obstacles, in continuous time? |
+//! | [`zone`] | which airspace may not be flown in? |
+//! | [`list`] | what holds a number of things that is known only in flight? |
 //! | [`meter`] | how much work is left in this step? |
 //!
 //! Units, angles and frames are those of the crate `fga`; a [`Hazard`](certificate::Hazard) and a prediction are in the
@@ -26,11 +28,16 @@ extern crate std;
 pub mod angle;
 pub mod certificate;
 pub mod limit;
+pub mod list;
 pub mod maneuver;
 pub mod meter;
 pub mod prediction;
 pub mod situation;
 pub mod vehicle;
+pub mod zone;
+
+/// A vector over the ground: x east, y north.
+pub type Vec2 = glam::DVec2;
 
 /// A vector in the local frame: x east, y north, z up.
 pub type Vec3 = glam::DVec3;

@@ -6,6 +6,7 @@ pub use movement::{Movement, MovementBounds};
 
 use crate::Vec3;
 use crate::angle::direction;
+use crate::zone::Zone;
 
 /// The aircraft's own state in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -232,6 +233,9 @@ pub struct Mission<'a> {
     /// The lowest and the highest altitude that a manoeuvre may come to, metres; infinite without a limit. The waypoints lie
     /// between them, by more than the distance kept beyond volumes.
     pub limits_m: (f64, f64),
+    /// The zones that a manoeuvre keeps out of or within. One that the present leg soon is on the wrong side of does
+    /// not bind: the mission is flown as it is given.
+    pub zones: &'a [Zone<'a>],
 }
 
 impl<'a> Mission<'a> {
@@ -241,6 +245,7 @@ impl<'a> Mission<'a> {
             waypoints_m,
             passing: &[],
             limits_m: (f64::NEG_INFINITY, f64::INFINITY),
+            zones: &[],
         }
     }
 }

@@ -525,6 +525,7 @@ impl Situation {
                 waypoints_m: &mission.waypoints_m,
                 passing: &mission.passing,
                 limits_m: mission.limits_m,
+                zones: &[],
             },
             wind_mps: self.wind_mps,
         })

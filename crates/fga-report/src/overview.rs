@@ -11,7 +11,7 @@ mod panel;
 mod separation;
 mod top;
 
-pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint};
+pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint, Zone};
 
 use crate::palette::{BLACK, BLUE, GREEN, INK, MUTED, ORANGE, PURPLE, SKY, VERMILION};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width};

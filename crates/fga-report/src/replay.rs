@@ -54,6 +54,8 @@ pub struct ReplayRun {
     pub mission_m: Vec<[f64; 3]>,
     /// The obstacles.
     pub obstacles: Vec<ReplayObstacle>,
+    /// The zones.
+    pub zones: Vec<ReplayZone>,
     /// The decision records, in time order; each holds until the next one. The page drops records
     /// that repeat the previous one.
     pub decisions: Vec<ReplayDecision>,
@@ -157,6 +159,19 @@ impl ReplayRun {
             ..Self::default()
         }
     }
+}
+
+/// A zone.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayZone {
+    /// Its name; any text.
+    pub name: String,
+    /// Whether the aircraft keeps within it, not out of it.
+    pub keep_in: bool,
+    /// Its outline, metres east and north; the last place is the first one again.
+    pub ring_m: Vec<[f64; 2]>,
+    /// Its floor and ceiling, metres, where it has them.
+    pub heights_m: [Option<f64>; 2],
 }
 
 /// Position, attitude and state of the aircraft at a time.

@@ -82,6 +82,17 @@ pub fn summary(log: &RunLog) -> Value {
             })
         })
         .collect();
+    let zones: Vec<Value> = (log.zones.iter())
+        .map(|zone| {
+            json!({
+                "name": zone.name,
+                "kind": if zone.keep_in { "keep-in" } else { "keep-out" },
+                "kept": zone.margin.value_m >= 0.0,
+                "min_margin_m": finite(zone.margin.value_m),
+                "min_margin_t_s": zone.margin.time_s,
+            })
+        })
+        .collect();
     let [floor_broken, ceiling_broken] = log.limits_broken();
     let mut summary = json!({
         "name": log.plan.name,
@@ -106,6 +117,7 @@ pub fn summary(log: &RunLog) -> Value {
         "decision_p99_us": times.p99_us,
         "decision_max_us": times.max_us,
         "obstacles": obstacles,
+        "zones": zones,
     });
     let mut path = FlownPath::default();
     log.samples.iter().for_each(|sample| path.sample(sample));

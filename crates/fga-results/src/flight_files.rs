@@ -209,6 +209,13 @@ pub fn overview(log: &RunLog) -> Overview {
             })
             .collect(),
         obstacles,
+        zones: (log.plan.world.zones.iter())
+            .map(|zone| overview::Zone {
+                name: zone.name().to_owned(),
+                keep_in: zone.keep_in(),
+                ring_m: zone.ring_m(),
+            })
+            .collect(),
         moments: moments(log),
     }
 }

@@ -1,19 +1,20 @@
 //! From the log of a flight to its replay page.
 
-use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
 use fga::certificate::{Hazard, Status, certify_all};
 use fga::maneuver::Maneuver;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
+use fga::{Vec2, Vec3};
 use fga_formats::words::{decision_words, reason_words};
 use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
-    ReplayPiece, ReplayRun, ReplaySample, render,
+    ReplayPiece, ReplayRun, ReplaySample, ReplayZone, render,
 };
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
+use fga_sim::world::WorldZone;
 
 use crate::flight_files::missed_words;
 use crate::replay_guidance;
@@ -74,6 +75,7 @@ fn replay_run(log: &RunLog) -> ReplayRun {
         samples: log.samples.iter().map(sample).collect(),
         mission_m: log.mission_line_m().iter().map(Vec3::to_array).collect(),
         obstacles: obstacles(log),
+        zones: log.plan.world.zones.iter().map(zone).collect(),
         decisions: drawer.decisions(log),
         decision_times: Vec::new(),
         events: replay_events(log),
@@ -145,6 +147,16 @@ pub fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
     }
 }
 
+fn zone(zone: &WorldZone) -> ReplayZone {
+    let (floor_m, ceiling_m) = zone.heights_m();
+    ReplayZone {
+        name: zone.name().to_owned(),
+        keep_in: zone.keep_in(),
+        ring_m: zone.ring_m().iter().map(Vec2::to_array).collect(),
+        heights_m: [floor_m, ceiling_m].map(|height_m| height_m.is_finite().then_some(height_m)),
+    }
+}
+
 fn obstacles(log: &RunLog) -> Vec<ReplayObstacle> {
     let mut obstacles = planned_obstacles(&log.plan);
     for (obstacle, outcome) in obstacles.iter_mut().zip(&log.obstacles) {
@@ -206,6 +218,7 @@ pub struct Drawer {
     wind_mps: Vec3,
     horizon_s: f64,
     margin_m: f64,
+    zones: Vec<WorldZone>,
 }
 
 impl Drawer {
@@ -213,12 +226,15 @@ impl Drawer {
     pub fn new(plan: &Plan) -> Self {
         let world = &plan.world;
         let settings = &world.settings.avoider;
-        Self::of(
-            &world.vehicle,
-            world.wind_mps,
-            settings.horizon_s,
-            settings.margin_m,
-        )
+        Self {
+            zones: world.zones.clone(),
+            ..Self::of(
+                &world.vehicle,
+                world.wind_mps,
+                settings.horizon_s,
+                settings.margin_m,
+            )
+        }
     }
 
     /// For an aircraft in a wind, with the horizon and the margin of its certificates.
@@ -229,6 +245,7 @@ impl Drawer {
             wind_mps,
             horizon_s,
             margin_m,
+            zones: Vec::new(),
         }
     }
 
@@ -315,6 +332,21 @@ impl Drawer {
         }
     }
 
+    /// Whether the path as drawn enters no zone that the aircraft has not entered before.
+    fn keeps_to_zones(&self, own_m: Vec3) -> bool {
+        let zones = self.zones.iter();
+        let mut outside = zones.filter(|zone| zone.margin_m(own_m) >= 0.0);
+        outside.all(|zone| {
+            let times_s = (0..).map(|point| POINT_EVERY_S * f64::from(point));
+            let mut drawn_s = times_s.take_while(|at_s| *at_s <= DRAWN_S);
+            drawn_s.all(|at_s| {
+                let state = self.path.state_at(&self.flyer, at_s);
+                let over = |state: MotionState| state.position_m + self.wind_mps * at_s;
+                state.is_none_or(|state| zone.margin_m(over(state)) >= 0.0)
+            })
+        })
+    }
+
     /// An alternative manoeuvre, certified against the obstacles known at that moment.
     fn compared(&mut self, own: &Ownship, maneuver: &Maneuver, hazards: &[Hazard]) -> ReplayPath {
         let start = MotionState::of(own);
@@ -328,7 +360,9 @@ impl Drawer {
             f64::MIN,
             f64::INFINITY,
         );
-        let clear = certificate.status == Status::Proven && certificate.margin_m >= self.margin_m;
+        let clear = certificate.status == Status::Proven
+            && certificate.margin_m >= self.margin_m
+            && self.keeps_to_zones(own.position_m);
         let kind = if clear {
             ReplayPathKind::Certified
         } else {

@@ -155,7 +155,7 @@ impl Search<'_> {
             }
             least.0 >= floor_m
         });
-        least
+        scene.hazards.zones.lower(line, least, meter)
     }
 
     /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the

@@ -132,6 +132,7 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
         mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
         passing: Vec::new(),
         limits_m: settings.model.limits_m,
+        zones: Vec::new(),
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad,

@@ -20,13 +20,15 @@ use fga::pilot::Pilot;
 use fga::situation::Ownship;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::Vehicle;
+use fga::zone::Zone;
 
 use crate::plant::{Arc, Plant, unwrap_near};
 use crate::progress::{MissedWaypoint, MissionProgress};
 use crate::sensor::Sensor;
-use crate::separation::Separation;
+use crate::separation::{Least, Separation};
 use crate::track::Track;
-use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle};
+use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle, WorldZone};
+use crate::zone::ZoneSeparation;
 
 /// The flown state at a moment, for the log.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,6 +126,7 @@ pub struct Engine {
     plant: Option<Plant>,
     sensor: Sensor,
     separations: Vec<Separation>,
+    from_zones: Vec<ZoneSeparation>,
     elapsed_ns: Vec<u64>,
     missed: Vec<MissedWaypoint>,
 }
@@ -191,6 +194,7 @@ impl Engine {
             plant: None,
             sensor: Sensor::new(),
             separations: Vec::new(),
+            from_zones: Vec::new(),
             elapsed_ns: Vec::new(),
             missed: Vec::new(),
         }
@@ -204,6 +208,11 @@ impl Engine {
     /// Least separations of the last flight, in the order of the world's obstacles.
     pub fn separations(&self) -> &[Separation] {
         &self.separations
+    }
+
+    /// Least margins of the last flight from the world's zones, in their order; negative where it was on the wrong side.
+    pub fn zone_margins(&self) -> impl Iterator<Item = Least> {
+        self.from_zones.iter().map(|separation| separation.least)
     }
 
     /// First sight of each obstacle in the last flight, in the order of the world's.
@@ -253,6 +262,10 @@ impl Engine {
                 }
                 separation
             }));
+        self.from_zones.clear();
+        let from_zones =
+            (world.zones.iter()).map(|zone| ZoneSeparation::begun(zone, start.position_m));
+        self.from_zones.extend(from_zones);
         FlightState {
             milestones: Milestones::default(),
             progress: MissionProgress::of(world),
@@ -274,6 +287,8 @@ impl Engine {
             plant,
             sensor: &mut self.sensor,
             separations: &mut self.separations,
+            zones: world.zones.iter().map(WorldZone::zone).collect(),
+            from_zones: &mut self.from_zones,
             elapsed_ns: &mut self.elapsed_ns,
             missed: &mut self.missed,
             state,
@@ -304,6 +319,9 @@ struct Flight<'a> {
     plant: &'a mut Plant,
     sensor: &'a mut Sensor,
     separations: &'a mut [Separation],
+    /// The world's zones.
+    zones: Vec<Zone<'a>>,
+    from_zones: &'a mut [ZoneSeparation],
     elapsed_ns: &'a mut Vec<u64>,
     missed: &'a mut Vec<MissedWaypoint>,
     state: &'a mut FlightState,
@@ -437,7 +455,8 @@ impl<'a> Flight<'a> {
         observer: &mut impl Observer,
     ) -> Decision {
         self.look(time_s, |vehicle| pilot.retune(vehicle));
-        let situation = situation(self.world, self.plant.ownship(), self.sensor, time_s);
+        let own = self.plant.ownship();
+        let situation = situation((self.world, &self.zones), own, self.sensor, time_s);
         let begun = Instant::now();
         let decision = pilot.step(&situation);
         let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
@@ -476,6 +495,8 @@ impl<'a> Flight<'a> {
         let mut measured = Measured {
             obstacles: &self.world.obstacles,
             separations: self.separations,
+            zones: &self.world.zones,
+            from_zones: self.from_zones,
             straight: &mut self.state.straight,
             flown_m: &mut self.state.flown_m,
         };
@@ -548,6 +569,8 @@ impl<'a> Flight<'a> {
         Measured {
             obstacles: &self.world.obstacles,
             separations: self.separations,
+            zones: &self.world.zones,
+            from_zones: self.from_zones,
             straight: &mut self.state.straight,
             flown_m: &mut self.state.flown_m,
         }
@@ -586,7 +609,7 @@ impl<'a> Flight<'a> {
 
 /// The known obstacles at a time, after a look.
 fn situation<'a>(
-    world: &'a World,
+    (world, zones): (&'a World, &'a [Zone<'a>]),
     ownship: Ownship,
     sensor: &'a Sensor,
     time_s: f64,
@@ -599,6 +622,7 @@ fn situation<'a>(
             waypoints_m: &world.mission_m,
             passing: &world.passing,
             limits_m: world.limits_m,
+            zones,
         },
         wind_mps: world.wind_mps,
     }

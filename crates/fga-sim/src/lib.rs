@@ -73,3 +73,4 @@ pub mod way_round;
 pub mod wind;
 pub mod world;
 pub mod worlds;
+pub mod zone;

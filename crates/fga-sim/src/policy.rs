@@ -96,6 +96,11 @@ impl PolicyChoice {
         }
     }
 
+    /// Whether it keeps to the zones of a world.
+    pub const fn knows_zones(&self) -> bool {
+        matches!(self, Self::Avoider(_))
+    }
+
     /// The policy's name on the command line.
     pub fn name(&self) -> String {
         let start_name = |start: Start| match start {

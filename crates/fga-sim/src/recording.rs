@@ -124,6 +124,7 @@ pub fn plan(
             mission_m,
             passing: Vec::new(),
             limits_m: model.limits_m,
+            zones: Vec::new(),
             start: StartState {
                 position_m,
                 course_rad: course_of(air_mps),

@@ -116,6 +116,17 @@ pub struct ObstacleOutcome {
     pub first_seen_s: Option<f64>,
 }
 
+/// The result for one zone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZoneOutcome {
+    /// Its name.
+    pub name: String,
+    /// Whether the aircraft keeps within it, not out of it.
+    pub keep_in: bool,
+    /// Least distance to it on the allowed side, to a millimetre and a thousandth of it; negative on the other side.
+    pub margin: Least,
+}
+
 /// Everything about one flight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunLog {
@@ -129,6 +140,8 @@ pub struct RunLog {
     pub decisions: Vec<DecisionLog>,
     /// The result for each obstacle, in the order of the world's.
     pub obstacles: Vec<ObstacleOutcome>,
+    /// The result for each zone, in the order of the world's.
+    pub zones: Vec<ZoneOutcome>,
     /// The result of the flight.
     pub outcome: Outcome,
     /// Missed waypoints.
@@ -239,7 +252,15 @@ pub fn fly(
             },
         )
         .collect();
+    let zones = (plan.world.zones.iter().zip(engine.zone_margins()))
+        .map(|(zone, margin)| ZoneOutcome {
+            name: zone.name().to_owned(),
+            keep_in: zone.keep_in(),
+            margin,
+        })
+        .collect();
     Ok(RunLog {
+        zones,
         policy: policy.name(),
         samples: logger.samples,
         decisions: logger.decisions,
@@ -252,6 +273,11 @@ pub fn fly(
 }
 
 impl RunLog {
+    /// Whether the aircraft was on the allowed side of every zone all the time.
+    pub fn zones_kept(&self) -> bool {
+        self.zones.iter().all(|zone| zone.margin.value_m >= 0.0)
+    }
+
     /// Whether the aircraft flew below the floor, and above the ceiling, by more than the accuracy of the samples, once it was
     /// between them.
     pub fn limits_broken(&self) -> [bool; 2] {

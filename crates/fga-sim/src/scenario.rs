@@ -22,12 +22,21 @@
 //! velocity_mps = [-15, 0, 0]
 //! appears_s = 5.0                         # seen from then on
 //! movement = "aircraft"                   # still, straight (default), aircraft, uas
+//!
+//! [[zone]]
+//! name = "school"
+//! kind = "keep-out"                       # or keep-in
+//! polygon_m = [[300, 50], [400, 50], [350, 150]]    # or center_m and radius_m
+//! floor_m = 0.0                           # optional, as ceiling_m
+//! ceiling_m = 150.0
 //! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
-//! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
+//! `position_deg`, `polygon_deg`, `center_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
 //! also bounds its existence. Optional: `seed`, `[start]`, `[limits] floor_m, ceiling_m`, `[wind]`, `[noise]`, `[sensor]`, with
 //! the keys of vehicle files. An unknown key is an error.
+
+mod zones;
 
 use std::path::Path;
 
@@ -112,6 +121,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     )?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
+    let zones = zones::all(&file.zone, &places)?;
     let mut names = Vec::new();
     let mut obstacles: Vec<WorldObstacle> = Vec::new();
     for (entry, number) in file.obstacle.iter().zip(1..) {
@@ -153,6 +163,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
             mission_m,
             passing,
             limits_m,
+            zones,
             start,
             vehicle: model.vehicle,
             autopilot: model.autopilot,

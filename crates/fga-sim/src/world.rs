@@ -1,6 +1,7 @@
 //! The parts of one flight.
 
 pub use crate::obstacle::{TrackReport, WorldObstacle};
+pub use crate::zone::{WorldOutline, WorldZone};
 
 use fga::Vec3;
 use fga::situation::Passing;
@@ -48,6 +49,8 @@ pub struct World {
     pub passing: Vec<Passing>,
     /// The lowest and the highest altitude of a manoeuvre, metres; infinite without a limit.
     pub limits_m: (f64, f64),
+    /// The zones of its airspace.
+    pub zones: Vec<WorldZone>,
     /// The aircraft at the start.
     pub start: StartState,
     /// The aircraft's limits.

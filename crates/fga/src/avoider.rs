@@ -410,6 +410,10 @@ impl Avoider {
             ];
             self.tracks.stay_between(limits_m);
         }
+        let flown = (&self.flyer, self.climb_limits_rad());
+        let leg = self.progress.index();
+        self.tracks
+            .add_zones(leg, flown, self.wanted_m(), situation);
         self.meter.count(self.tracks.work);
     }
 

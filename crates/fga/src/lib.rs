@@ -45,7 +45,9 @@ pub mod pilot;
 
 pub use fga_index::situation;
 pub use fga_mission as mission;
-pub use fga_proof::{Vec3, angle, certificate, limit, maneuver, meter, prediction, vehicle};
+pub use fga_proof::{
+    Vec2, Vec3, angle, certificate, limit, maneuver, meter, prediction, vehicle, zone,
+};
 pub use fga_search as search;
 
 /// The example of the readme, compiled and run with the tests.

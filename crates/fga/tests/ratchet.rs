@@ -35,7 +35,9 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::certificate::Hazards,
         fga_proof::certificate::Line,
         fga_proof::certificate::Status,
+        fga_proof::certificate::Zones,
         fga_proof::limit::SettingsError,
+        fga_proof::list::List<u8, 8>,
         fga_proof::maneuver::Maneuver,
         fga_proof::maneuver::Stage,
         fga_proof::meter::Meter,
@@ -59,6 +61,8 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::situation::Uncertainty,
         fga_proof::vehicle::Response,
         fga_proof::vehicle::Vehicle,
+        fga_proof::zone::Outline,
+        fga_proof::zone::Zone,
         fga_search::Departure,
         fga_search::Effort,
         fga_search::Found,
@@ -199,6 +203,7 @@ fn count() -> Table {
             .filter_map(|(path, bytes)| Some((path.split_once("::")?, path, bytes)))
             .filter(|((owner, _), ..)| owner.replace('_', "-") == name)
             .filter_map(|(_, path, bytes)| Some((path.rsplit_once("::")?.1, bytes)))
+            .filter_map(|(name, bytes)| Some((name.split('<').next()?.trim_end(), bytes)))
             .collect();
         for (kind, item) in items {
             if matches!(kind, "struct" | "enum") {

@@ -19,7 +19,7 @@ struct Shot {
 }
 
 /// The runs: the arguments of `fga` without `--out`, and the folder of the results.
-const RUNS: [(&[&str], &str); 4] = [
+const RUNS: [(&[&str], &str); 5] = [
     (&["run", "scenarios/first-flight.toml"], "first-flight"),
     (
         &[
@@ -31,6 +31,7 @@ const RUNS: [(&[&str], &str); 4] = [
         "fig-17",
     ),
     (&["run", "scenarios/fig-10.toml"], "fig-10"),
+    (&["run", "scenarios/fenced-valley.toml"], "fenced-valley"),
     (
         &[
             "campaign",
@@ -44,7 +45,10 @@ const RUNS: [(&[&str], &str); 4] = [
 ];
 
 /// Pictures that the program itself draws: the file of a run, and its name in `docs/pictures`.
-const DRAWN: [(&str, &str); 1] = [("first-flight/overview.svg", "first-flight.svg")];
+const DRAWN: [(&str, &str); 2] = [
+    ("first-flight/overview.svg", "first-flight.svg"),
+    ("fenced-valley/overview.svg", "zones.svg"),
+];
 
 /// Pictures of pages.
 const SHOTS: [Shot; 3] = [

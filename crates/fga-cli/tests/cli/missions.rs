@@ -66,8 +66,7 @@ fn n8_a_mission_is_checked_flown_and_made_a_scenario() {
     let fence = "QGC WPL 110\n1 0 3 5003 90 0 0 0 45 5 0 1\n";
     fs::write(at.join("fence.waypoints"), fence).unwrap();
     assert!(
-        said(at, &["check", "fence.waypoints"], 0)
-            .contains("not yet enforced: 0 polygons, 1 circle")
+        said(at, &["check", "fence.waypoints"], 0).contains("0 waypoints, 1 fence, 0 rally points")
     );
     assert!(said(at, &["run", "fence.waypoints"], 1).contains("expected a mission"));
 }
@@ -307,4 +306,49 @@ fn n8_a_mission_that_no_plane_holds_is_refused_with_its_item() {
     .unwrap();
     let text = said(at, &["check", "s.toml"], 1);
     assert!(text.contains("20002 km from the origin"), "{text}");
+}
+
+#[test]
+fn fences_of_a_mission_are_zones_of_its_flight() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let plan = |corners: &str| {
+        format!(
+            r#"{{"fileType": "Plan", "mission": {{"plannedHomePosition": [47.0, 8.0, 500.0], "items": [
+            {{"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, null, 47.0, 8.0, 60.0]}},
+            {{"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, null, 47.01, 8.0, 60.0]}}]}},
+            "geoFence": {{"circles": [{{"circle": {{"center": [47.005, 8.004], "radius": 90.0}}, "inclusion": false}}],
+            "polygons": [{{"polygon": [{corners}], "inclusion": true}}]}}}}"#
+        )
+    };
+    let fence = "[46.99, 7.99], [47.02, 7.99], [47.02, 8.01], [46.99, 8.01]";
+    fs::write(at.join("m.plan"), plan(fence)).unwrap();
+    let flown = said(at, &["run", "m.plan"], 0);
+    assert!(
+        flown.contains("zone fence 1 (keep out): least distance"),
+        "{flown}"
+    );
+    assert!(
+        flown.contains("zone fence 2 (keep in): least distance"),
+        "{flown}"
+    );
+    let made = said(at, &["init", "scenario", "m.toml", "--from", "m.plan"], 0);
+    assert!(!made.contains("fence"), "{made}");
+    assert!(said(at, &["check", "m.toml"], 0).contains("2 zones"));
+    // One that the mission leaves, and one that crosses itself.
+    fs::write(
+        at.join("short.plan"),
+        plan(&fence.replace("47.02", "47.005")),
+    )
+    .unwrap();
+    let told = "leg 1 of the mission leaves fence 2";
+    assert!(said(at, &["check", "short.plan"], 0).contains(told));
+    fs::write(
+        at.join("tie.plan"),
+        plan("[46.99, 7.99], [47.02, 8.01], [47.02, 7.99], [46.99, 8.01]"),
+    )
+    .unwrap();
+    for command in ["check", "run"] {
+        assert!(said(at, &[command, "tie.plan"], 1).contains("fence 2: polygon crosses itself"));
+    }
 }

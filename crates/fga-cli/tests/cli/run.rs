@@ -405,3 +405,114 @@ fn d9_orca_missed_waypoints_of_the_first_flight() {
     );
     assert!(summary["rejoined_s"].is_null(), "{summary}");
 }
+
+#[test]
+fn a_flight_among_zones_keeps_to_them_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = repository().join("scenarios/fenced-valley.toml");
+    let text = fs::read_to_string(&scenario).unwrap();
+    let flown = fga_in(
+        folder.path(),
+        &["run", scenario.to_str().unwrap(), "--out", "f"],
+    );
+    assert_eq!(flown.status.code(), Some(0), "{}", errors(&flown));
+    let words = String::from_utf8_lossy(&flown.stdout).into_owned();
+    for zone in [
+        "corridor (keep in)",
+        "village (keep out)",
+        "hospital (keep out)",
+    ] {
+        assert!(
+            words.contains(&format!("zone {zone}: least distance")),
+            "{words}"
+        );
+    }
+    for (file, holds) in [("overview.svg", "village"), ("replay.html", "\"zones\":[")] {
+        let file = fs::read_to_string(folder.path().join("f").join(file)).unwrap();
+        assert!(file.contains(holds));
+    }
+    // A mission over the village is flown, and told before.
+    let vehicles = repository().join("vehicles");
+    let text = text.replace("../vehicles", vehicles.to_str().unwrap());
+    let across = text.replace(
+        "[[0, 0, 100], [1400, 0, 100]",
+        "[[0, -100, 100], [1400, -100, 100]",
+    );
+    fs::write(folder.path().join("across.toml"), across).unwrap();
+    let told = "leg 1 of the mission enters village: it is flown as it is given";
+    let checked = fga_in(folder.path(), &["check", "across.toml"]);
+    let words = String::from_utf8_lossy(&checked.stdout).into_owned() + &errors(&checked);
+    assert!(words.contains(told), "{words}");
+    let flown = fga_in(
+        folder.path(),
+        &["run", "across.toml", "--json", "--out", "a"],
+    );
+    assert_eq!(flown.status.code(), Some(2), "{}", errors(&flown));
+    assert!(errors(&flown).contains(told), "{}", errors(&flown));
+    let zones = &summary(&flown)["zones"];
+    assert_eq!(
+        (&zones[0]["kept"], &zones[1]["kept"]),
+        (&true.into(), &false.into())
+    );
+    assert!(zones[1]["min_margin_m"].as_f64().unwrap() < -50.0);
+    // Other policies know none.
+    let published = ["run", "across.toml", "--policy", "published", "--out", "p"];
+    let flown = fga_in(folder.path(), &published);
+    let told = "warning: published --start tc knows no zones, which only judge its flight";
+    assert!(errors(&flown).contains(told), "{}", errors(&flown));
+}
+
+#[test]
+fn a_wrong_zone_is_one_sentence_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = "name = 'a'\nduration_s = 60.0\n[mission]\nwaypoints_m = [[0, 0, 0], [900, 0, 0]]\n";
+    for (zone, expected) in [
+        (
+            "polygon_m = [[0, 50], [9, 50]]",
+            "line 8: yard: polygon has 2 corners, expected 3 to 256",
+        ),
+        (
+            "polygon_m = [[0, 50], [9, nan], [0, 60]]",
+            "line 8: yard: corner 2 is out of range",
+        ),
+        (
+            "polygon_m = [[0, 50], [9, 50], [9, 60], [0, 50]]",
+            "line 8: yard: corner 4 lies on corner 1",
+        ),
+        (
+            "polygon_m = [[0, 50], [9, 60], [9, 50], [0, 60]]",
+            "line 8: yard: polygon crosses itself: edge 1",
+        ),
+        (
+            "center_m = [0, 50]",
+            "yard has no outline, expected polygon_m",
+        ),
+        (
+            "center_m = [0, 50]\nradius_m = -2",
+            "line 9: radius_m is -2, expected a positive number",
+        ),
+        ("radius_m = 5", "a circle has no centre"),
+        (
+            "polygon_deg = [[0, 0], [0, 1], [1, 1]]",
+            "expected an [origin]",
+        ),
+        (
+            "center_m = [0, 50]\nradius_m = 2\nfloor_m = 9\nceiling_m = 3",
+            "ceiling_m is 3, expected",
+        ),
+        (
+            "center_m = [0, 50]\nradius_m = 2\npolygon_m = [[0, 50]]",
+            "yard has more than one outline",
+        ),
+    ] {
+        let text = format!("{good}[[zone]]\nname = 'yard'\nkind = 'keep-out'\n{zone}\n");
+        fs::write(folder.path().join("z.toml"), text).unwrap();
+        let checked = fga_in(folder.path(), &["check", "z.toml"]);
+        assert_eq!(checked.status.code(), Some(1));
+        let told = errors(&checked);
+        assert!(
+            told.contains(expected) && told.trim().lines().count() == 1,
+            "{zone}: {told}"
+        );
+    }
+}

@@ -145,11 +145,7 @@ impl<'a> Reader<'a> {
         let names: Vec<String> = left_out
             .map(|(name, count)| format!("{name} {count}"))
             .collect();
-        let fences = self.file.fences.iter();
-        let circles = fences
-            .filter(|fence| matches!(fence.outline, Outline::Circle { .. }))
-            .count();
-        let (fences, rally) = (self.file.fences.len(), self.file.rally.len());
+        let rally = self.file.rally.len();
         let counts = [
             (
                 self.circled,
@@ -175,13 +171,6 @@ impl<'a> Reader<'a> {
         ];
         for (count, thing, rest) in counts.into_iter().filter(|(count, ..)| *count > 0) {
             self.note(&(counted(count, thing) + &rest));
-        }
-        if fences > 0 {
-            let polygons = counted(fences - circles, "polygon");
-            let circles = counted(circles, "circle");
-            self.note(&format!(
-                "fence read, not yet enforced: {polygons}, {circles}"
-            ));
         }
         Ok(self.file)
     }

@@ -111,7 +111,6 @@ fn n8_a_plan_of_qgroundcontrol_is_read() {
     assert!((file.rally[0].altitude_m - 548.1).abs() < 1e-9);
     let notes = file.notes.join("\n");
     for part in [
-        "fence read, not yet enforced: 1 polygon, 1 circle",
         "1 rally point read",
         "the landing is not flown",
         "DO_CHANGE_SPEED 1, DO_SET_CAM_TRIGG_DIST 1",

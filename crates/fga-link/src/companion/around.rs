@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
+use fga::zone::Zone;
 use fga_formats::geodesy::Geodetic;
 
 use super::Companion;
@@ -18,10 +19,10 @@ use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
-/// The vehicle flies this near to its way by itself, metres: a fence that close is no reason to leave the way.
-const OFF_WAY_M: f64 = 25.0;
 /// Bit of `FENCE_TYPE`: circles and polygons.
 const FENCE_TYPE_PLACES: u16 = 4;
+/// Bit of `FENCE_OPTIONS`: the vehicle may be in any of the areas to stay in.
+const FENCE_OPTIONS_JOINED: u16 = 2;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
 /// The configuration's obstacles: a report each, the volume, and when they were at that place.
@@ -94,26 +95,38 @@ impl Companion {
         is_enabled && bars_places
     }
 
-    /// The fence near the aircraft; empty while the fence does not count.
-    pub(super) fn fence_obstacles(&mut self, own_m: Vec3, now_s: f64) -> Vec<Obstacle> {
-        let mut posts = Vec::new();
-        if !self.config.safety.use_fence || !self.fence_is_active() {
-            return posts;
+    /// Whether the vehicle joins the areas to stay in.
+    fn fence_is_joined(&self) -> bool {
+        let options = self.parameters.get("FENCE_OPTIONS");
+        options.is_some_and(|bits| number::to_u16(bits) & FENCE_OPTIONS_JOINED != 0)
+    }
+
+    /// What of the vehicle's fence binds at a place, metres; nothing while it does not count.
+    pub(super) fn fence_zones(&self, own_m: Vec3) -> Vec<Zone<'_>> {
+        if self.config.safety.use_fence && self.fence_is_active() {
+            self.fence.binding(self.fence_is_joined(), own_m)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// Tells once where the mission crosses the fence.
+    pub(super) fn watch_crossing(&mut self, own_m: Vec3, now_s: f64) {
+        let lists = (self.mission_laid, self.fence_laid);
+        // Until the vehicle has answered which kinds of fence count, all do.
+        let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
+        if !of_mission || self.told_crossing == Some(lists) || self.fence_zones(own_m).is_empty() {
+            return;
         }
         let (met_m, left_m) = self.way_left(own_m);
         let way_m: Vec<Vec3> = core::iter::once(met_m)
             .chain(left_m.iter().copied())
             .collect();
-        let clear_m = self.config.protection.margin_m + OFF_WAY_M;
-        let crossed = self.fence.obstacles(own_m, &way_m, clear_m, &mut posts);
-        // Until the vehicle has answered which kinds of fence count, all do.
-        let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
-        let lists = (self.mission_laid, self.fence_laid);
-        if crossed && of_mission && self.told_crossing.replace(lists) != Some(lists) {
+        if self.fence.is_crossed(self.fence_is_joined(), &way_m) {
+            self.told_crossing = Some(lists);
             let words = "fga: the mission crosses the fence: flown as it is";
             self.tell(Severity::Warning, words, now_s);
         }
-        posts
     }
 
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {

@@ -4,6 +4,7 @@ use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::maneuver::Maneuver;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{Response, Vehicle};
+use fga::zone::Zone;
 use serde_json::json;
 
 use super::decider::Decider;
@@ -155,38 +156,37 @@ impl Companion {
         self.renew_decider(now_s)?;
         self.gather_obstacles(state, now_s);
         self.watch_alerts(state, now_s);
-        let fence = self.fence_obstacles(state.ownship.position_m, now_s);
-        let is_free = !fence.is_empty() && !self.keeper.is_engaged();
-        if is_free && let Some(decision) = self.quiet_without_fence(state, now_s) {
-            return Some(decision);
-        }
-        self.obstacles.extend(fence);
+        self.watch_crossing(state.ownship.position_m, now_s);
         self.grow_obstacles(now_s);
         let mut decider = self.decider.take()?;
-        let decision = decider.step(&self.situation(state, now_s));
+        let zones = self.fence_zones(state.ownship.position_m);
+        // A fence bounds manoeuvres and begins none: a vehicle that flies by itself among nothing else is left alone.
+        let free = (!zones.is_empty() && !self.keeper.is_engaged()).then(|| {
+            let mut free = decider.clone();
+            let decision = free.step(&self.situation(state, &[], now_s));
+            (free, decision)
+        });
+        let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
+        let (decider, decision) = quiet.unwrap_or_else(|| {
+            let decision = decider.step(&self.situation(state, &zones, now_s));
+            (decider, decision)
+        });
+        drop(zones);
         self.decider = Some(decider);
         Some(decision)
     }
 
-    fn situation(&self, state: &State, now_s: f64) -> Situation<'_> {
+    fn situation<'a>(&'a self, state: &State, zones: &'a [Zone<'a>], now_s: f64) -> Situation<'a> {
         Situation {
             time_s: now_s + self.ahead_s,
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
-            mission: Mission::new(&self.way.waypoints_m),
+            mission: Mission {
+                zones,
+                ..Mission::new(&self.way.waypoints_m)
+            },
             wind_mps: state.wind_mps,
         }
-    }
-
-    /// The decision of a vehicle that flies by itself with nothing but the fence near: a fence bounds manoeuvres and begins no manoeuvre.
-    fn quiet_without_fence(&mut self, state: &State, now_s: f64) -> Option<Decision> {
-        let mut decider = self.decider.clone()?;
-        let decision = decider.step(&self.situation(state, now_s));
-        if decision.state != AvoiderState::Cruise {
-            return None;
-        }
-        self.decider = Some(decider);
-        Some(decision)
     }
 
     /// Measured airspeed, or cruise airspeed, metres per second.

@@ -12,6 +12,7 @@ use serde_json::json;
 use super::{Companion, Heard};
 use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
 use crate::commands::{Command, Outcome};
+use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
@@ -455,6 +456,11 @@ impl Companion {
                 "fga: part of the fence was not understood",
                 now_s,
             );
+        }
+        let is_paper = self.config.command.mode == CommandMode::Paper;
+        if is_paper && self.fence.zones().next().is_some() {
+            let words = "fga: Algorithm 4 knows no fence";
+            self.tell(Severity::Warning, words, now_s);
         }
     }
 

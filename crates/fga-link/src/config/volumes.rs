@@ -5,7 +5,7 @@ use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
 use serde::Deserialize;
 
-use super::{Config, ConfigError};
+use super::{CommandMode, Config, ConfigError};
 use crate::traffic::Class;
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
@@ -146,6 +146,10 @@ impl Config {
             let words = "floor_m and ceiling_m of [safety] count as limits.floor_m and limits.ceiling_m, their new place";
             warnings.push(words.to_owned());
         }
+        if self.command.mode == CommandMode::Paper && self.safety.use_fence {
+            let words = "Algorithm 4 (command.mode \"paper\") knows no fence: safety.use_fence has no effect";
+            warnings.push(words.to_owned());
+        }
         let crewed = self.volume(Class::Crewed);
         if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
             warnings.push(format!(
@@ -191,6 +195,22 @@ impl Config {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paper_mode_says_that_it_knows_no_fence() {
+        let mut config = Config::default();
+        let says = |config: &Config| {
+            config
+                .warnings()
+                .iter()
+                .any(|words| words.contains("no fence"))
+        };
+        assert!(!says(&config));
+        config.command.mode = CommandMode::Paper;
+        assert!(says(&config));
+        config.safety.use_fence = false;
+        assert!(!says(&config));
+    }
 
     #[test]
     fn n2_every_class_has_a_volume_and_the_unknown_one_is_crewed() {

@@ -1,42 +1,37 @@
-//! The vehicle's fence, the floor and the ceiling as obstacles at rest.
+//! The vehicle's fence as zones, and the floor and the ceiling as obstacles at rest.
 //!
-//! An exclusion circle is a cylinder. The edges of polygons, and an inclusion circle, are rows of
-//! cylinders on the forbidden side: the aircraft flies along the row with a ripple of at most
-//! [`RIPPLE_M`] metres. The ground below the floor and the sky above the ceiling are very wide
-//! cylinders.
+//! Circles and polygons bind exactly as the vehicle stores them. The ground below the floor and the sky above the ceiling are very
+//! wide cylinders.
 
-use fga::Vec3;
+use fga::certificate::Line;
 use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume};
+use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
+use fga::{Vec2, Vec3};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::zones::MAX_CORNERS;
 use mavlink::dialects::ardupilotmega::MavCmd;
 
 use crate::mission::Item;
 use crate::number::degrees_from_e7;
 
-/// Radius of the cylinders along an edge, metres.
-const POST_RADIUS_M: f64 = 80.0;
-/// Depth of the dents between them, metres: 80 − √(80² − 25²) = 4.0.
-pub const RIPPLE_M: f64 = 4.0;
-const POST_SPACING_M: f64 = 50.0;
-/// Taller than anything flies, metres.
-const TALL_M: f64 = 50_000.0;
-/// Most posts of a whole fence; a longer one is refused.
-const MOST_POSTS: usize = 4096;
-/// Posts farther from the aircraft than this do not matter yet, metres.
-const NEAR_M: f64 = 700.0;
-/// Most posts in one step.
-const MOST_NEAR: usize = 48;
-const FIRST_ID: u32 = 10_000;
 /// Identifiers of floor and ceiling.
 pub const FLOOR_ID: u32 = 1;
 /// See [`FLOOR_ID`].
 pub const CEILING_ID: u32 = 2;
 
+/// The outline of a part of a fence, metres east and north.
+#[derive(Debug, Clone, PartialEq)]
+enum Part {
+    Polygon(Vec<Vec2>),
+    Circle(Vec2, f64),
+}
+
 /// A fence in the local frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Fence {
-    posts: Vec<(Vec3, f64)>,
-    /// Items that were unintelligible, or too many.
+    /// Each with whether the vehicle keeps within it.
+    parts: Vec<(bool, Part)>,
+    /// Whether some items were unintelligible, or no polygon.
     pub incomplete: bool,
 }
 
@@ -44,156 +39,112 @@ impl Fence {
     /// Lays the items of a fence download.
     pub fn new(items: &[Item], frame: &LocalFrame) -> Self {
         let mut fence = Self::default();
-        let mut polygon: Vec<Vec3> = Vec::new();
+        let mut corners_m: Vec<Vec2> = Vec::new();
         for item in items {
-            let Some(item) = item else {
+            let place = item.as_ref().and_then(|item| {
+                let place = Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), 0.0);
+                Some((item, frame.to_local_m(place?).truncate()))
+            });
+            let Some((item, at_m)) = place else {
                 fence.incomplete = true;
                 continue;
             };
-            let place = Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), 0.0);
-            let Some(place) = place else {
-                fence.incomplete = true;
-                continue;
-            };
-            let mut at_m = frame.to_local_m(place);
-            at_m.z = 0.0;
             let number = f64::from(item.param1);
+            let keep_in = matches!(
+                item.command,
+                MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+                    | MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
+            );
             match item.command {
                 MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
                 | MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION => {
-                    polygon.push(at_m);
+                    corners_m.push(at_m);
                     // Each vertex has the number of the polygon's vertices.
-                    if (polygon.len() as f64) >= number {
-                        let inside =
-                            item.command == MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
-                        fence.add_polygon(&polygon, inside);
-                        polygon.clear();
+                    if (corners_m.len() as f64) >= number {
+                        // Its edges may cross: the vehicle counts them.
+                        if (3..=MAX_CORNERS).contains(&corners_m.len()) {
+                            let corners_m = core::mem::take(&mut corners_m);
+                            fence.parts.push((keep_in, Part::Polygon(corners_m)));
+                        } else {
+                            fence.incomplete = true;
+                            corners_m.clear();
+                        }
                     }
                 }
-                MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION if number > 0.0 => {
-                    fence.add_post(at_m, number);
-                }
-                MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION if number > 0.0 => {
-                    let around = number + POST_RADIUS_M;
-                    let count = (core::f64::consts::TAU * around / POST_SPACING_M)
-                        .ceil()
-                        .max(8.0);
-                    let mut n = 0.0;
-                    while n < count && !fence.incomplete {
-                        let angle = core::f64::consts::TAU * n / count;
-                        let out = Vec3::new(libm::cos(angle), libm::sin(angle), 0.0);
-                        fence.add_post(at_m + out * around, POST_RADIUS_M);
-                        n += 1.0;
-                    }
+                MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
+                | MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
+                    if number > 0.0 && number.is_finite() && at_m.is_finite() =>
+                {
+                    fence.parts.push((keep_in, Part::Circle(at_m, number)));
                 }
                 MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT => {}
                 _ => fence.incomplete = true,
             }
         }
-        fence.incomplete |= !polygon.is_empty();
+        fence.incomplete |= !corners_m.is_empty();
         fence
     }
 
-    fn add_post(&mut self, at_m: Vec3, radius_m: f64) {
-        if self.posts.len() < MOST_POSTS && at_m.is_finite() && radius_m.is_finite() {
-            self.posts.push((at_m, radius_m));
-        } else {
-            self.incomplete = true;
-        }
+    /// Its circles and polygons, at all heights.
+    pub fn zones(&self) -> impl Iterator<Item = Zone<'_>> {
+        self.parts.iter().map(|(keep_in, part)| Zone {
+            keep_in: *keep_in,
+            outline: match part {
+                Part::Polygon(corners_m) => Outline::Polygon(corners_m),
+                Part::Circle(center_m, radius_m) => Outline::Circle(*center_m, *radius_m),
+            },
+            heights_m: ALL_HEIGHTS_M,
+        })
     }
 
-    /// Posts along each edge, on the outer side of an inclusion and the inner of an exclusion.
-    fn add_polygon(&mut self, vertices: &[Vec3], inclusion: bool) {
-        if vertices.len() < 3 {
-            self.incomplete = true;
-            return;
-        }
-        let next = |index: usize| vertices.get((index + 1) % vertices.len()).copied();
-        let doubled_area: f64 = vertices
-            .iter()
-            .enumerate()
-            .filter_map(|(index, a)| next(index).map(|b| a.x * b.y - b.x * a.y))
-            .sum();
-        // Outward is to the right of an edge of an anticlockwise polygon.
-        let outward = if (doubled_area > 0.0) == inclusion {
-            1.0
-        } else {
-            -1.0
+    /// The zones that bind a vehicle at a place, metres: all; but where several areas to stay in are joined, only the one of them
+    /// that the vehicle is deepest in, or nearest to. Within that one it is within their union.
+    pub fn binding(&self, joined: bool, own_m: Vec3) -> Vec<Zone<'_>> {
+        let (within, mut zones): (Vec<_>, Vec<_>) = self.zones().partition(|zone| zone.keep_in);
+        let depth_m = |zone: &Zone<'_>| {
+            if zone.is_entered(own_m) {
+                -zone.way_out_m(own_m).length()
+            } else {
+                zone.nearest_m(&Line::at(own_m), f64::INFINITY)
+            }
         };
-        for (index, from) in vertices.iter().enumerate() {
-            let Some(to) = next(index) else { continue };
-            let edge = to - *from;
-            let length = edge.length();
-            if length < 0.1 {
-                continue;
-            }
-            let along = edge / length;
-            let side = Vec3::new(along.y, -along.x, 0.0) * outward;
-            let mut at = 0.0;
-            while at < length + POST_SPACING_M && !self.incomplete {
-                let foot = *from + along * at.min(length);
-                self.add_post(foot + side * POST_RADIUS_M, POST_RADIUS_M);
-                at += POST_SPACING_M;
-            }
+        let deepest = |one: &&Zone<'_>, other: &&Zone<'_>| depth_m(one).total_cmp(&depth_m(other));
+        if joined {
+            zones.extend(within.iter().max_by(deepest));
+        } else {
+            zones.extend(within);
         }
+        zones
     }
 
-    /// Whether there is a fence.
-    pub fn is_empty(&self) -> bool {
-        self.posts.is_empty()
-    }
-
-    /// The posts near the aircraft as obstacles; whether the way enters one.
-    ///
-    /// A fence bounds manoeuvres; the way itself is the operator's choice. So a post is as large as leaves the way clear by
-    /// `clear_m`, and the vehicle flies by itself where its mission leads beside the fence or across it.
-    pub fn obstacles(
-        &self,
-        own_m: Vec3,
-        way_m: &[Vec3],
-        clear_m: f64,
-        into: &mut Vec<Obstacle>,
-    ) -> bool {
-        let mut near: Vec<(f64, u32, Vec3, f64)> = Vec::new();
-        let mut crossed = false;
-        for (id, (at_m, radius_m)) in (FIRST_ID..).zip(&self.posts) {
-            let distance = libm::hypot(at_m.x - own_m.x, at_m.y - own_m.y) - radius_m;
-            if distance >= NEAR_M {
-                continue;
-            }
-            let off_m = off_way_m(way_m, *at_m);
-            crossed |= off_m < *radius_m;
-            let left_m = radius_m.min(off_m - clear_m);
-            if left_m > 0.0 {
-                near.push((distance, id, *at_m, left_m));
-            }
-        }
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (_, id, at_m, radius_m) in near.into_iter().take(MOST_NEAR) {
-            let volume = ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m: TALL_M,
+    /// Whether a way crosses it; of areas to stay in that are joined, it may go from one to another one where these overlap.
+    pub fn is_crossed(&self, joined: bool, way_m: &[Vec3]) -> bool {
+        let (within, beside): (Vec<_>, Vec<_>) = self.zones().partition(|zone| zone.keep_in);
+        let mut legs = way_m.iter().zip(way_m.iter().skip(1));
+        legs.any(|(from_m, to_m)| {
+            let is_clear = |zone: &Zone<'_>| keeps(zone, *from_m, *to_m);
+            let is_within = if joined && !within.is_empty() {
+                keep_in_any(&within, *from_m, *to_m)
+            } else {
+                within.iter().all(is_clear)
             };
-            let mut obstacle = Obstacle::straight(id, at_m, Vec3::ZERO, volume);
-            obstacle.kind = ObstacleKind::NaturalBarrier;
-            obstacle.movement = Movement::AtRest;
-            into.push(obstacle);
-        }
-        crossed
+            !(is_within && beside.iter().all(is_clear))
+        })
     }
 }
 
-/// Distance of a place from a way in the plane, metres; infinite without a way.
-fn off_way_m(way_m: &[Vec3], at_m: Vec3) -> f64 {
-    way_m
-        .iter()
-        .zip(way_m.iter().skip(1))
-        .map(|(from_m, to_m)| {
-            let (leg_m, to_place_m) = ((*to_m - *from_m).truncate(), (at_m - *from_m).truncate());
-            let share = to_place_m.dot(leg_m) / leg_m.length_squared().max(1e-6);
-            (to_place_m - leg_m * share.clamp(0.0, 1.0)).length()
-        })
-        .fold(f64::INFINITY, f64::min)
+/// Whether a leg is on the right side of a zone.
+fn keeps(zone: &Zone<'_>, from_m: Vec3, to_m: Vec3) -> bool {
+    zone.nearest_m(&Line::between(from_m, to_m), 0.0) >= 0.0
+}
+
+/// Whether each part of a leg, to half a metre, is within one of some zones.
+fn keep_in_any(zones: &[Zone<'_>], from_m: Vec3, to_m: Vec3) -> bool {
+    let middle_m = from_m.midpoint(to_m);
+    zones.iter().any(|zone| keeps(zone, from_m, to_m))
+        || from_m.distance(to_m) > 0.5
+            && keep_in_any(zones, from_m, middle_m)
+            && keep_in_any(zones, middle_m, to_m)
 }
 
 /// The forbidden air below `height_m` (or above it) as an obstacle; heights in the local frame.
@@ -242,131 +193,138 @@ mod tests {
         }
     }
 
-    /// Distance from a point to the nearest post, metres.
-    fn clearance(fence: &Fence, at: Vec3) -> f64 {
-        fence
-            .posts
-            .iter()
-            .map(|(post, radius)| libm::hypot(post.x - at.x, post.y - at.y) - radius)
-            .fold(f64::INFINITY, f64::min)
+    #[expect(clippy::cast_possible_truncation, reason = "small counts and radii")]
+    fn laid(items: &[(MavCmd, f64, f64, f64)]) -> Fence {
+        let frame = frame();
+        let items: Vec<Item> = (items.iter())
+            .map(|(command, x, y, number)| Some(vertex(*command, &frame, *x, *y, *number as f32)))
+            .collect();
+        Fence::new(&items, &frame)
     }
 
+    /// Whether a place, metres east and north, is on the allowed side of all.
+    fn allows(fence: &Fence, x: f64, y: f64) -> bool {
+        let at_m = Vec3::new(x, y, 300.0);
+        fence.zones().all(|zone| !zone.is_entered(at_m))
+    }
+
+    const IN: MavCmd = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
+    const OUT: MavCmd = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
+
+    /// Rows of cylinders held a boundary to within 4 m.
     #[test]
-    fn an_inclusion_polygon_is_closed_outside_and_open_inside() {
-        let frame = frame();
-        let inclusion = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
-        for corners in [
-            [
-                (-500.0, -500.0),
-                (500.0, -500.0),
-                (500.0, 500.0),
-                (-500.0, 500.0),
-            ],
-            [
-                (-500.0, 500.0),
-                (500.0, 500.0),
-                (500.0, -500.0),
-                (-500.0, -500.0),
-            ],
-        ] {
-            let items: Vec<Item> = corners
-                .iter()
-                .map(|(x, y)| Some(vertex(inclusion, &frame, *x, *y, 4.0)))
-                .collect();
-            let fence = Fence::new(&items, &frame);
-            assert!(!fence.incomplete);
-            assert!(clearance(&fence, Vec3::ZERO) > 499.0);
-            for at in [-480.0, -237.0, 0.0, 123.0, 499.0] {
-                // The edge blocks the way, at the latest a ripple beyond it.
-                assert!(clearance(&fence, Vec3::new(at, 500.0 + RIPPLE_M + 0.1, 0.0)) < 0.0);
-                assert!(clearance(&fence, Vec3::new(at, 499.0, 0.0)) > 0.0);
+    fn polygons_bind_to_the_centimetre_at_their_edges_in_either_order() {
+        let mut corners = [
+            (-500.0, -500.0),
+            (500.0, -500.0),
+            (500.0, 500.0),
+            (0.0, 0.0),
+            (-500.0, 500.0),
+        ];
+        for _ in 0..2 {
+            for (command, keep_in) in [(IN, true), (OUT, false)] {
+                let fence = laid(&corners.map(|(x, y)| (command, x, y, 5.0)));
+                assert!(!fence.incomplete && fence.zones().count() == 1);
+                for (x, y, inside) in [
+                    (0.0, -499.98, true),
+                    (0.0, -500.02, false),
+                    (0.0, -0.02, true),
+                    (0.0, 0.03, false),
+                ] {
+                    assert_eq!(allows(&fence, x, y), inside == keep_in, "{x} {y}");
+                }
             }
+            corners.reverse();
+        }
+    }
+
+    /// A vehicle accepts them, and counts edges.
+    #[test]
+    fn a_polygon_that_crosses_itself_binds_as_the_vehicle_counts() {
+        // A bow tie with its first corner again at the end.
+        let tie = [
+            (0.0, 0.0),
+            (100.0, 100.0),
+            (100.0, 0.0),
+            (0.0, 100.0),
+            (0.0, 0.0),
+        ];
+        for (command, keep_in) in [(IN, true), (OUT, false)] {
+            let fence = laid(&tie.map(|(x, y)| (command, x, y, 5.0)));
+            assert!(!fence.incomplete && fence.zones().count() == 1);
+            for (x, y, inside) in [(10.0, 50.0, true), (90.0, 50.0, true), (50.0, 10.0, false)] {
+                assert_eq!(allows(&fence, x, y), inside == keep_in, "{x} {y}");
+            }
+            // Along the ground from lobe to lobe it crosses, and over the knot as well.
+            assert!(fence.is_crossed(
+                false,
+                &[Vec3::new(-50.0, 50.0, 0.0), Vec3::new(150.0, 50.0, 0.0)]
+            ));
+            let beside_m = Vec3::new(50.0, 30.0, 9.0);
+            assert_eq!(
+                fence.is_crossed(false, &[beside_m, beside_m + Vec3::X]),
+                keep_in
+            );
         }
     }
 
     #[test]
-    fn circles_bar_inside_or_outside() {
-        let frame = frame();
-        let out = vertex(
-            MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
-            &frame,
-            0.0,
-            0.0,
-            100.0,
-        );
-        let fence = Fence::new(&[Some(out)], &frame);
-        assert!(clearance(&fence, Vec3::new(99.0, 0.0, 0.0)) < 0.0);
-        assert!(clearance(&fence, Vec3::new(101.0, 0.0, 0.0)) > 0.0);
-        let around = vertex(
-            MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
-            &frame,
-            0.0,
-            0.0,
-            800.0,
-        );
-        let fence = Fence::new(&[Some(around)], &frame);
-        for n in 0..360_u16 {
-            let angle = f64::from(n).to_radians();
-            let at = |radius: f64| Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0);
-            assert!(clearance(&fence, at(795.0)) > 0.0);
-            assert!(clearance(&fence, at(800.0 + RIPPLE_M + 0.5)) < 0.0);
-        }
+    fn circles_bind_to_the_centimetre() {
+        let around = laid(&[(MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 0.0, 0.0, 800.0)]);
+        assert!(allows(&around, 799.98, 0.0) && !allows(&around, 0.0, 800.02));
+        let beside = laid(&[(MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 0.0, 0.0, 100.0)]);
+        assert!(!allows(&beside, 99.98, 0.0) && allows(&beside, 0.0, 100.02));
     }
 
     #[test]
-    fn l6_a_post_leaves_the_way_clear_and_is_whole_elsewhere() {
-        let frame = frame();
-        let circle = |x, y| {
-            let command = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION;
-            Some(vertex(command, &frame, x, y, 100.0))
-        };
-        let fence = Fence::new(
-            &[
-                circle(0.0, 300.0),
-                circle(110.0, 300.0),
-                circle(200.0, 300.0),
-            ],
-            &frame,
-        );
-        let way_m = [Vec3::ZERO, Vec3::new(0.0, 600.0, 0.0)];
-        let mut posts = Vec::new();
-        assert!(fence.obstacles(Vec3::ZERO, &way_m, 30.0, &mut posts));
-        let radii_m: Vec<f64> = posts.iter().map(|post| post.volume.radius_m()).collect();
-        assert_eq!(radii_m.len(), 2, "the way leads through the first one");
-        assert!(
-            radii_m.iter().any(|r| (r - 80.0).abs() < 0.1),
-            "{radii_m:?}"
-        );
-        assert!(
-            radii_m.iter().any(|r| (r - 100.0).abs() < 0.1),
-            "{radii_m:?}"
-        );
-        posts.clear();
-        assert!(!fence.obstacles(Vec3::ZERO, &[], 30.0, &mut posts));
-        assert_eq!(posts.len(), 3);
+    fn a_way_across_is_known() {
+        let fence = laid(&[(MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 0.0, 0.0, 100.0)]);
+        let way_m = |y: f64| [Vec3::new(-900.0, y, 50.0), Vec3::new(900.0, y, 50.0)];
+        assert!(fence.is_crossed(false, &way_m(99.0)) && !fence.is_crossed(false, &way_m(101.0)));
+        assert!(!fence.is_crossed(false, &[]));
+    }
+
+    /// Together no place is within both: nothing was certified.
+    #[test]
+    fn of_joined_areas_the_one_that_the_vehicle_is_in_binds() {
+        let fence = laid(&[
+            (MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 0.0, 0.0, 300.0),
+            (
+                MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+                500.0,
+                0.0,
+                300.0,
+            ),
+            (MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 0.0, 900.0, 50.0),
+        ]);
+        for (x, is_second) in [(0.0, false), (240.0, false), (260.0, true), (900.0, true)] {
+            let zones = fence.binding(true, Vec3::new(x, 0.0, 80.0));
+            let [beside, within] = zones.as_slice() else {
+                panic!("{zones:?}");
+            };
+            let east = Vec3::new(700.0, 0.0, 80.0);
+            assert!(!beside.keep_in && within.keep_in);
+            assert_eq!(!within.is_entered(east), is_second, "{x}");
+        }
+        assert_eq!(fence.binding(false, Vec3::ZERO).len(), 3);
+        let way_m = |y: f64| [Vec3::new(-200.0, y, 80.0), Vec3::new(700.0, y, 80.0)];
+        // The circles meet at 166 m from the line between their centres.
+        for (y, crosses) in [(0.0, false), (160.0, false), (170.0, true)] {
+            assert_eq!(fence.is_crossed(true, &way_m(y)), crosses, "{y}");
+            assert!(fence.is_crossed(false, &way_m(y)));
+        }
     }
 
     #[test]
     fn an_unusable_fence_is_reported() {
         let frame = frame();
-        let inclusion = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
-        let half = vertex(inclusion, &frame, 0.0, 0.0, 4.0);
-        assert!(Fence::new(&[Some(half)], &frame).incomplete);
         assert!(Fence::new(&[None], &frame).incomplete);
-        let huge = vertex(
-            MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
-            &frame,
-            0.0,
-            0.0,
-            1e9,
-        );
-        assert!(Fence::new(&[Some(huge)], &frame).incomplete);
-    }
-
-    #[test]
-    fn the_floor_reaches_up_to_its_height() {
-        let floor = layer(FLOOR_ID, 30.0, true, Vec3::new(500.0, 0.0, 100.0));
-        let own = Vec3::new(500.0, 0.0, 100.0);
-        assert!((floor.volume.margin_m(own - floor.position_m) - 70.0).abs() < 1e-9);
+        assert!(laid(&[(IN, 0.0, 0.0, 4.0)]).incomplete);
+        // Two corners, and a circle without a radius: the rest counts.
+        let mut items = vec![(IN, 0.0, 0.0, 2.0), (IN, 100.0, 0.0, 2.0)];
+        items.push((MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 0.0, 0.0, 0.0));
+        items.push((MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 0.0, 0.0, 9.0));
+        let fence = laid(&items);
+        assert!(fence.incomplete && fence.zones().count() == 1);
     }
 }

@@ -15,6 +15,7 @@ mod degraded;
 mod encounters;
 mod faults;
 mod feeds;
+mod fence;
 mod field_faults;
 mod flights;
 mod gaps;

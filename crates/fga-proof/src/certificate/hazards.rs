@@ -2,7 +2,9 @@
 
 use glam::{BVec4, DVec4};
 
+use super::zones::Zones;
 use crate::Vec3;
+use crate::list::List;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::{Obstacle, ProtectedVolume};
 
@@ -69,21 +71,42 @@ pub struct Line {
     pub duration_s: f64,
 }
 
+impl Line {
+    /// From one place to another one in a second.
+    pub fn between(from_m: Vec3, to_m: Vec3) -> Self {
+        Self {
+            from_m,
+            velocity_mps: to_m - from_m,
+            at_s: 0.0,
+            duration_s: 1.0,
+        }
+    }
+
+    /// At a place.
+    pub fn at(place_m: Vec3) -> Self {
+        Self::between(place_m, place_m)
+    }
+}
+
 impl Hazard {
+    /// A point at rest at the origin.
+    pub const NONE: Self = Self::exact(
+        0,
+        Vec3::ZERO,
+        Vec3::ZERO,
+        ProtectedVolume::Sphere { radius_m: 0.0 },
+    );
+
     /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
     /// standard deviations of position now and of velocity over time.
     pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
         let uncertainty = obstacle.uncertainty;
+        let volume = obstacle.volume.grown(sigmas * uncertainty.position_m);
+        let velocity_mps = obstacle.velocity_mps - wind_mps;
         Self {
             index,
-            id: obstacle.id,
-            position_m: obstacle.position_m,
-            velocity_mps: obstacle.velocity_mps - wind_mps,
-            volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
             growth_mps: sigmas * uncertainty.velocity_mps,
-            stretch_m: (0.0, 0.0),
-            window_s: ALWAYS,
-            allowed_depth_m: NO_DEPTH,
+            ..Self::exact(obstacle.id, obstacle.position_m, velocity_mps, volume)
         }
     }
 
@@ -340,8 +363,33 @@ fn least_of_convex(
     Some((bound, at))
 }
 
+/// What a flight keeps a margin from.
+pub trait Obstruction {
+    /// Its index in the caller's list.
+    fn index(&self) -> u32;
+
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
+    /// the look.
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)>;
+}
+
+impl Obstruction for Hazard {
+    #[inline]
+    fn index(&self) -> u32 {
+        self.index
+    }
+
+    #[inline]
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        Self::least_on_line(self, line, below_m, meter)
+    }
+}
+
 /// Hazards, and which of them a line may come close to.
 pub trait HazardSet {
+    /// One of them.
+    type Each: Obstruction;
+
     /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
     /// until `visit` returns false. Returns whether none did, and the meter did not refuse it.
     fn each_close(
@@ -349,11 +397,18 @@ pub trait HazardSet {
         line: &Line,
         below_m: f64,
         meter: &Meter,
-        visit: impl FnMut(&Hazard) -> bool,
+        visit: impl FnMut(&Self::Each) -> bool,
     ) -> bool;
+
+    /// The zones beside them.
+    fn zones(&self) -> Option<&Zones> {
+        None
+    }
 }
 
 impl HazardSet for [Hazard] {
+    type Each = Hazard;
+
     fn each_close(
         &self,
         _: &Line,
@@ -456,12 +511,16 @@ impl Block {
     }
 }
 
+/// Hazards one by one.
+pub type Rows = List<Hazard, MAX_HAZARDS>;
+
 /// A set of hazards of fixed capacity; it finds those near a line in blocks of four.
 #[derive(Debug, Clone)]
 pub struct Hazards {
-    rows: [Hazard; MAX_HAZARDS],
+    rows: Rows,
     blocks: [Block; MAX_HAZARDS / LANES],
-    len: usize,
+    /// The zones, which are no rows: certificates of flights count these too.
+    pub zones: Zones,
 }
 
 impl Default for Hazards {
@@ -473,56 +532,48 @@ impl Default for Hazards {
 impl Hazards {
     /// No hazards.
     pub const fn new() -> Self {
-        let point = ProtectedVolume::Sphere { radius_m: 0.0 };
-        // Zeros, which are written without a copy.
-        let none = Hazard {
-            window_s: (0.0, 0.0),
-            allowed_depth_m: 0.0,
-            ..Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point)
-        };
         Self {
-            rows: [none; MAX_HAZARDS],
+            rows: Rows::new(Hazard::NONE),
             blocks: [Block::NONE; MAX_HAZARDS / LANES],
-            len: 0,
+            zones: Zones::NONE,
         }
     }
 
-    /// Forgets all hazards.
-    pub const fn clear(&mut self) {
-        self.len = 0;
+    /// Forgets all hazards that are rows.
+    pub fn clear(&mut self) {
+        for block in self.blocks.iter_mut().take(self.rows.len().div_ceil(LANES)) {
+            *block = Block::NONE;
+        }
+        self.rows.clear();
     }
 
     /// The hazards one by one.
     #[inline]
     pub fn rows(&self) -> &[Hazard] {
-        self.rows.get(..self.len).unwrap_or(&[])
+        &self.rows
     }
 
     /// Number of blocks of four in use.
     #[inline]
-    pub(crate) const fn block_count(&self) -> usize {
-        self.len.div_ceil(LANES)
+    pub(crate) fn block_count(&self) -> usize {
+        self.rows.len().div_ceil(LANES)
     }
 
     /// Puts a hazard at an index: replaces one, or appends behind the last one. False for any other
     /// index.
     pub fn put(&mut self, place: usize, hazard: Hazard) -> bool {
-        if place > self.len {
-            return false;
+        let block = self.blocks.get_mut(place / LANES);
+        let fits = self.rows.put(place, hazard);
+        if let Some(block) = block.filter(|_| fits) {
+            block.put(place % LANES, &hazard);
         }
-        let (Some(row), Some(block)) =
-            (self.rows.get_mut(place), self.blocks.get_mut(place / LANES))
-        else {
-            return false;
-        };
-        *row = hazard;
-        self.len = self.len.max(place + 1);
-        block.put(place % LANES, &hazard);
-        true
+        fits
     }
 }
 
 impl HazardSet for Hazards {
+    type Each = Hazard;
+
     #[inline]
     fn each_close(
         &self,
@@ -534,7 +585,7 @@ impl HazardSet for Hazards {
         if !meter.take(self.block_count().max(1)) {
             return false;
         }
-        if self.len <= FEW {
+        if self.rows.len() <= FEW {
             return self.rows().iter().all(visit);
         }
         let rows = self.rows().chunks(LANES);
@@ -550,5 +601,9 @@ impl HazardSet for Hazards {
             }
         }
         true
+    }
+
+    fn zones(&self) -> Option<&Zones> {
+        (!self.zones.is_empty()).then_some(&self.zones)
     }
 }

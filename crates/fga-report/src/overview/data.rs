@@ -1,8 +1,8 @@
 //! The data of an overview, and the choice of the obstacles that it follows.
 
-use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
+use fga::{Vec2, Vec3};
 
 use super::Shape;
 
@@ -51,6 +51,17 @@ pub struct Obstacle {
     pub track: Vec<TrackPoint>,
     /// The closest approach over continuous time, if known; else the samples give it.
     pub closest: Option<Closest>,
+}
+
+/// A zone, seen from above.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Zone {
+    /// Its name for people; any text.
+    pub name: String,
+    /// Whether the aircraft keeps within it, not out of it.
+    pub keep_in: bool,
+    /// Its outline, metres east and north; the last place is the first one again.
+    pub ring_m: Vec<Vec2>,
 }
 
 /// A kind of critical moment.
@@ -123,7 +134,7 @@ pub struct Moment {
 ///         track: vec![TrackPoint { time_s: 0.0, position_m: Vec3::new(200.0, 40.0, 50.0) }],
 ///         closest: None,
 ///     }],
-///     moments: Vec::new(),
+///     ..Overview::default()
 /// };
 /// assert!(overview.to_svg().contains("least margin 10."));
 /// ```
@@ -137,6 +148,8 @@ pub struct Overview {
     pub samples: Vec<Sample>,
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
+    /// The zones.
+    pub zones: Vec<Zone>,
     /// Critical moments; the picture draws the closest approaches without an entry here.
     pub moments: Vec<Moment>,
 }

@@ -6,8 +6,8 @@ use fga::situation::ProtectedVolume;
 use super::data::{Focus, Followed};
 use super::panel::pieces;
 use super::{
-    FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, Obstacle, Overview, State, axis_titles, marker,
-    obstacle_line, state_look,
+    FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, Obstacle, Overview, State, Zone, axis_titles,
+    marker, obstacle_line, state_look,
 };
 use crate::label::Labels;
 use crate::palette::{INK, MUTED, VERMILION};
@@ -116,6 +116,9 @@ pub(super) fn draw(overview: &Overview, focus: &Focus, extent: &Rect, panel: Rec
     draw_grid(&view, svg);
     let mut labels = Labels::new(panel.grown(-3.0));
     svg.begin_clip(&panel);
+    for zone in &overview.zones {
+        draw_zone(&view, zone, svg, &mut labels);
+    }
     for (obstacle, closest_s) in &focus.others {
         draw_other(&view, obstacle, *closest_s, svg);
     }
@@ -176,6 +179,47 @@ fn draw_grid(view: &View, svg: &mut Svg) {
         &format!("east ({unit})"),
         &format!("north ({unit})"),
     );
+}
+
+/// A zone: its outline, and its area where the aircraft keeps out of it.
+fn draw_zone(view: &View, zone: &Zone, svg: &mut Svg, labels: &mut Labels) {
+    let places = zone.ring_m.iter().filter(|at| at.is_finite());
+    let ring: Vec<Point> = places.map(|at| view.at(at.extend(0.0))).collect();
+    if zone.keep_in {
+        svg.polyline(
+            &ring,
+            "fill=\"none\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"",
+        );
+    } else {
+        svg.polygon(
+            &ring,
+            "fill=\"#d55e00\" fill-opacity=\"0.13\" stroke=\"#d55e00\" stroke-width=\"1\"",
+        );
+    }
+    labels.avoid_line(&ring);
+    let style = TextStyle::new(10.0, VERMILION);
+    let name = shorten(&zone.name, 24);
+    let width = text_width(&name, 10.0);
+    let style = if zone.keep_in {
+        style
+    } else {
+        style.anchor(Anchor::Middle)
+    };
+    let (x, y) = if zone.keep_in {
+        // Beside the first corner that is shown.
+        let shown = view.panel.grown(-20.0);
+        let Some((x, y)) = ring.iter().find(|at| shown.contains(**at)) else {
+            return;
+        };
+        (x.min(view.panel.right() - width - 4.0) + 4.0, y + 12.0)
+    } else {
+        let count = ring.len().max(1) as f64;
+        let (x, y) = ring
+            .iter()
+            .fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+        (x / count, y / count + 4.0)
+    };
+    svg.text((x, y), &name, style);
 }
 
 /// An obstacle that is not followed: its volume, faint.

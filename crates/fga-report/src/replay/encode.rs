@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::thin;
 use super::{
     Replay, ReplayBands, ReplayDecision, ReplayGuidance, ReplayObstacle, ReplayPathKind, ReplayRun,
-    ReplaySample,
+    ReplaySample, ReplayZone,
 };
 use crate::page::json;
 
@@ -28,6 +28,8 @@ pub(super) struct Run<'a> {
     samples: Samples,
     mission: &'a [[f64; 3]],
     obstacles: Vec<Obstacle<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    zones: Vec<Zone<'a>>,
     motion: String,
     decisions: Vec<Decision<'a>>,
     points: String,
@@ -47,6 +49,17 @@ pub(super) struct Run<'a> {
 )]
 const fn is_zero(levels: &usize) -> bool {
     *levels == 0
+}
+
+/// A zone: `ring` is its outline, metres; the last place is the first one again.
+#[derive(Serialize)]
+struct Zone<'a> {
+    name: &'a str,
+    #[serde(rename = "in")]
+    keep_in: bool,
+    ring: &'a [[f64; 2]],
+    floor: Option<f64>,
+    ceiling: Option<f64>,
 }
 
 /// Alerts and bands: `who` holds obstacle, level and time to the violation; `bands` from, to and
@@ -152,6 +165,7 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
         samples: samples(&thin::samples(&run.samples, runs)),
         mission: &run.mission_m,
         obstacles,
+        zones: run.zones.iter().map(zone).collect(),
         motion: floats(motion.into_iter()),
         decisions,
         points: bytes(&points),
@@ -175,6 +189,17 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
         }),
         guidance: run.guidance.iter().map(guidance).collect(),
         levels: run.alert_levels,
+    }
+}
+
+fn zone(zone: &ReplayZone) -> Zone<'_> {
+    let [floor, ceiling] = zone.heights_m;
+    Zone {
+        name: &zone.name,
+        keep_in: zone.keep_in,
+        ring: &zone.ring_m,
+        floor,
+        ceiling,
     }
 }
 

@@ -114,6 +114,7 @@ pub(crate) fn encounter(off_m: f64) -> Overview {
         moment(17.5, MomentKind::Rejoined),
     ];
     Overview {
+        zones: Vec::new(),
         title: "Two threats within 200 m <&> a \"name\"".into(),
         mission_m: vec![Vec3::new(0.0, 0.0, 60.0), Vec3::new(300.0, 0.0, 60.0)],
         samples: fly(&detour(300.0, 150.0, 55.0, off_m), 20.0, |t| {
@@ -157,6 +158,7 @@ fn survey() -> Overview {
         moments.push(moment(at + 30.0, MomentKind::Rejoined));
     }
     Overview {
+        zones: Vec::new(),
         title: "Survey of ten minutes with buildings, a mast and three aircraft".into(),
         mission_m: waypoints.clone(),
         samples: fly(&waypoints, 100.0, |t| {
@@ -291,6 +293,7 @@ fn cylinders() -> Overview {
             Vec3::new(-200.0 * knots, 0.0, 0.0),
             140.0,
         )],
+        zones: Vec::new(),
         moments: vec![
             moment(20.0, MomentKind::ThreatSeen),
             moment(28.0, MomentKind::ManeuverBegun),

@@ -40,6 +40,7 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
         mission_m: vec![Vec3::ZERO, Vec3::X * 1e6],
         passing: Vec::new(),
         limits_m: (f64::NEG_INFINITY, f64::INFINITY),
+        zones: Vec::new(),
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad: 0.0,

@@ -7,12 +7,15 @@ use fga::Vec3;
 
 use crate::plant::Arc;
 use crate::separation::Separation;
-use crate::world::WorldObstacle;
+use crate::world::{WorldObstacle, WorldZone};
+use crate::zone::ZoneSeparation;
 
 /// Measures the arcs of a flight.
 pub(super) struct Measured<'a> {
     pub(super) obstacles: &'a [WorldObstacle],
     pub(super) separations: &'a mut [Separation],
+    pub(super) zones: &'a [WorldZone],
+    pub(super) from_zones: &'a mut [ZoneSeparation],
     /// A straight arc that may go on, and its end.
     pub(super) straight: &'a mut Option<(Arc, Vec3)>,
     /// Path over the ground, metres.
@@ -48,6 +51,9 @@ impl Measured<'_> {
         };
         for (separation, obstacle) in self.separations.iter_mut().zip(self.obstacles) {
             separation.observe(arc, end_m, &obstacle.track);
+        }
+        for (separation, zone) in self.from_zones.iter_mut().zip(self.zones) {
+            separation.observe(zone, arc, end_m);
         }
     }
 }

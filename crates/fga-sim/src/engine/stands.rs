@@ -22,7 +22,12 @@ impl Flight<'_> {
         decision: &Decision,
         pilot: &(impl Pilot + ?Sized),
     ) -> u32 {
-        let now = situation(self.world, self.plant.ownship(), self.sensor, time_s);
+        let now = situation(
+            (self.world, &self.zones),
+            self.plant.ownship(),
+            self.sensor,
+            time_s,
+        );
         let stands_s = pilot.stands_s(&now);
         let is_known = stands_s > 0.0
             && self.replaying().is_none()

@@ -4,6 +4,7 @@
 
 use fga::Vec3;
 use fga::avoider::Settings;
+use fga::certificate::Line;
 use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
 use fga_files::surveillance::{CREWED_MPS, Evasion};
@@ -31,6 +32,8 @@ impl Plan {
             warnings.extend(unflyable(world));
             warnings.extend(self.covered());
             warnings.extend(self.absent());
+            warnings.extend(self.crossed());
+            warnings.extend(self.distant());
         }
         warnings.extend(self.unseen());
         warnings
@@ -75,6 +78,48 @@ impl Plan {
                     index + 1
                 ))
             })
+    }
+
+    /// The zones that the mission itself is on the wrong side of.
+    fn crossed(&self) -> impl Iterator<Item = String> {
+        let (mission_m, start_m) = (&self.world.mission_m, self.world.start.position_m);
+        self.world.zones.iter().filter_map(move |each| {
+            let (zone, name) = (each.zone(), each.name());
+            let (enters, on) = if each.keep_in() { ("leaves", "outside") } else { ("enters", "inside") };
+            let mut legs = mission_m.windows(2);
+            let leg = legs.position(|leg| zone.nearest_m(&Line::between(leg[0], leg[1]), 0.0) < 0.0);
+            match leg {
+                Some(index) => Some(format!(
+                    "leg {} of the mission {enters} {name}: it is flown as it is given, and there the zone holds back no manoeuvre",
+                    index + 1
+                )),
+                None if zone.is_entered(start_m) => {
+                    Some(format!("the aircraft starts {on} {name}: it takes the nearest way out"))
+                }
+                None => None,
+            }
+        })
+    }
+
+    /// The zones that no flight comes near, as with the wrong hemisphere.
+    fn distant(&self) -> impl Iterator<Item = String> {
+        let World {
+            zones,
+            vehicle,
+            wind_mps,
+            horizon_s,
+            start,
+            ..
+        } = &self.world;
+        let flies_m = (vehicle.airspeed_mps + wind_mps.length()) * horizon_s;
+        let zones = zones.iter().filter(|zone| !zone.keep_in());
+        zones.filter_map(move |zone| {
+            let away_m = zone.margin_m(start.position_m);
+            (away_m > NEAR_M.max(flies_m)).then(|| {
+                let (name, away_km) = (zone.name(), away_m / 1e3);
+                format!("{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to")
+            })
+        })
     }
 
     /// An obstacle that is there or known only after the flight.

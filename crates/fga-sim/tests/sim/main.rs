@@ -17,3 +17,4 @@ mod stands;
 mod start_time;
 mod trials;
 mod way_round;
+mod zones;

@@ -15,6 +15,7 @@ pub(super) use holding::{Basis, Outlook};
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
+use crate::avoider::tracks::has_entered;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
@@ -95,6 +96,7 @@ impl Avoider {
         mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         if self.state == State::Cruise
+            && !has_entered(situation, self.progress.index(), &self.flyer)
             && let Some(decision) = self.quiet(situation, now, kept.as_deref_mut())
         {
             return decision;

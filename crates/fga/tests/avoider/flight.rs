@@ -7,6 +7,7 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
+use fga::zone::Zone;
 
 pub(crate) const PERIOD_S: f64 = 0.1;
 
@@ -46,9 +47,10 @@ pub(crate) struct Flight {
     pub(crate) own: Ownship,
     pub(crate) time_s: f64,
     pub(crate) waypoints_m: Vec<Vec3>,
+    pub(crate) zones: Vec<Zone<'static>>,
     pub(crate) wind_mps: Vec3,
     pub(crate) flyer: Flyer,
-    path: FlightPath,
+    pub(crate) path: FlightPath,
 }
 
 impl Flight {
@@ -64,6 +66,7 @@ impl Flight {
             },
             time_s: 0.0,
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e5],
+            zones: Vec::new(),
             wind_mps: Vec3::ZERO,
             flyer: Flyer::new(&vehicle),
             path: FlightPath::new(),
@@ -75,7 +78,10 @@ impl Flight {
             time_s: self.time_s,
             ownship: self.own,
             obstacles: Obstacles::Rows(obstacles),
-            mission: Mission::new(&self.waypoints_m),
+            mission: Mission {
+                zones: &self.zones,
+                ..Mission::new(&self.waypoints_m)
+            },
             wind_mps: self.wind_mps,
         })
     }

@@ -12,3 +12,4 @@ mod policies;
 mod properties;
 mod small;
 mod states;
+mod zones;

@@ -12,6 +12,8 @@ pub(super) struct Known {
     /// Distance of its hazard at its last step, metres.
     pub(super) distance_m: f64,
     pub(super) trend: Trend,
+    /// How long it limits the flight, seconds.
+    pub(super) until_s: f64,
 }
 
 impl Known {
@@ -30,6 +32,7 @@ impl Known {
         heard_s: 0.0,
         distance_m: 0.0,
         trend: Trend::STRAIGHT,
+        until_s: 0.0,
     };
 
     /// Its extrapolation without reports: straight on, from a report that has become older.

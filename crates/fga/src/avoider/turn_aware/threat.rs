@@ -2,7 +2,7 @@
 
 use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Threat};
-use crate::certificate::mark_close;
+use crate::certificate::{Asked, certify_set, mark_close};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 
@@ -80,11 +80,28 @@ impl Avoider {
                 break;
             }
         }
-        let first = first?;
+        let first = first.or_else(|| self.entered_zone(reach))?;
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         Some((first, self.with_close(against, &close, (same_s, target_m))))
+    }
+
+    /// The zone that the path enters: of one that the mission passes, however near, it keeps out by itself.
+    fn entered_zone(&self, (horizon_s, enough_m): (f64, f64)) -> Option<Threat> {
+        let asked = Asked {
+            horizon_s,
+            floor_m: f64::MIN,
+            enough_m,
+        };
+        let zones = &self.tracks.hazards().zones;
+        let found = certify_set(&self.flyer, &self.path, zones, &asked, &self.meter);
+        (found.margin_m < 0.0).then_some(Threat {
+            id: u32::MAX,
+            entry_s: found.at_s,
+            closest_s: found.at_s,
+            margin_m: found.margin_m,
+        })
     }
 
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.

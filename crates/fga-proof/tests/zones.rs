@@ -1,0 +1,510 @@
+//! Zones against code of this test: containment as `geo` has it, and the certificate never above what a flight keeps.
+//!
+//! The flights are integrated here in steps of a millisecond, the distances are measured here. 2,000 flights and 10⁵ places
+//! by default; `FGA_ZONE_CASES` and `FGA_ZONE_PLACES` set other numbers (10⁵ flights take a minute).
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts drawn from floats"
+)]
+
+use core::f64::consts::TAU;
+
+use fga_proof::certificate::{Asked, Hazards, MAX_ZONES, Status, certify_set, prove};
+use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::meter::Meter;
+use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::vehicle::{Response, Vehicle};
+use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
+use fga_proof::{Vec2, Vec3};
+
+/// Step of the integration, seconds.
+const STEP_S: f64 = 1e-3;
+
+/// Error of integration and rounding, metres.
+const INTEGRATED_M: f64 = 1e-3;
+
+/// Most corners of a drawn polygon.
+const MAX_CORNERS: usize = 256;
+
+/// The certificate is at most this far below what is flown, besides the prediction's own bound, metres.
+const SLACK_M: f64 = 0.02;
+
+/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    /// Convex, concave, spiky, or a comb; 3 to 256 corners, either way round.
+    fn corners(&mut self, center: Vec2, size_m: f64) -> Vec<Vec2> {
+        let most = if self.chance(0.1) {
+            MAX_CORNERS as f64
+        } else {
+            24.0
+        };
+        let count = self.within(3.0, most + 1.0) as usize;
+        let (sin, cos) = self.within(0.0, TAU).sin_cos();
+        let mut corners: Vec<Vec2> = if self.chance(0.2) && count >= 6 {
+            // Teeth of a comb, on a back.
+            let teeth = (count / 2).max(3);
+            let mut comb = vec![Vec2::new(-1.0, -0.4), Vec2::new(1.0, -0.4)];
+            for tooth in 0..2 * teeth - 2 {
+                let x = 1.0 - 2.0 * tooth as f64 / (2 * teeth - 3) as f64;
+                let y = if tooth % 2 == 0 {
+                    1.0
+                } else {
+                    self.within(-0.35, 0.5)
+                };
+                comb.push(Vec2::new(x, y));
+            }
+            comb.truncate(MAX_CORNERS);
+            comb
+        } else {
+            let least = [1.0, 0.4, 0.03][(self.unit() * 3.0) as usize];
+            let mut angles: Vec<f64> = (0..count)
+                .map(|step| (step as f64 + self.within(0.05, 0.95)) / count as f64 * TAU)
+                .collect();
+            angles.sort_by(f64::total_cmp);
+            let around = angles.iter().map(|angle| {
+                let (sin, cos) = angle.sin_cos();
+                self.within(least, 1.0) * Vec2::new(cos, sin)
+            });
+            around.collect()
+        };
+        if self.chance(0.5) {
+            corners.reverse();
+        }
+        for corner in &mut corners {
+            let at = *corner * size_m;
+            *corner = center + Vec2::new(cos * at.x - sin * at.y, sin * at.x + cos * at.y);
+        }
+        corners
+    }
+
+    fn vehicle(&mut self) -> Vehicle {
+        let climb = if self.chance(0.3) {
+            0.0
+        } else {
+            self.within(0.05, 0.6)
+        };
+        Vehicle {
+            airspeed_mps: self.within(8.0, 60.0),
+            turn_radius_m: self.within(15.0, 300.0),
+            climb_min_rad: -climb,
+            climb_max_rad: climb,
+            climb_rate_radps: self.within(0.02, 0.6),
+            response: Response::default(),
+        }
+    }
+
+    fn maneuver(&mut self) -> Maneuver {
+        let mut maneuver = Maneuver::hold();
+        let mut start_s = if self.chance(0.5) {
+            0.0
+        } else {
+            self.within(0.0, 8.0)
+        };
+        let mut course = 0.0;
+        for _ in 0..=(self.unit() * 3.0) as usize {
+            course += self.within(-4.0, 4.0);
+            assert!(maneuver.push(Stage {
+                start_s,
+                course_rad: course,
+                climb_rad: self.within(-0.5, 0.5),
+                rate_share: if self.chance(0.7) {
+                    1.0
+                } else {
+                    self.within(0.2, 1.0)
+                },
+            }));
+            start_s += self.within(0.0, 12.0);
+        }
+        maneuver
+    }
+}
+
+fn number(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
+}
+
+/// The flight of an ideal aircraft, integrated by mid-points.
+struct Flown<'a> {
+    vehicle: &'a Vehicle,
+    rates_radps: (f64, f64),
+    maneuver: &'a Maneuver,
+    wind: Vec3,
+    at: Vec3,
+    course: f64,
+    climb: f64,
+    time_s: f64,
+}
+
+impl Flown<'_> {
+    fn step(&mut self) {
+        let stage = self
+            .maneuver
+            .stages()
+            .iter()
+            .rfind(|stage| stage.start_s <= self.time_s + 1e-9);
+        // A stage may begin within the step.
+        let begins_s = (self.maneuver.stages().iter().map(|stage| stage.start_s))
+            .filter(|start_s| *start_s > self.time_s + 1e-9)
+            .fold(f64::INFINITY, f64::min);
+        let step_s = STEP_S.min(begins_s - self.time_s);
+        let toward = |from: f64, to: f64, most: f64| from + (to - from).clamp(-most, most);
+        let (course, climb) = stage.map_or((self.course, self.climb), |stage| {
+            let to_climb = stage
+                .climb_rad
+                .clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+            (
+                toward(
+                    self.course,
+                    stage.course_rad,
+                    stage.rate_share * self.rates_radps.0 * step_s,
+                ),
+                toward(self.climb, to_climb, self.rates_radps.1 * step_s),
+            )
+        });
+        let (sin, cos) = (0.5 * (self.course + course)).sin_cos();
+        let (up, level) = (0.5 * (self.climb + climb)).sin_cos();
+        let air = Vec3::new(level * cos, level * sin, up) * self.vehicle.airspeed_mps;
+        self.at += (air + self.wind) * step_s;
+        (self.course, self.climb) = (course, climb);
+        self.time_s += step_s;
+    }
+}
+
+/// The signed distance to a zone: negative on the wrong side.
+fn margin(keep_in: bool, outline: &Shape, (floor, ceiling): (f64, f64), at: Vec3) -> f64 {
+    let (x, y) = (at.x, at.y);
+    let beside = match outline {
+        Shape::Circle(center, radius) => (x - center.x).hypot(y - center.y) - radius,
+        Shape::Polygon(corners) => {
+            let (mut least, mut inside) = (f64::INFINITY, false);
+            for (index, b) in corners.iter().enumerate() {
+                let a = corners[(index + corners.len() - 1) % corners.len()];
+                let (ex, ey, px, py) = (b.x - a.x, b.y - a.y, x - a.x, y - a.y);
+                let share = ((px * ex + py * ey) / (ex * ex + ey * ey)).clamp(0.0, 1.0);
+                least = least.min((px - share * ex).hypot(py - share * ey));
+                if (a.y > y) != (b.y > y) && x < a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x) {
+                    inside = !inside;
+                }
+            }
+            if inside { -least } else { least }
+        }
+    };
+    let above = (floor - at.z).max(at.z - ceiling);
+    let outside = if beside > 0.0 && above > 0.0 {
+        beside.hypot(above)
+    } else {
+        beside.max(above)
+    };
+    if keep_in { -outside } else { outside }
+}
+
+enum Shape {
+    Polygon(Vec<Vec2>),
+    Circle(Vec2, f64),
+}
+
+impl Shape {
+    fn outline(&self) -> Outline<'_> {
+        match self {
+            Self::Polygon(corners) => Outline::Polygon(corners),
+            Self::Circle(center, radius) => Outline::Circle(*center, *radius),
+        }
+    }
+}
+
+#[test]
+#[expect(
+    clippy::too_many_lines,
+    reason = "a case from its draw to its judgement"
+)]
+fn no_zone_is_nearer_than_certified() {
+    let cases = number("FGA_ZONE_CASES", 2_000);
+    let (mut clear, mut entered, mut slackest) = (0, 0, 0.0_f64);
+    for case in 0..cases {
+        let random = &mut Random(0x5ee0_0000 + case);
+        let vehicle = random.vehicle();
+        let maneuver = random.maneuver();
+        let wind = if random.chance(0.5) {
+            Vec3::ZERO
+        } else {
+            let (sin, cos) = random.within(0.0, TAU).sin_cos();
+            Vec3::new(cos, sin, 0.0) * random.within(0.0, 0.5) * vehicle.airspeed_mps
+        };
+        let horizon_s = random.within(2.0, 30.0);
+        let flyer = Flyer::new(&vehicle);
+        let mut path = FlightPath::new();
+        path.predict(&flyer, &MotionState::ahead(0.0), &maneuver, horizon_s);
+        let keep_in = random.chance(0.5);
+        let share = if keep_in { 0.2 } else { 1.0 };
+        let near_s = random.within(0.0, share * horizon_s);
+        let Some(near) = path.state_at(&flyer, near_s) else {
+            continue;
+        };
+        let near = near.position_m + wind * near_s;
+        let size_m = if keep_in {
+            random.within(100.0, 1500.0)
+        } else {
+            random.within(10.0, 500.0)
+        };
+        let (sin, cos) = random.within(0.0, TAU).sin_cos();
+        let off_m = random.within(0.0, if keep_in { 0.8 } else { 2.0 }) * size_m;
+        let center = near.truncate() + off_m * Vec2::new(cos, sin);
+        let height = |random: &mut Random| random.within(0.0, if keep_in { 300.0 } else { 60.0 });
+        let heights = (
+            if random.chance(0.3) {
+                f64::NEG_INFINITY
+            } else {
+                near.z - height(random) + 20.0
+            },
+            if random.chance(0.3) {
+                f64::INFINITY
+            } else {
+                near.z + height(random) + 20.5
+            },
+        );
+        let shape = if random.chance(0.2) {
+            Shape::Circle(center, size_m)
+        } else {
+            let mut corners = random.corners(center, size_m);
+            // Edges that cross.
+            if random.chance(0.15) {
+                let count = corners.len();
+                for index in 0..count {
+                    corners.swap(index, (random.unit() * count as f64) as usize);
+                }
+            }
+            Shape::Polygon(corners)
+        };
+        let zone = Zone {
+            keep_in,
+            outline: shape.outline(),
+            heights_m: heights,
+        };
+        let mut hazards = Hazards::new();
+        hazards.zones.clear(wind, f64::INFINITY);
+        let spare_m = if random.chance(0.7) {
+            0.0
+        } else {
+            random.within(0.0, 20.0)
+        };
+        hazards.zones.spare_m = spare_m;
+        let begins_well = hazards.zones.add(&zone, (Vec3::ZERO, 1e9));
+        let meter = Meter::unlimited();
+        let asked = Asked {
+            horizon_s,
+            floor_m: f64::MIN,
+            enough_m: 1e3 + spare_m,
+        };
+        let found = certify_set(&flyer, &path, &hazards, &asked, &meter);
+        assert_eq!(found.status, Status::Proven, "{case}");
+        assert_eq!(
+            begins_well,
+            margin(keep_in, &shape, heights, Vec3::ZERO) >= 0.0,
+            "{case}"
+        );
+        // Also less than is spared: even then none is entered.
+        let target_m = random.within(-20.0, 30.0).max(-spare_m);
+        let scene = (horizon_s, target_m + spare_m, 1e3 + spare_m);
+        let proven = prove(&flyer, &path, &hazards, scene, &meter);
+        let proven_m = proven.map_or(f64::MIN, |proven| proven.margin_m());
+        let bound_m = found.margin_m.max(proven_m) - spare_m;
+        let mut flown = Flown {
+            vehicle: &vehicle,
+            rates_radps: (flyer.course_rate_radps(), flyer.climb_rate_radps()),
+            maneuver: &maneuver,
+            wind,
+            at: Vec3::ZERO,
+            course: 0.0,
+            climb: 0.0,
+            time_s: 0.0,
+        };
+        let speed_mps = vehicle.airspeed_mps + wind.length();
+        let (mut least_m, mut look_s) = (f64::INFINITY, 0.0);
+        while flown.time_s <= horizon_s {
+            // The distance falls by no more than the way flown.
+            if flown.time_s >= look_s {
+                let here_m = margin(keep_in, &shape, heights, flown.at);
+                least_m = least_m.min(here_m);
+                if least_m < -INTEGRATED_M {
+                    break;
+                }
+                look_s = flown.time_s + (here_m - least_m.max(bound_m)) / speed_mps;
+            }
+            flown.step();
+        }
+        if least_m < -INTEGRATED_M {
+            entered += 1;
+            assert!(found.margin_m < 0.0, "{case}: {} {least_m}", found.margin_m);
+            assert!(proven.is_none(), "{case}: {least_m}");
+            continue;
+        }
+        clear += 1;
+        assert!(
+            bound_m <= least_m + INTEGRATED_M,
+            "{case}: {bound_m} above {least_m}"
+        );
+        let known_m = SLACK_M + 1e-3 * speed_mps;
+        // So near a zone a flight is not known to enter none, and nothing is spared.
+        let spared_m = if least_m < known_m + path.remainder_m() {
+            0.0
+        } else {
+            spare_m
+        };
+        let slack_m = least_m.min(1e3) + spared_m - found.margin_m - path.remainder_m();
+        slackest = slackest.max(slack_m);
+        assert!(
+            slack_m <= known_m,
+            "{case}: {} below {least_m}",
+            found.margin_m
+        );
+        if least_m > target_m.max(0.0) + known_m + path.remainder_m() {
+            assert!(proven.is_some(), "{case}");
+        }
+    }
+    println!("{clear} flights clear, {entered} on the wrong side, most slack {slackest:.4} m");
+    assert!(
+        clear > cases / 5 && entered > cases / 5,
+        "{clear} {entered}"
+    );
+}
+
+#[test]
+fn containment_is_that_of_geo() {
+    use geo::Intersects as _;
+    let places = number("FGA_ZONE_PLACES", 100_000);
+    let random = &mut Random(7);
+    let grid = |at: Vec2| (at * 64.0).round() / 64.0;
+    let (mut seen, mut on_edge) = (0, 0);
+    while seen < places {
+        let drawn = random.corners(Vec2::new(30.0, -50.0), 400.0);
+        // On a grid, where products are exact.
+        let corners: Vec<Vec2> = drawn.into_iter().map(grid).collect();
+        let zone = Zone {
+            keep_in: false,
+            outline: Outline::Polygon(&corners),
+            heights_m: ALL_HEIGHTS_M,
+        };
+        let ring = corners.iter().map(|at| (at.x, at.y)).collect::<Vec<_>>();
+        let theirs = geo::Polygon::new(geo::LineString::from(ring), vec![]);
+        for _ in 0..200 {
+            let index = (random.unit() * corners.len() as f64) as usize;
+            let (a, b) = (corners[index], corners[(index + 1) % corners.len()]);
+            let at = match (random.unit() * 5.0) as usize {
+                0 => a,
+                // Exactly on the edge, if it is even.
+                1 => a + 0.5 * (b - a),
+                2 => grid(a + random.unit() * (b - a)),
+                // At the height of a corner.
+                3 => Vec2::new(grid(Vec2::new(random.within(-400.0, 460.0), 0.0)).x, a.y),
+                _ => Vec2::new(random.within(-400.0, 460.0), random.within(-480.0, 380.0)),
+            };
+            let is_inside = zone.is_entered(at.extend(50.0));
+            assert_eq!(
+                is_inside,
+                theirs.intersects(&geo::Point::new(at.x, at.y)),
+                "{at} {corners:?}"
+            );
+            seen += 1;
+            on_edge += u64::from((0.5 * (a + b) == at || a == at) && is_inside);
+        }
+    }
+    assert!(on_edge > places / 4, "{on_edge}");
+}
+
+#[test]
+fn the_way_out_is_the_nearest() {
+    let corners = [[0.0, 0.0], [1000.0, 0.0], [1000.0, 200.0], [0.0, 200.0]].map(Vec2::from_array);
+    let way_m = |keep_in, outline, at_m| {
+        let heights_m = (0.0, 100.0);
+        let zone = Zone {
+            keep_in,
+            outline,
+            heights_m,
+        };
+        assert!(zone.is_entered(at_m));
+        zone.way_out_m(at_m)
+    };
+    let corridor = Outline::Polygon(&corners);
+    let circle = Outline::Circle(Vec2::ZERO, 50.0);
+    assert_eq!(
+        way_m(false, corridor, Vec3::new(500.0, 150.0, 99.0)),
+        Vec3::Y * 50.0
+    );
+    assert_eq!(
+        way_m(true, corridor, Vec3::new(-30.0, 150.0, 500.0)),
+        Vec3::X * 30.0
+    );
+    assert_eq!(
+        way_m(true, corridor, Vec3::new(30.0, 150.0, 110.0)),
+        Vec3::Z * -10.0
+    );
+    assert_eq!(
+        way_m(true, corridor, Vec3::new(30.0, 150.0, -5.0)),
+        Vec3::Z * 5.0
+    );
+    assert_eq!(way_m(false, circle, Vec3::ZERO), Vec3::X * 50.0);
+    assert_eq!(way_m(true, circle, Vec3::Y * -80.0), Vec3::Y * 30.0);
+}
+
+#[test]
+fn without_room_for_all_zones_nothing_is_proven() {
+    let corners: Vec<Vec2> = (0..MAX_CORNERS)
+        .map(|corner| {
+            let (sin, cos) = (corner as f64 / MAX_CORNERS as f64 * TAU).sin_cos();
+            Vec2::new(1e4 * cos, 1e4 * sin)
+        })
+        .collect();
+    let zone = Zone {
+        keep_in: true,
+        outline: Outline::Polygon(&corners),
+        heights_m: (-1e3, 1e3),
+    };
+    let flyer = Flyer::new(&Random(1).vehicle());
+    let mut path = FlightPath::new();
+    path.predict(&flyer, &MotionState::ahead(0.0), &Maneuver::hold(), 10.0);
+    let mut hazards = Hazards::new();
+    hazards.zones.clear(Vec3::ZERO, 10.0);
+    let proven = |hazards: &Hazards| {
+        let scene = (10.0, 0.0, 1e3);
+        prove(&flyer, &path, hazards, scene, &Meter::unlimited()).is_some()
+    };
+    for _ in 0..2 {
+        assert!(hazards.zones.add(&zone, (Vec3::ZERO, 1e9)));
+        assert!(proven(&hazards));
+    }
+    assert!(!hazards.zones.add(&zone, (Vec3::ZERO, 1e9)));
+    assert!(!proven(&hazards));
+    // Far edges, and what is far as a whole, take no room.
+    let far = Zone {
+        keep_in: false,
+        outline: Outline::Circle(Vec2::splat(6e3), 50.0),
+        heights_m: ALL_HEIGHTS_M,
+    };
+    hazards.zones.clear(Vec3::ZERO, 10.0);
+    for _ in 0..MAX_ZONES {
+        assert!(hazards.zones.add(&zone, (Vec3::ZERO, 5e3)));
+        assert!(hazards.zones.add(&far, (Vec3::ZERO, 5e3)));
+    }
+    assert!(proven(&hazards));
+    assert!(!hazards.zones.add(&zone, (Vec3::ZERO, 5e3)));
+    assert!(!proven(&hazards));
+}
