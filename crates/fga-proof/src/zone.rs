@@ -16,6 +16,9 @@ pub const ALL_HEIGHTS_M: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// Edges are this thick, metres: more than rounding moves them, so that no gap lies between two.
 pub(crate) const ROUNDED_M: f64 = 1e-6;
 
+/// A flight that enters a zone counts as no deeper than this, metres.
+const DEEPEST_M: f64 = 1e3;
+
 /// Farther up or down than any flight, metres.
 const HIGHEST_M: f64 = 1e6;
 
@@ -131,8 +134,8 @@ impl<'a> Zone<'a> {
         is_inside
     }
 
-    /// The least distance of a line over the ground from it, metres, and the moment of that, seconds, if below one; negative if the
-    /// line, which begins on the right side, enters it.
+    /// The least distance of a line over the ground from it, metres, and the moment of that, seconds, if below one. It is negative if
+    /// the line, which begins on the right side, enters it: then as far as the line ends beyond its edges.
     pub(crate) fn least_on_line<E: Iterator<Item = (Vec2, Vec2)>>(
         &self,
         edges: impl Fn(Span) -> E,
@@ -145,7 +148,7 @@ impl<'a> Zone<'a> {
         let mut least = (below_m, 0.0);
         let mut note = |distance_m: f64, after_s| {
             if distance_m - ROUNDED_M < least.0 {
-                least = ((distance_m - ROUNDED_M).max(-ROUNDED_M), after_s);
+                least = (distance_m - ROUNDED_M, after_s);
             }
             least.0
         };
@@ -205,6 +208,29 @@ impl<'a> Zone<'a> {
                 }
             }
             from_s = to_s;
+        }
+        if least.0 < 0.0 && matches!(self.outline, Outline::Polygon(_)) {
+            // The farther from its edges the line ends on the other side, the deeper it enters.
+            let ends_m = [flat_m(0.0), flat_m(duration_s)];
+            let [from, to] = ends_m.map(Vec3::truncate);
+            let is_left = |a: Vec2, b: Vec2, at: Vec2| (b - a).perp_dot(at - a) > 0.0;
+            let (mut crosses, mut deep_m) = (false, DEEPEST_M);
+            for (a, b) in edges((Vec2::NEG_INFINITY, Vec2::INFINITY)) {
+                crosses ^= is_left(from, to, a) != is_left(from, to, b)
+                    && is_left(a, b, from) != is_left(a, b, to);
+                deep_m = to_edge((ends_m[1], ends_m[1]), (a, b), deep_m)
+                    .0
+                    .min(deep_m);
+            }
+            // Of a zone with a floor or a ceiling all edges are known.
+            let is_beyond = if (low_m, high_m) == ALL_HEIGHTS_M {
+                crosses
+            } else {
+                ends_m[1].z == 0.0 && self.surrounds(&edges, to)
+            };
+            if is_beyond {
+                least.0 = least.0.min(-deep_m);
+            }
         }
         (least.0 < below_m).then_some((least.0, line.at_s + least.1))
     }
