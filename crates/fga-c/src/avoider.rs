@@ -17,7 +17,7 @@ use crate::status::{Refused, fga_refusal, fga_status};
 use crate::{FGA_ABI_VERSION, FGA_ALIGN, memory};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 163_328;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 161_280;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;

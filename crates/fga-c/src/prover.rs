@@ -16,7 +16,7 @@ use crate::status::{Refused, fga_refusal, fga_status};
 use crate::{FGA_ABI_VERSION, FGA_ALIGN, meter};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 84_992;
+pub const FGA_PROVER_BYTES: usize = 84_480;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
