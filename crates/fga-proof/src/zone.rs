@@ -65,7 +65,7 @@ impl<'a> Zone<'a> {
             Outline::Polygon(corners_m) => corners_m,
             Outline::Circle(..) => &[],
         };
-        let next_m = corners_m.iter().cycle().skip(1);
+        let next_m = corners_m.iter().skip(1).chain(corners_m.first());
         corners_m.iter().copied().zip(next_m.copied())
     }
 
