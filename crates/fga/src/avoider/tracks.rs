@@ -5,7 +5,7 @@ mod known;
 use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most};
+use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
@@ -43,7 +43,7 @@ pub struct Tracks {
     known: [Known; MAX_TRACKED],
     /// Number of obstacles of this step.
     count: usize,
-    /// Number of all without the limits of altitude: the next step remembers so many.
+    /// Number of all that the next step remembers: the limits of altitude are not among them.
     len: usize,
     /// Number of aircraft among them.
     aircraft: usize,
@@ -203,7 +203,7 @@ impl Tracks {
                 return Some((turning, last, left));
             };
             let freedom = freedom(&self.seen_from.hazard(next.1, &known.obstacle));
-            let more = most(freedom, (&known.obstacle, known.trend)) - 1;
+            let more = most_hazards(freedom, (&known.obstacle, known.trend)) - 1;
             if more > left {
                 return Some((turning, last, left));
             }
