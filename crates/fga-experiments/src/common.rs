@@ -10,6 +10,32 @@ use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::World;
 
+/// Bank beyond which a turn has a side, radians (5°).
+const BANKED_RAD: f64 = 0.087;
+
+/// How often the bank changes its side.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct Reversals {
+    pub(crate) count: u32,
+    /// The last bank to a side, radians.
+    last_rad: f64,
+}
+
+impl Reversals {
+    /// Takes the next bank, radians.
+    pub(crate) fn bank(&mut self, bank_rad: f64) {
+        if bank_rad.abs() > BANKED_RAD {
+            self.count += u32::from(self.last_rad * bank_rad < 0.0);
+            self.last_rad = bank_rad;
+        }
+    }
+
+    /// Another manoeuvre begins.
+    pub(crate) const fn begin(&mut self) {
+        self.last_rad = 0.0;
+    }
+}
+
 /// Time between two decisions, seconds.
 pub(crate) const PERIOD_S: f64 = 0.1;
 

@@ -19,12 +19,11 @@ use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 
+use crate::common::Reversals;
+
 pub(crate) const FOOT_M: f64 = 0.3048;
 pub(crate) const NMAC: (f64, f64) = (500.0 * FOOT_M, 100.0 * FOOT_M);
 const WELL_CLEAR: (f64, f64) = (2000.0 * FOOT_M, 250.0 * FOOT_M);
-
-/// Bank beyond which a turn has a side, radians (5°).
-const BANKED_RAD: f64 = 0.087;
 
 pub(crate) type Moments = Vec<(f64, Vec3)>;
 
@@ -35,7 +34,7 @@ struct Row {
     flown: [f64; 2],
     acted: bool,
     transitions: usize,
-    reversals: usize,
+    reversals: u32,
     cross_m: f64,
     extra_m: f64,
     back: bool,
@@ -301,16 +300,12 @@ pub(crate) fn transitions(log: &RunLog) -> usize {
 }
 
 /// How often the bank changes its side while the aircraft avoids.
-fn reversals(log: &RunLog) -> usize {
-    let mut last = 0.0;
-    let mut count = 0;
+fn reversals(log: &RunLog) -> u32 {
+    let mut reversals = Reversals::default();
     for sample in log.samples.iter().filter(|s| s.state == State::Avoiding) {
-        if sample.bank_rad.abs() > BANKED_RAD {
-            count += usize::from(last * sample.bank_rad < 0.0);
-            last = sample.bank_rad;
-        }
+        reversals.bank(sample.bank_rad);
     }
-    count
+    reversals.count
 }
 
 /// Departures about the first way back.

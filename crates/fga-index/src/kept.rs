@@ -373,7 +373,8 @@ fn is_usable(obstacle: &Obstacle, reported_s: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::situation::{Mission, Obstacles, Ownship, ProtectedVolume};
+    use crate::draw::flying;
+    use crate::situation::ProtectedVolume;
     use alloc::vec::Vec;
     use fga_proof::Vec3;
 
@@ -419,19 +420,7 @@ mod tests {
         for mast in [at(1, 500.0, 10.0), at(2, 500.0, 400.0), at(3, 9e3, 0.0)] {
             kept.put(&mast, 0.0).unwrap();
         }
-        let situation = Situation {
-            time_s: 0.0,
-            ownship: Ownship {
-                position_m: Vec3::ZERO,
-                airspeed_mps: 15.0,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: 0.0,
-            },
-            obstacles: Obstacles::Rows(&[]),
-            mission: Mission::new(&[]),
-            wind_mps: Vec3::ZERO,
-        };
+        let situation = flying(0.0, 0.0, 15.0);
         kept.begin(0.0);
         let mut near = Vec::new();
         let others = kept.for_each_near(&situation, (1000.0, 60.0), |mast| near.push(mast.id));

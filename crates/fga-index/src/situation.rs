@@ -65,31 +65,16 @@ impl Situation<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn flying(airspeed_mps: f64) -> Situation<'static> {
-        Situation {
-            time_s: 0.0,
-            ownship: Ownship {
-                position_m: Vec3::ZERO,
-                airspeed_mps,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: 0.0,
-            },
-            obstacles: Obstacles::Rows(&[]),
-            mission: Mission::new(&[]),
-            wind_mps: Vec3::ZERO,
-        }
-    }
+    use crate::draw::flying;
 
     #[test]
     fn numbers_beyond_every_flight_are_unusable() {
-        assert!(flying(10.0).is_usable());
+        assert!(flying(0.0, 0.0, 10.0).is_usable());
         for time_s in [f64::NAN, 2.0 * LARGEST] {
             assert!(
                 !Situation {
                     time_s,
-                    ..flying(10.0)
+                    ..flying(0.0, 0.0, 10.0)
                 }
                 .is_usable()
             );
@@ -98,11 +83,11 @@ mod tests {
         assert!(
             !Situation {
                 wind_mps,
-                ..flying(10.0)
+                ..flying(0.0, 0.0, 10.0)
             }
             .is_usable()
         );
-        assert!(!flying(-1.0).is_usable());
+        assert!(!flying(0.0, 0.0, -1.0).is_usable());
     }
 
     /// At 10 m/s each, within a minute and 1,060 m of sizes: 2 (400 · 60² + 1060²) is the square of 2,264 m.
@@ -112,7 +97,7 @@ mod tests {
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
             let (place_m, velocity_mps) = (Vec3::new(0.0, away_m, 0.0), Vec3::new(10.0, 0.0, 0.0));
             let obstacle = Obstacle::straight(1, place_m, velocity_mps, volume);
-            flying(10.0).is_out_of_reach(&obstacle, 60.0)
+            flying(0.0, 0.0, 10.0).is_out_of_reach(&obstacle, 60.0)
         };
         assert!(!is_out(2260.0) && is_out(2270.0));
     }

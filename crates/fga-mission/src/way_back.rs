@@ -18,9 +18,9 @@ const ONE_BY_ONE: usize = 8;
 pub(crate) const MOST_LEGS: usize = 96;
 
 impl Progress {
-    /// A way onto the mission: onto the leg, or onto the first one after it that the aircraft joins before
-    /// its end, at most `skipped` legs on; `None` if there is none. It enters a leg with a required beginning, and a long one
-    /// that was not begun, only at its beginning.
+    /// A way onto the mission: onto the leg, or onto the first leg after it, at most `skipped` on, that the aircraft joins before
+    /// the leg's end. The way enters a leg with a required beginning, and a long leg that was not begun, only at the beginning.
+    /// `None` without such a leg.
     pub fn way_back(
         &self,
         route: &Route<'_>,

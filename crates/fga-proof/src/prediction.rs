@@ -13,4 +13,4 @@ mod roll;
 pub use bend::{Bend, Exit};
 pub use motion::{ArcSteps, Flyer, MotionState, Piece, Target};
 pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node};
-pub use path::{chords, flown, for_each_piece, while_flown, whole};
+pub use path::{chords, flown, whole};

@@ -42,7 +42,7 @@ impl Effort {
     pub const WHOLE: Self = Self::Grids(PARTS);
 }
 
-/// A manoeuvre to climb from, with about its margin, metres; of the least number there is none.
+/// A manoeuvre to climb from, and about its margin, metres; a place without one has the margin `f64::MIN`.
 fn seed(turns: Turns, margin_m: f64) -> Found {
     Found {
         turns,

@@ -6,8 +6,9 @@
 
 use fga::Vec3;
 use fga::avoider::Reason;
+use fga::meter::Meter;
 use fga::pilot::{MissionPilot, Pilot as _};
-use fga::prediction::{Flyer, MotionState, for_each_piece};
+use fga::prediction::{Flyer, MotionState, flown};
 use fga::situation::{Mission, Obstacles, Ownship, Situation};
 
 use crate::world::World;
@@ -168,7 +169,7 @@ fn line_of(world: &World) -> (Vec<Vec3>, f64) {
 /// waypoint within a time.
 fn planned_line(world: &World, start: Ownship, limit_s: f64) -> (Vec<Vec3>, bool) {
     let step_s = SPACING_M / world.vehicle.airspeed_mps;
-    let flyer = Flyer::new(&world.vehicle);
+    let (flyer, meter) = (Flyer::new(&world.vehicle), Meter::unlimited());
     let Ok(mut pilot) = MissionPilot::new(2.0 * step_s, world.vehicle) else {
         return (Vec::new(), false);
     };
@@ -194,7 +195,7 @@ fn planned_line(world: &World, start: Ownship, limit_s: f64) -> (Vec<Vec3>, bool
         }
         let own = &mut situation.ownship;
         let now = MotionState::of(own);
-        let next = for_each_piece(&flyer, &now, &decision.command, step_s, |_, _, _| ());
+        let next = flown(&flyer, &now, &decision.command, step_s, &meter);
         own.position_m = next.position_m + world.wind_mps * step_s;
         (own.course_rad, own.climb_rad, own.bank_rad) =
             (next.course_rad, next.climb_rad, next.bank_rad);

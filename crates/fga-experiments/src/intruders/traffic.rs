@@ -8,6 +8,11 @@ use super::flight::{PERIOD_S, RADIUS_M, VEHICLE};
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
+    /// Of a flight with a number, drawn with a seed.
+    pub(crate) fn of(seed: u64, number: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9).wrapping_add(number) << 8)
+    }
+
     pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

@@ -57,15 +57,9 @@ impl Sum {
 
 /// An airspace of aircraft with missions, in the plane or in space.
 fn airspace(missions_m: &[Vec<Vec3>], is_planar: bool) -> Result<Flight, String> {
-    let mut flight = Flight {
-        vehicle: model(is_planar)?.vehicle,
-        wind_mps: Vec3::ZERO,
-        radius_m: RADIUS_M,
-        surveillance_m: SURVEILLANCE_M,
-        fliers: Vec::new(),
-        others: Vec::new(),
-        until_s: MISSION_S + LATE_S,
-    };
+    let vehicle = model(is_planar)?.vehicle;
+    let mut flight = Flight::empty(vehicle, Vec3::ZERO, (RADIUS_M, SURVEILLANCE_M));
+    flight.until_s = MISSION_S + LATE_S;
     for mission_m in missions_m {
         let air = (&flight.vehicle, Vec3::ZERO);
         (flight.fliers).extend(Flier::new(mission_m.clone(), air, SURVEILLANCE_M));
@@ -87,8 +81,8 @@ fn fly(missions_m: &[Vec<Vec3>], is_planar: bool) -> Result<Sum, String> {
             open: usize::from(!flier.is_complete),
             extra: flier.flown_m / alone_m - 1.0,
             avoided: flier.avoided,
-            reversals: flier.reversals,
-            most: flier.reversals,
+            reversals: flier.reversals.count,
+            most: flier.reversals.count,
         });
     }
     Ok(sum)
@@ -165,8 +159,7 @@ pub(crate) fn run(args: &DrawnArgs) -> Result<(), String> {
             let sum = (0..args.count)
                 .into_par_iter()
                 .map(|number| {
-                    let mut random =
-                        Random(args.seed.wrapping_mul(0x9e37_79b9).wrapping_add(number) << 8);
+                    let mut random = Random::of(args.seed, number);
                     let missions_m = in_square(&mut random, (count, side_m), is_planar)?;
                     fly(&missions_m, is_planar)
                 })

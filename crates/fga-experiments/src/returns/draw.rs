@@ -56,8 +56,25 @@ fn mission_m(
 }
 
 impl Flight {
+    /// Without aircraft: the vehicle and the wind of all, the radius of their protected spheres and how far they see, metres.
+    pub(super) const fn empty(
+        vehicle: Vehicle,
+        wind_mps: Vec3,
+        (radius_m, surveillance_m): (f64, f64),
+    ) -> Self {
+        Self {
+            vehicle,
+            wind_mps,
+            radius_m,
+            surveillance_m,
+            fliers: Vec::new(),
+            others: Vec::new(),
+            until_s: 0.0,
+        }
+    }
+
     pub(super) fn drawn(seed: u64, number: u64) -> Self {
-        let mut random = Random(seed.wrapping_mul(0x9e37_79b9).wrapping_add(number) << 8);
+        let mut random = Random::of(seed, number);
         let family = number as usize % FAMILIES.len();
         let airspeed_mps = random.within(12.0, 25.0);
         let bank_rad = random.within(0.45, 0.85);
@@ -100,15 +117,7 @@ impl Flight {
             1
         };
         let side_m = random.within(600.0, 3000.0);
-        let mut flight = Self {
-            vehicle,
-            wind_mps,
-            radius_m,
-            surveillance_m,
-            fliers: Vec::new(),
-            others: Vec::new(),
-            until_s: 0.0,
-        };
+        let mut flight = Self::empty(vehicle, wind_mps, (radius_m, surveillance_m));
         for _ in 0..count {
             let from_m = Vec3::new(side_m * random.unit(), side_m * random.unit(), 100.0);
             let legs = 1 + (3.0 * random.unit()) as usize;

@@ -16,7 +16,7 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::settings::PolicySettings;
 use fga_sim::wind::crab;
 
-use crate::common::{HORIZON_S, PERIOD_S};
+use crate::common::{HORIZON_S, PERIOD_S, Reversals};
 
 /// Longest time of `avoiding` with nothing near, seconds.
 pub(super) const STUCK_S: f64 = 30.0;
@@ -26,9 +26,6 @@ const STRAYS_S: f64 = 120.0;
 
 /// The last waypoint is flown when the aircraft passes it this near, metres.
 const FLOWN_M: f64 = 10.0;
-
-/// Less bank is no turn, radians (5°).
-const BANKED_RAD: f64 = 0.087;
 
 /// An aircraft flies on for so long after its mission, seconds.
 const LANDS_S: f64 = 3.0;
@@ -62,9 +59,7 @@ pub(super) struct Flier {
     pub(super) flown_m: f64,
     /// How often it began to avoid, and how often its bank changed the side while it avoided.
     pub(super) avoided: u32,
-    pub(super) reversals: u32,
-    /// Its last bank to a side in this manoeuvre, radians.
-    side: f64,
+    pub(super) reversals: Reversals,
     pub(super) has_entered: bool,
     pub(super) is_adrift: bool,
 }
@@ -107,8 +102,7 @@ impl Flier {
             lowest_m: mission_m[0].z,
             flown_m: 0.0,
             avoided: 0,
-            reversals: 0,
-            side: 0.0,
+            reversals: Reversals::default(),
             passing,
             mission_m,
             state: State::Cruise,
@@ -158,14 +152,11 @@ impl Flier {
             self.flown_m += PERIOD_S * self.plant.ground_velocity_mps().length();
         }
         if self.state == State::Avoiding {
-            let bank_rad = self.plant.ownship().bank_rad;
             if before != State::Avoiding {
-                (self.avoided, self.side) = (self.avoided + 1, 0.0);
+                self.avoided += 1;
+                self.reversals.begin();
             }
-            if bank_rad.abs() > BANKED_RAD {
-                self.reversals += u32::from(self.side * bank_rad < 0.0);
-                self.side = bank_rad;
-            }
+            self.reversals.bank(self.plant.ownship().bank_rad);
         }
         self.is_adrift = decision.record.reason == Reason::WindTooStrong;
         self.plant.command(&decision.command, PERIOD_S);

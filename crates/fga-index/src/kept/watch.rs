@@ -121,27 +121,12 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw::flying;
     use crate::kept::Kept;
     use crate::kept::block::Block;
-    use crate::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume};
+    use crate::situation::{Movement, Obstacle, ProtectedVolume};
 
-    /// An aircraft of 10 m/s at a time and a place: the watch allows for 13 m/s and 2 m/s of wind.
-    fn flying(time_s: f64, x_m: f64, airspeed_mps: f64) -> Situation<'static> {
-        Situation {
-            time_s,
-            ownship: Ownship {
-                position_m: Vec3::new(x_m, 0.0, 0.0),
-                airspeed_mps,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: 0.0,
-            },
-            obstacles: Obstacles::Rows(&[]),
-            mission: Mission::new(&[]),
-            wind_mps: Vec3::ZERO,
-        }
-    }
-
+    /// For an aircraft of 10 m/s the watch allows for 13 m/s and 2 m/s of wind.
     #[test]
     fn the_clock_passes_with_time_or_with_the_way_of_the_aircraft() {
         let limits = (1000.0, 60.0);
@@ -155,7 +140,7 @@ mod tests {
         assert!(!watch.pass(&flying(5.0, 200.0, 14.0), (2000.0, 60.0)));
     }
 
-    /// 1,500 m beyond surveillance, closed at 15 m/s by the aircraft and at 5 m/s by what flies.
+    /// 1,500 m beyond surveillance: the aircraft closes at 15 m/s, a flying obstacle at 5 m/s.
     #[test]
     fn an_obstacle_needs_a_look_once_it_could_have_come() {
         let watch = Watch::new(&flying(0.0, 0.0, 10.0), (1000.0, 60.0));

@@ -133,33 +133,16 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// Shows the pieces of the flight of a manoeuvre up to `limit_s`, each with its first state
-/// and its duration, seconds, which is infinite for the last one without a limit.
-/// Returns the first state of the last one, or the state at the limit.
-///
-/// Without nodes, this is a cheap way to evaluate some moments of a flight.
-pub fn for_each_piece(
+/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted; before it if the meter refuses
+/// one. Without a limit, where its last piece begins.
+pub fn flown(
     flyer: &Flyer,
     start: &MotionState,
     maneuver: &Maneuver,
     limit_s: f64,
-    mut visit: impl FnMut(&MotionState, &Piece, f64),
+    meter: &Meter,
 ) -> MotionState {
-    let visit = |from: &MotionState, piece: &Piece, lasts_s: f64| {
-        visit(from, piece, lasts_s);
-        true
-    };
-    while_flown(flyer, start, maneuver, limit_s, visit)
-}
-
-/// The same while `visit` is true.
-pub fn while_flown(
-    flyer: &Flyer,
-    start: &MotionState,
-    maneuver: &Maneuver,
-    limit_s: f64,
-    mut visit: impl FnMut(&MotionState, &Piece, f64) -> bool,
-) -> MotionState {
+    let work = flyer.piece_work();
     let mut state = *start;
     let mut pieces = Pieces::new(flyer, start, maneuver);
     for _ in 0..MAX_NODES {
@@ -167,7 +150,7 @@ pub fn while_flown(
             break;
         }
         let (piece, duration_s, until_s) = pieces.next(&state, limit_s);
-        if !visit(&state, &piece, duration_s) || duration_s == f64::INFINITY {
+        if !meter.take(work) || duration_s == f64::INFINITY {
             break;
         }
         let ends = duration_s >= until_s - state.time_s;
@@ -177,19 +160,6 @@ pub fn while_flown(
         }
     }
     state
-}
-
-/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted; before it if the meter refuses
-/// one.
-pub fn flown(
-    flyer: &Flyer,
-    start: &MotionState,
-    maneuver: &Maneuver,
-    limit_s: f64,
-    meter: &Meter,
-) -> MotionState {
-    let work = flyer.piece_work();
-    while_flown(flyer, start, maneuver, limit_s, |_, _, _| meter.take(work))
 }
 
 /// A predicted flight: nodes in time, then straight on from the last one.

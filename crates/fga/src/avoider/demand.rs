@@ -2,6 +2,7 @@
 
 use crate::avoider::Avoider;
 use crate::avoider::intruders::{Clearance, Freedom};
+use crate::certificate::Hazard;
 
 /// The separation that a manoeuvre must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,11 +102,16 @@ impl Avoider {
 
     /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
     pub(super) fn ask(&mut self, demand: &Demand, beyond_m: f64) {
-        self.withstand(Freedom::Share(demand.share), (beyond_m, demand.margin_m));
+        let freedom = Freedom::Share(demand.share);
+        self.withstand(|_| freedom, (beyond_m, demand.margin_m));
     }
 
     /// Takes motions of aircraft as hazards, with a distance beyond their volumes and the margin that is asked for, metres.
-    pub(super) fn withstand(&mut self, freedom: Freedom, (beyond_m, margin_m): (f64, f64)) {
+    pub(super) fn withstand(
+        &mut self,
+        freedom: impl Fn(&Hazard) -> Freedom,
+        (beyond_m, margin_m): (f64, f64),
+    ) {
         if !self.tracks.has_aircraft() {
             return self.tracks.as_expected();
         }
@@ -114,7 +120,7 @@ impl Avoider {
             margin_m,
             is_unproven: false,
         };
-        self.tracks.withstand(|_| freedom, clearance, &self.meter);
+        self.tracks.withstand(freedom, clearance, &self.meter);
     }
 
     /// Does something with the limits of a demand.

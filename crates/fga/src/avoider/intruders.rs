@@ -173,7 +173,7 @@ fn chords((rate_radps, for_s): (f64, f64)) -> usize {
 }
 
 /// The number of hazards of all motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
-pub(super) fn most(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
+pub(super) fn most_hazards(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
     let Some(bounds) = obstacle.movement.bounds() else {
         return 1;
     };
@@ -527,7 +527,7 @@ mod tests {
                 .into_iter()
                 .chain([Freedom::Expected, Freedom::Brief])
             {
-                let most = super::most(freedom, (&obstacle, trend));
+                let most = super::most_hazards(freedom, (&obstacle, trend));
                 let taken = motions(freedom, trend).rows().len();
                 assert!(
                     (taken..=taken + 4).contains(&most),

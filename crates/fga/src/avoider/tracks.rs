@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most};
+use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
 use crate::certificate::{Hazard, Hazards, Line, MAX_HAZARDS};
 use crate::limit::Limit as _;
 use crate::meter::{COMPARED, MOTION, Meter};
@@ -63,7 +63,7 @@ pub struct Tracks {
     known: [Known; MAX_TRACKED],
     /// Number of obstacles of this step.
     count: usize,
-    /// Number of all without the limits of altitude: the next step remembers so many.
+    /// Number of all that the next step remembers: the limits of altitude are not among them.
     len: usize,
     /// Number of aircraft among them.
     aircraft: usize,
@@ -224,12 +224,8 @@ impl Tracks {
             let Some(known) = self.obstacle(next.1) else {
                 return Some((turning, last, left));
             };
-            let freedom = freedom(
-                &self
-                    .seen_from
-                    .hazard(next.1, &known.obstacle, known.until_s),
-            );
-            let more = most(freedom, (&known.obstacle, known.trend)) - 1;
+            let hazard = (self.seen_from).hazard(next.1, &known.obstacle, known.until_s);
+            let more = most_hazards(freedom(&hazard), (&known.obstacle, known.trend)) - 1;
             if more > left {
                 return Some((turning, last, left));
             }

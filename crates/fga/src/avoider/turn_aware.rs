@@ -160,14 +160,14 @@ impl Avoider {
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
         let demand = self.first_demand();
-        self.withstand(Freedom::Expected, (0.0, demand.margin_m));
+        self.withstand(|_| Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
         };
         self.grids = 0;
         let is_urgent = self.settings.start == Start::AtDetection;
-        // What may turn, and what comes long after now: a manoeuvre that is planned for it now would be long.
+        // A threat that may turn or is minutes ahead is waited for: a manoeuvre planned minutes ahead takes minutes.
         let may_wait = self.tracks.has_aircraft() || threat.entry_s > self.settings.horizon_s;
         let mut decision = if !is_urgent && may_wait && self.has_reserve(&nominal, now) {
             match self.small_now(&nominal, now, &threat) {

@@ -40,7 +40,7 @@ impl Avoider {
     ) -> Option<Answer> {
         let has_aircraft = self.tracks.has_aircraft();
         if has_aircraft && plan.rung == WANTED + 1 {
-            // A large turn that withstands a part of what is wanted is kept: an intruder may answer each change.
+            // An intruder may answer each change: a large turn of this rung is kept.
             if !plan.is_small {
                 return None;
             }

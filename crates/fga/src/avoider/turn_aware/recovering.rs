@@ -32,8 +32,7 @@ impl Avoider {
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;
         let back = plan.remaining(situation.time_s);
-        let wanted_m = self.wanted_m();
-        self.withstand(Freedom::Expected, (0.0, wanted_m));
+        self.withstand(|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
         self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
     }
@@ -70,8 +69,8 @@ impl Avoider {
         self.watch(situation, now)
     }
 
-    /// Meets the next encounter with a new manoeuvre. The manoeuvre of the way back is flown where the new one is not certified,
-    /// or where the obstacle is the one that the way back came from.
+    /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
+    /// the manoeuvre of the way back is flown.
     fn meet_next(
         &mut self,
         (plan, start_s): (&Plan, f64),

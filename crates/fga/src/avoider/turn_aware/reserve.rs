@@ -48,7 +48,7 @@ impl Avoider {
 
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
     pub(super) fn is_free(&mut self, now: &MotionState) -> bool {
-        self.withstand(Freedom::Brief, (0.0, self.wanted_m()));
+        self.withstand(|_| Freedom::Brief, (0.0, self.wanted_m()));
         self.has_turn(&Maneuver::hold(), now, (0.0, PI))
     }
 

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
-use crate::avoider::intruders::{Clearance, Freedom};
+use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
@@ -104,8 +104,8 @@ const fn place_of(look: usize) -> usize {
 }
 
 impl Avoider {
-    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`. Does not look at
-    /// one that seems to join the mission after `latest_s`.
+    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
+    /// joins the mission after `latest_s`.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
@@ -363,12 +363,7 @@ impl Avoider {
                 Freedom::Brief
             }
         };
-        let clearance = Clearance {
-            beyond_m: 0.0,
-            is_unproven: false,
-            margin_m: target_m,
-        };
-        self.tracks.withstand(freedom, clearance, &self.meter);
+        self.withstand(freedom, (0.0, target_m));
         self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 }
