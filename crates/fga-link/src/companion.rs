@@ -378,15 +378,28 @@ impl Companion {
     }
 
     /// The note for a later run, if this one stops now.
-    pub fn restart_note(&self) -> Option<Note> {
+    pub fn restart_note(&self, now_s: f64) -> Option<Note> {
         if let Some(note) = self.notes.last() {
             // A note of another vehicle is another program's.
             return Some(*note).filter(|_| self.heard.is_some() && !self.dry_run);
         }
         let boot_ms = self.noted_boot_ms.unwrap_or(self.boot_ms);
-        Some(Note {
-            item: self.item_asked_for(),
-            ..Note::new(self.owed()?, boot_ms)
+        if let Some(owed) = self.owed() {
+            return Some(Note {
+                item: self.item_asked_for(),
+                ..Note::new(owed, boot_ms)
+            });
+        }
+        let owned = self.keeper.target();
+        let heard = self.heard.as_ref().filter(|_| !self.dry_run)?;
+        let requested = Owed {
+            system_id: heard.system_id,
+            owned,
+            previous: heard.mode,
+        };
+        self.keeper.may_arrive(owned, now_s).then(|| Note {
+            given_up: true,
+            ..Note::new(requested, boot_ms)
         })
     }
 

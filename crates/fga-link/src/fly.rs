@@ -345,7 +345,7 @@ impl Pilot<'_> {
         self.companion.tick(now_s);
         *locked(&self.shared.owed) = self.companion.owed();
         let (note, system_id) = (
-            self.companion.restart_note(),
+            self.companion.restart_note(now_s),
             self.companion.vehicle_system(),
         );
         self.notebook.set(note, system_id);

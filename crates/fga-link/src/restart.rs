@@ -1,6 +1,7 @@
 //! The note for a restarted program: the owed mode.
 //!
-//! The program writes the note before it takes a mode and removes it after the return. The vehicle's clock
+//! The program writes the note before it takes a mode, and removes it after the return and once no request for the mode can be
+//! on its way any more. The vehicle's clock
 //! dates the note, so that it is valid on a computer without a clock.
 
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,9 @@ pub struct Note {
     pub previous_mode: u32,
     /// The vehicle's time since boot when the mode was taken, milliseconds.
     pub boot_ms: u32,
+    /// Whether the owned mode was only requested and the request given up: nothing is owed, but the vehicle may still carry it out.
+    #[serde(default)]
+    pub given_up: bool,
     /// The mission item that the vehicle was asked to go on with: the commands from there to the next waypoint wait for AUTO.
     #[serde(default)]
     pub item: Option<u16>,
@@ -44,6 +48,7 @@ impl Note {
             owned_mode: owed.owned.0,
             previous_mode: owed.previous.0,
             boot_ms,
+            given_up: false,
             item: None,
             written_unix_s: 0,
             age_s: 0,
@@ -65,9 +70,9 @@ impl Note {
         self.age_s * 1000 > LIFETIME_MS as u64
     }
 
-    /// Whether it concerns this vehicle in this mode.
+    /// Whether it concerns this vehicle in this mode. A request that was given up concerns it in every mode.
     pub const fn fits(&self, system_id: u8, mode: Mode) -> bool {
-        self.system_id == system_id && self.owned_mode == mode.0
+        self.system_id == system_id && (self.given_up || self.owned_mode == mode.0)
     }
 
     /// Whether it still counts: the vehicle has not restarted since, and little time has passed. A note that is older than its
@@ -101,6 +106,12 @@ mod tests {
         assert!(!note.fits(4, Mode::GUIDED) && !note.fits(3, Mode::RTL));
         assert!(note.counts(50_000) && note.counts(650_000));
         assert!(!note.counts(49_999) && !note.counts(650_001));
+        // A request that was given up may arrive in every mode.
+        let given_up = Note {
+            given_up: true,
+            ..note
+        };
+        assert!(given_up.fits(3, Mode::AUTO) && !given_up.fits(4, Mode::GUIDED));
         // Written an hour ago, or half a minute before the vehicle's clock says.
         let written = Note {
             written_unix_s: 1_000_000,

@@ -55,6 +55,11 @@ impl Requests {
         self.unanswered > 0 && now_s - self.asked_s <= ON_ITS_WAY_S
     }
 
+    /// Whether the vehicle may still carry out a request for a mode.
+    pub(super) fn may_arrive(&self, mode: Mode, now_s: f64) -> bool {
+        self.is_on_its_way(now_s) && (self.to == Some(mode) || self.earlier == Some(mode))
+    }
+
     /// A request was sent.
     pub(super) fn asked(&mut self, change: ModeChange, now_s: f64) {
         if !self.is_on_its_way(now_s) {

@@ -188,7 +188,10 @@ impl Companion {
         let Some(note) = self.notes.pop() else { return };
         self.notes.clear();
         let may_resume = !self.dry_run && Mode(note.owned_mode) == self.keeper.target();
-        if note.counts(boot_ms) && !may_resume {
+        if note.counts(boot_ms) && note.given_up {
+            self.keeper
+                .doubt(Mode(note.owned_mode), note.previous(), now_s);
+        } else if note.counts(boot_ms) && !may_resume {
             self.tell_left_in(note, now_s);
         } else if note.counts(boot_ms) {
             self.neighbors.choose();
@@ -222,7 +225,8 @@ impl Companion {
 
     /// Reports that an earlier run left a vehicle that is not ours in a manoeuvre.
     fn tell_left(&mut self, system: u8, mode: Mode, now_s: f64) {
-        let found = self.notes.iter().position(|note| note.fits(system, mode));
+        let is_left = |note: &Note| note.fits(system, mode) && note.owned_mode == mode.0;
+        let found = self.notes.iter().position(is_left);
         if let Some(index) = found {
             let note = self.notes.remove(index);
             self.tell_left_in(note, now_s);

@@ -283,7 +283,7 @@ fn restart(world: &mut World, after_s: f64, note: Option<Note>) {
 fn kill_9_in_command_restarted_one_second_later() {
     let mut world = in_command();
     world.run_until(world.time_s + 2.0);
-    let note = world.companion.restart_note();
+    let note = world.companion.restart_note(world.time_s);
     assert!(note.is_some());
     restart(&mut world, 1.0, note);
     world.run_until(120.0);
@@ -293,27 +293,31 @@ fn kill_9_in_command_restarted_one_second_later() {
         world.emulator.texts()
     );
     avoided(&world);
-    assert_eq!(world.companion.restart_note(), None);
+    assert_eq!(world.companion.restart_note(world.time_s), None);
 }
 
 #[test]
 fn kill_9_in_command_and_the_pilot_chooses_before_the_restart() {
     for mode in [Mode::Manual, Mode::FlyByWireA, Mode::Loiter] {
         let mut world = in_command();
-        let note = world.companion.restart_note();
+        let note = world.companion.restart_note(world.time_s);
         world.emulator.pilot_mode(mode);
         let changes = own_changes(&world);
         restart(&mut world, 1.0, note);
         world.run_until(world.time_s + 20.0);
         assert_eq!((world.mode(), own_changes(&world)), (mode, changes));
-        assert_eq!(world.companion.restart_note(), None, "the note is history");
+        assert_eq!(
+            world.companion.restart_note(world.time_s),
+            None,
+            "the note is history"
+        );
     }
 }
 
 #[test]
 fn guided_without_a_note_of_this_flight_is_the_pilots_own() {
     let mut world = in_command();
-    let note = world.companion.restart_note().expect("a note");
+    let note = world.companion.restart_note(world.time_s).expect("a note");
     let other_flight = Note {
         boot_ms: note.boot_ms + 3_600_000,
         ..note

@@ -352,7 +352,7 @@ impl Rig {
         self.ticks += 1;
         self.owed = self.companion.owed();
         // As the notebook: a run removes a note only after one of its own.
-        let note = self.companion.restart_note();
+        let note = self.companion.restart_note(self.time_s);
         self.noted |= note.is_some();
         if self.noted {
             self.note = note;
@@ -477,6 +477,12 @@ fn l2_guided_is_never_nobodys_after_two_restarts() {
     for seed in [1763, 20111] {
         assert_eq!(fly(seed, false), None);
     }
+}
+
+/// A request for GUIDED is given up on a link with a queue, and the program ends before the request arrives.
+#[test]
+fn guided_is_never_nobodys_after_a_request_that_outlives_its_program() {
+    assert_eq!(fly_degraded(2492, false), None);
 }
 
 #[test]

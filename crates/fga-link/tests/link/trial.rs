@@ -296,6 +296,7 @@ fn note(system_id: u8, world: &World) -> Note {
         owned_mode: Mode::Guided.number(),
         previous_mode: Mode::Auto.number(),
         boot_ms: (world.emulator.time_s() * 1e3) as u32,
+        given_up: false,
         item: None,
         written_unix_s: 0,
         age_s: 0,
@@ -323,7 +324,7 @@ fn l4_a_note_of_another_vehicle_mutes_nobody_and_is_named() {
         assert_eq!(times_told(&world, &words), 1);
     }
     assert_eq!(
-        world.companion.restart_note(),
+        world.companion.restart_note(world.time_s),
         None,
         "it is another program's"
     );
@@ -451,7 +452,7 @@ fn l6_an_enabled_fence_bounds_the_manoeuvre_and_a_disabled_one_does_not() {
 
 /// The program is killed in a manoeuvre and another one begins with its note.
 fn restart(world: &mut World, config: &str, after_s: f64) {
-    let note = world.companion.restart_note();
+    let note = world.companion.restart_note(world.time_s);
     world.killed = true;
     world.run_until(world.time_s + after_s);
     fly_with(world, config, false, note.into_iter().collect());
@@ -558,7 +559,7 @@ fn l14_a_vehicle_that_was_left_in_a_manoeuvre_is_named_by_whoever_cannot_fly_it(
         world.add(head_on(3000.0));
         world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
         world.run_until(world.time_s + 1.0);
-        let left = world.companion.restart_note();
+        let left = world.companion.restart_note(world.time_s);
         fly_with(&mut world, config, dry_run, left.into_iter().collect());
         world.run_until(world.time_s + 20.0);
         let words = "fga: vehicle 1 left in GUIDED: set AUTO";

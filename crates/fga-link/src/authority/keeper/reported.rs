@@ -56,6 +56,18 @@ impl Keeper {
         self.requests.answered(accepted, now_s);
     }
 
+    /// Whether a request for a mode may be on its way that the vehicle has not answered.
+    pub fn may_arrive(&self, mode: Mode, now_s: f64) -> bool {
+        self.requests.may_arrive(mode, now_s)
+    }
+
+    /// An earlier run of the program gave up a request for a mode while the vehicle reported the mode `before`: if the vehicle
+    /// reports the requested mode, nothing shows who chose it.
+    pub fn doubt(&mut self, requested: Mode, before: Mode, now_s: f64) {
+        self.told = Some(before);
+        self.requests.doubt(requested, now_s);
+    }
+
     /// A heartbeat of an armed vehicle reported the mode.
     pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         let before = self.told.replace(mode);

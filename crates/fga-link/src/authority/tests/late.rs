@@ -67,6 +67,44 @@ fn a_request_that_arrives_after_it_was_given_up_is_undone() {
     assert!(bench.told.contains(&LATE));
 }
 
+/// The program that gave the request up has ended, and the next one begins before or after it arrives.
+#[test]
+fn a_request_that_outlives_its_program_is_the_operators_to_judge() {
+    for arrived_before in [0, 20] {
+        let mut bench = Bench::ready();
+        bench.obeys = false;
+        bench.take_over();
+        bench.beats(30);
+        assert!(bench.keeper.may_arrive(Mode::GUIDED, bench.now_s));
+        bench.keeper = Keeper::new(Mode::GUIDED, true);
+        bench.told.clear();
+        if arrived_before > 0 {
+            bench.vehicle = Mode::GUIDED;
+            bench.beats(arrived_before);
+        }
+        bench.keeper.doubt(Mode::GUIDED, Mode::AUTO, bench.now_s);
+        bench.beats(4);
+        bench.pilot(Mode::GUIDED);
+        bench.beats(4);
+        assert_eq!(bench.vehicle, Mode::GUIDED);
+        assert_eq!(
+            bench.told.iter().filter(|words| **words == WHOSE).count(),
+            1
+        );
+    }
+}
+
+#[test]
+fn a_request_that_was_answered_or_is_old_arrives_no_more() {
+    let mut bench = in_command();
+    assert!(!bench.keeper.may_arrive(Mode::GUIDED, bench.now_s));
+    bench = called_off();
+    assert!(bench.keeper.may_arrive(Mode::GUIDED, bench.now_s));
+    assert!(!bench.keeper.may_arrive(MANUAL, bench.now_s));
+    bench.beats(124);
+    assert!(!bench.keeper.may_arrive(Mode::GUIDED, bench.now_s));
+}
+
 #[test]
 fn a_request_that_arrives_seconds_after_the_pilots_choice_is_undone() {
     for later in [0, 4, 20, 80] {
