@@ -33,8 +33,10 @@ const WANTED: [(&str, &str, f64); 23] = [
     ("STALL_PREVENTION", "STALL_PREVENTION", 1.0),
     ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
     ("FENCE_TYPE", "FENCE_TYPE", 1.0),
-    ("FENCE_OPTIONS", "FENCE_OPTIONS", 1.0),
+    (FENCE_OPTIONS, FENCE_OPTIONS, 1.0),
 ];
+/// Counts with a fence alone, and is requested then.
+const FENCE_OPTIONS: &str = "FENCE_OPTIONS";
 /// It does not act without these: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
 /// Requests sent at once, time for their answers, and rounds before a name counts as absent.
@@ -67,6 +69,7 @@ pub struct VehicleParameters {
     values: BTreeMap<&'static str, f64>,
     rounds: BTreeMap<&'static str, u8>,
     again_s: f64,
+    has_fence: bool,
 }
 
 impl VehicleParameters {
@@ -85,8 +88,14 @@ impl VehicleParameters {
         NEEDED.iter().all(|name| self.values.contains_key(name))
     }
 
+    /// Requests also what counts with a fence.
+    pub fn ask_for_fence(&mut self) {
+        (self.has_fence, self.again_s) = (true, 0.0);
+    }
+
     fn is_settled(&self, name: &'static str) -> bool {
         self.values.contains_key(name)
+            || name == FENCE_OPTIONS && !self.has_fence
             || !NEEDED.contains(&name)
                 && self
                     .rounds
@@ -368,12 +377,20 @@ mod tests {
         }
         assert!(!parameters.is_complete() && !parameters.is_sufficient());
         let asked = outbox.take().len() + usize::try_from(outbox.dropped).unwrap();
-        // Most names some times each; bank limit and cruise airspeed every time, by both names.
-        let given_up = WANTED.len() - NEEDED.len();
+        // Most names some times each, but for the fence's; bank limit and cruise airspeed every time, by both names.
+        let given_up = WANTED.len() - NEEDED.len() - 1;
         assert_eq!(asked, given_up * usize::from(MOST_ROUNDS) + 2 * 2 * 250);
         // A request or an answer that is lost for a long time does not keep it on the ground.
         parameters.take(&value("ROLL_LIMIT_DEG", 45.0));
         parameters.take(&value("AIRSPEED_CRUISE", 22.0));
         assert!(parameters.is_complete() && parameters.is_sufficient());
+        // A fence that comes later asks for its own.
+        parameters.tick(300.0, 1, &mut outbox);
+        assert!(outbox.take().is_empty());
+        parameters.ask_for_fence();
+        parameters.tick(301.0, 1, &mut outbox);
+        assert!(outbox.take().len() == 1 && !parameters.is_complete());
+        parameters.take(&value(FENCE_OPTIONS, 3.0));
+        assert!(parameters.is_complete());
     }
 }

@@ -461,8 +461,11 @@ impl Companion {
                 now_s,
             );
         }
-        let is_paper = self.config.command.mode == CommandMode::Paper;
-        if is_paper && self.fence.zones().next().is_some() {
+        let has_fence = self.fence.zones().next().is_some();
+        if has_fence {
+            self.parameters.ask_for_fence();
+        }
+        if has_fence && self.config.command.mode == CommandMode::Paper {
             let words = "fga: Algorithm 4 knows no fence";
             self.tell(Severity::Warning, words, now_s);
         }
