@@ -2,7 +2,7 @@
 //!
 //! The experiment itself measures separations, on the recorded intruder and the flown samples, only
 //! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. `LoWC`: 2,000 ft and 250 ft at
-//! once (ASTM F3442).
+//! once (ASTM F3442). DO-365B: 2,200 ft and 450 ft at once, the well-clear volume for non-cooperative intruders.
 
 use std::path::{Path, PathBuf};
 
@@ -24,14 +24,22 @@ use crate::common::Reversals;
 pub(crate) const FOOT_M: f64 = 0.3048;
 pub(crate) const NMAC: (f64, f64) = (500.0 * FOOT_M, 100.0 * FOOT_M);
 const WELL_CLEAR: (f64, f64) = (2000.0 * FOOT_M, 250.0 * FOOT_M);
+const NON_COOPERATIVE: (f64, f64) = (2200.0 * FOOT_M, 450.0 * FOOT_M);
+
+/// The measured volumes: radius and half height, metres.
+const VOLUMES: [(&str, (f64, f64)); 3] = [
+    ("NMAC", NMAC),
+    ("LoWC", WELL_CLEAR),
+    ("DO-365B", NON_COOPERATIVE),
+];
 
 pub(crate) type Moments = Vec<(f64, Vec3)>;
 
 struct Row {
     name: String,
-    /// Least signed distance outside of NMAC and well-clear volume, metres.
-    nominal: [f64; 2],
-    flown: [f64; 2],
+    /// Least signed distances outside of the volumes, metres.
+    nominal: [f64; VOLUMES.len()],
+    flown: [f64; VOLUMES.len()],
     acted: bool,
     transitions: usize,
     reversals: u32,
@@ -71,7 +79,7 @@ pub(crate) struct FlownArgs {
     /// Protected volume; without it that of the vehicle file.
     #[arg(long)]
     volume: Option<Volume>,
-    /// Both volumes, the protected and the measured ones, times this.
+    /// All volumes, the protected and the measured ones, times this.
     #[arg(long, default_value_t = 1.0, requires = "volume")]
     scale: f64,
     /// The policy, as in "published --start t0".
@@ -91,6 +99,8 @@ enum Volume {
     Nmac,
     /// 2,000 ft and 250 ft.
     Wellclear,
+    /// 2,200 ft and 450 ft.
+    Do365b,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -106,6 +116,7 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
         let (radius_m, half_height_m) = match volume {
             Volume::Nmac => NMAC,
             Volume::Wellclear => WELL_CLEAR,
+            Volume::Do365b => NON_COOPERATIVE,
         };
         model.protection = ProtectedVolume::Cylinder {
             radius_m: radius_m * args.scale,
@@ -144,12 +155,10 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     if args.rows {
         for r in &rows {
             println!(
-                "{:18} nominal {:7.1} {:7.1} flown {:7.1} {:7.1} acted {:5} changes {:2} reversals {:2} cross {:7.1} extra {:7.1} back {} work {} {:.0} us",
+                "{:18} nominal {:7.1?} flown {:7.1?} acted {:5} changes {:2} reversals {:2} cross {:7.1} extra {:7.1} back {} work {} {:.0} us",
                 r.name,
-                r.nominal[0],
-                r.nominal[1],
-                r.flown[0],
-                r.flown[1],
+                r.nominal,
+                r.flown,
                 r.acted,
                 r.transitions,
                 r.reversals,
@@ -166,7 +175,7 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
 }
 
 fn show(rows: &[Row]) {
-    for (place, name) in ["NMAC", "LoWC"].iter().enumerate() {
+    for (place, (name, _)) in VOLUMES.iter().enumerate() {
         let entered = |r: &&Row| r.flown[place] < 0.0;
         let would = |r: &&Row| r.nominal[place] < 0.0;
         let left: Vec<&str> = rows
@@ -249,10 +258,9 @@ fn fly_one(
     let least = |own: &Moments| {
         intruders
             .iter()
-            .fold([f64::INFINITY; 2], |least, intruder| {
-                let one = measure(own, intruder, until_s, scale);
-                [least[0].min(one[0]), least[1].min(one[1])]
-            })
+            .map(|intruder| measure(own, intruder, until_s, scale))
+            .reduce(|least, one| core::array::from_fn(|place| least[place].min(one[place])))
+            .unwrap_or([f64::INFINITY; VOLUMES.len()])
     };
     let plan = Plan::read(path, Some(model)).map_err(|e| e.to_string())?;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
@@ -368,8 +376,13 @@ fn at(rows: &Moments, time_s: f64) -> Vec3 {
     a.1 + (b.1 - a.1) * share
 }
 
-/// Least signed distances outside of the two scaled volumes, at the rows of both and halfway between.
-pub(crate) fn measure(own: &Moments, intruder: &Moments, until_s: f64, scale: f64) -> [f64; 2] {
+/// Least signed distances outside of the scaled volumes, at the rows of both and halfway between.
+pub(crate) fn measure(
+    own: &Moments,
+    intruder: &Moments,
+    until_s: f64,
+    scale: f64,
+) -> [f64; VOLUMES.len()] {
     let mut times: Vec<f64> = own.iter().chain(intruder).map(|m| m.0).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -378,11 +391,11 @@ pub(crate) fn measure(own: &Moments, intruder: &Moments, until_s: f64, scale: f6
         .min(intruder[intruder.len() - 1].0);
     times.retain(|t| (intruder[0].0..=last_s).contains(t));
     let halves: Vec<f64> = times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-    let mut least = [f64::INFINITY; 2];
+    let mut least = [f64::INFINITY; VOLUMES.len()];
     for time_s in times.into_iter().chain(halves) {
         let offset = at(own, time_s) - at(intruder, time_s);
         let level = offset.x.hypot(offset.y);
-        for (least, (radius, half_height)) in least.iter_mut().zip([NMAC, WELL_CLEAR]) {
+        for (least, (_, (radius, half_height))) in least.iter_mut().zip(VOLUMES) {
             *least = least.min((level - scale * radius).max(offset.z.abs() - scale * half_height));
         }
     }

@@ -3,12 +3,15 @@
 //! With `--turning` the closest intruder turns by 45° after the policy has avoided for a second: to the
 //! left in encounters of an even number, else to the right. The oracle learns of the turn when the
 //! policy does: it starts from the aircraft's state at that moment.
+//!
+//! With `--layer` the aircraft must stay so near to the altitude of its mission. The oracle knows the layer as two wide cylinders.
 
 use core::f64::consts::FRAC_PI_4;
 
 use clap::Args;
 use fga::Vec3;
 use fga::avoider::State;
+use fga::situation::ProtectedVolume;
 use fga_formats::encounters::Encounter;
 use fga_sim::batch::BatchSettings;
 use fga_sim::campaign::parse_policy;
@@ -33,6 +36,9 @@ pub(crate) struct LostArgs {
     /// The closest intruder turns by 45° after a second of avoidance.
     #[arg(long)]
     turning: bool,
+    /// Half of the height of the layer around the mission in which the aircraft must stay, metres.
+    #[arg(long)]
+    layer: Option<f64>,
 }
 
 /// Longest flight, seconds.
@@ -41,10 +47,17 @@ const HORIZON_S: f64 = 60.0;
 /// Time from the beginning of the avoidance to the intruder's turn, seconds.
 const TURNS_AFTER_S: f64 = 1.0;
 
-/// Follows a flight: the start of the avoidance, the entries, and the state of everything when an
-/// intruder is to turn.
+/// Radius and half height of the cylinders that bound a layer, metres: farther than an aircraft flies.
+const SLAB_M: (f64, f64) = (1e5, 1e4);
+
+/// A layer is left by more than the accuracy of a sample, metres.
+const LEFT_M: f64 = 0.01;
+
+/// Follows a flight: the start of the avoidance, the entries, the largest altitude above or below the mission, and the state of
+/// everything when an intruder is to turn.
 #[derive(Default)]
 struct Story {
+    off_m: f64,
     avoids_s: Option<f64>,
     states: Vec<(f64, State)>,
     turn: Option<(f64, OracleStart)>,
@@ -53,6 +66,7 @@ struct Story {
 impl Observer for Story {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let state = moment.decision.state;
+        self.off_m = f64::max(self.off_m, moment.situation.ownship.position_m.z.abs());
         if self.states.last().is_none_or(|(_, last)| *last != state) {
             self.states.push((moment.time_s, state));
         }
@@ -78,32 +92,55 @@ struct Flown {
     number: u64,
     outcome: Outcome,
     states: Vec<(f64, State)>,
+    /// Largest altitude above or below the mission, metres.
+    off_m: f64,
     /// The oracle's margin, metres, if the flight entered a volume.
     oracle_m: Option<f64>,
 }
 
-fn fly(settings: &BatchSettings, encounter: &Encounter, turning: bool) -> Result<Flown, String> {
+fn fly(settings: &BatchSettings, encounter: &Encounter, args: &LostArgs) -> Result<Flown, String> {
     let mut world = world(settings, encounter)?;
+    if let Some(layer_m) = args.layer {
+        world.limits_m = (-layer_m, layer_m);
+    }
     let mut story = Story::default();
     let mut outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
     let mut start = OracleStart::ORIGIN;
     let mut obstacles = oracle_obstacles(encounter);
-    if turning && let Some((turn_s, from)) = story.turn {
+    if args.turning
+        && let Some((turn_s, from)) = story.turn
+    {
         // Until the turn, the second flight repeats the first one.
         obstacles = turn_closest(&mut world, turn_s, from.position_m, encounter.id);
         start = from;
         story = Story::default();
         outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
     }
-    let oracle_m = (!outcome.separated()).then(|| {
+    let is_lost = !outcome.separated() || args.layer.is_some_and(|m| story.off_m > m + LEFT_M);
+    let oracle_m = is_lost.then(|| {
+        obstacles.extend(args.layer.into_iter().flat_map(slabs));
         let vehicle = OracleVehicle::from(&settings.model.vehicle);
         best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
     });
     Ok(Flown {
         number: encounter.id,
         outcome,
+        off_m: story.off_m,
         states: story.states,
         oracle_m,
+    })
+}
+
+/// What is above and below a layer.
+fn slabs(layer_m: f64) -> [OracleObstacle; 2] {
+    let (radius_m, half_height_m) = SLAB_M;
+    [-1.0, 1.0].map(|side| OracleObstacle {
+        position_m: Vec3::new(0.0, 0.0, side * (layer_m + half_height_m)),
+        velocity_mps: Vec3::ZERO,
+        volume: ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        },
     })
 }
 
@@ -176,9 +213,13 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
         let settings = settings(source.planar, policy.clone(), HORIZON_S)?;
         let flown: Vec<Flown> = (0..args.draw.count)
             .into_par_iter()
-            .map(|number| fly(&settings, &source.encounter(number), args.turning))
+            .map(|number| fly(&settings, &source.encounter(number), args))
             .collect::<Result<_, _>>()?;
-        let saved: Vec<&Flown> = flown.iter().filter(|f| f.outcome.separated()).collect();
+        let left = |f: &Flown| args.layer.is_some_and(|m| f.off_m > m + LEFT_M);
+        let saved: Vec<&Flown> = flown
+            .iter()
+            .filter(|f| f.outcome.separated() && !left(f))
+            .collect();
         let is_lost = |f: &&Flown| {
             f.oracle_m
                 .is_some_and(|best_m| best_m >= AVOIDABLE_MARGIN_M)
@@ -196,11 +237,12 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
             median(saved.iter().map(|f| f.outcome.max_cross_track_m).collect()),
             median(back.iter().map(|f| f.outcome.extra_path_m).collect()),
         );
-        for f in flown.iter().filter(is_lost) {
+        for f in flown.iter().filter(|f| is_lost(f) || left(f)) {
             println!(
-                "  lost {}: flown {:.3} m, oracle {:.3} m, {:?}",
+                "  lost {}: flown {:.3} m, {:.2} m above or below the mission, oracle {:.3} m, {:?}",
                 f.number,
                 f.outcome.min_margin_m,
+                f.off_m,
                 f.oracle_m.unwrap_or(f64::NAN),
                 f.states
             );
@@ -210,4 +252,32 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
     }
     println!("all: {all_lost} lost of {all_avoidable} avoidable");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: LostArgs,
+    }
+
+    #[test]
+    fn no_flight_leaves_its_layer() {
+        for (layer_m, cell) in [(60.0, "threats:2:300:30-45"), (40.0, "threats:3:300:15-30")] {
+            let layer = format!("--layer={layer_m}");
+            let args = Line::parse_from(["lost", "7", "20", cell, layer.as_str()]).args;
+            let policy = parse_policy(&args.policy).unwrap();
+            let settings = settings(false, policy, HORIZON_S).unwrap();
+            let (_, source) = args.draw.sources().unwrap().remove(0);
+            let flown: Vec<Flown> = (0..args.draw.count)
+                .map(|number| fly(&settings, &source.encounter(number), &args).unwrap())
+                .collect();
+            assert!(flown.iter().any(|f| f.off_m > 1.0), "none climbs: {cell}");
+            assert!(flown.iter().all(|f| f.off_m <= layer_m + LEFT_M), "{cell}");
+        }
+    }
 }
