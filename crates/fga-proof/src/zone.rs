@@ -25,11 +25,11 @@ const HIGHEST_M: f64 = 1e6;
 /// The outline of a zone, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outline<'a> {
+    /// A circle: centre and positive radius, metres.
+    Circle(Vec2, f64),
     /// A polygon by its corners, three or more, in order, either way round, metres east and north; the last is joined to the first.
     /// What an odd number of its edges surrounds is inside.
     Polygon(&'a [Vec2]),
-    /// A circle: centre and positive radius, metres.
-    Circle(Vec2, f64),
 }
 
 /// A zone: what is above an outline between two altitudes.

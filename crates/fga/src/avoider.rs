@@ -101,7 +101,7 @@ impl Plan {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 144 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 161 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,

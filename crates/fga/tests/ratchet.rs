@@ -4,8 +4,8 @@
 //! A number below the table's is written into it by `RATCHET=write cargo test -p fga --test ratchet`. One above it
 //! fails: delete as much elsewhere, or raise the row by hand and say in the commit what that buys.
 //!
-//! Zones, polygons and circles in the certificate and in decisions, raised it on 26 November 2026 by 757 lines (`fga` 163,
-//! `fga-proof` 594), at most 1,200 being granted for zones and ground.
+//! Zones, polygons and circles in the certificate and in decisions, raised it on 26 November 2026 by 760 lines (`fga` 163,
+//! `fga-proof` 597), at most 1,200 being granted for zones and ground.
 #![cfg(target_pointer_width = "64")]
 
 extern crate alloc;

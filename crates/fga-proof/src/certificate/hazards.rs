@@ -89,13 +89,17 @@ impl Line {
 }
 
 impl Hazard {
-    /// A point at rest at the origin.
-    pub const NONE: Self = Self::exact(
-        0,
-        Vec3::ZERO,
-        Vec3::ZERO,
-        ProtectedVolume::Sphere { radius_m: 0.0 },
-    );
+    /// Zeros, which are written without a copy.
+    const NONE: Self = Self {
+        window_s: (0.0, 0.0),
+        allowed_depth_m: 0.0,
+        ..Self::exact(
+            0,
+            Vec3::ZERO,
+            Vec3::ZERO,
+            ProtectedVolume::Sphere { radius_m: 0.0 },
+        )
+    };
 
     /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
     /// standard deviations of position now and of velocity over time.
@@ -540,10 +544,7 @@ impl Hazards {
     }
 
     /// Forgets all hazards that are rows.
-    pub fn clear(&mut self) {
-        for block in self.blocks.iter_mut().take(self.rows.len().div_ceil(LANES)) {
-            *block = Block::NONE;
-        }
+    pub const fn clear(&mut self) {
         self.rows.clear();
     }
 

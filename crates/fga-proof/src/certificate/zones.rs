@@ -29,10 +29,10 @@ struct Near {
 }
 
 impl Near {
-    /// Everything is on the wrong side.
-    const NOWHERE: Self = Self {
+    /// Zeros, which are written without a copy.
+    const NONE: Self = Self {
         zone: Zone {
-            keep_in: true,
+            keep_in: false,
             outline: Outline::Circle(Vec2::ZERO, 0.0),
             heights_m: (0.0, 0.0),
         },
@@ -53,7 +53,7 @@ pub struct Zones {
 
 impl Zones {
     pub(super) const NONE: Self = Self {
-        all: List::new(Near::NOWHERE),
+        all: List::new(Near::NONE),
         runs: List::new(Run {
             span_m: (Vec2::ZERO, Vec2::ZERO),
             corners_m: [Vec2::ZERO; RUN + 1],
@@ -96,7 +96,9 @@ impl Zones {
         let fits = !zone.is_entered(at_m) && self.take(zone, at_m.truncate(), within_m).is_some();
         if !fits {
             self.all.clear();
-            self.all.push(Near::NOWHERE);
+            let mut nowhere = Near::NONE;
+            nowhere.zone.keep_in = true;
+            self.all.push(nowhere);
         }
         fits
     }
