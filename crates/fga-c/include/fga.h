@@ -188,6 +188,8 @@ enum fga_reason
   FGA_REASON_MISSION_COMPLETE = 11,
   // The wind is too strong to reach any waypoint ahead; the aircraft flies against it.
   FGA_REASON_WIND_TOO_STRONG = 12,
+  // Obstacles at rest have kept the aircraft from the waypoint ahead for 120 s: the mission goes on with the next one.
+  FGA_REASON_WAYPOINT_GIVEN_UP = 13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

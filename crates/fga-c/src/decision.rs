@@ -68,6 +68,8 @@ pub enum fga_reason {
     MissionComplete = 11,
     /// The wind is too strong to reach any waypoint ahead; the aircraft flies against it.
     WindTooStrong = 12,
+    /// Obstacles at rest have kept the aircraft from the waypoint ahead for 120 s: the mission goes on with the next one.
+    WaypointGivenUp = 13,
 }
 
 impl From<Reason> for fga_reason {
@@ -86,6 +88,7 @@ impl From<Reason> for fga_reason {
             Reason::Rejoined => Self::Rejoined,
             Reason::MissionComplete => Self::MissionComplete,
             Reason::WindTooStrong => Self::WindTooStrong,
+            Reason::WaypointGivenUp => Self::WaypointGivenUp,
         }
     }
 }
@@ -110,6 +113,7 @@ impl fga_reason {
             Self::Rejoined => c"back on the leg",
             Self::MissionComplete => c"the last waypoint is passed: course and altitude are held",
             Self::WindTooStrong => c"the wind is too strong to reach any waypoint ahead",
+            Self::WaypointGivenUp => c"the waypoint ahead cannot be reached: on to the next one",
         }
     }
 }

@@ -17,6 +17,7 @@
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
 //! | [`proven`] | is the resilience in a record true? |
 //! | [`returns`] | does every aircraft return to its mission once nothing is near? |
+//! | [`returns::traps`] | does every aircraft come out of a U of masts, and to the end of its mission? |
 //! | [`returns::airspaces`] | do aircraft that all fly fga keep clear of each other, and end their missions? |
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
@@ -76,6 +77,8 @@ enum Experiment {
     Proven(common::DrawnArgs),
     /// Count the drawn flights in which an aircraft does not return to its mission once nothing is near.
     Returns(returns::ReturnsArgs),
+    /// Count the drawn walls of masts behind which an aircraft does not end its mission.
+    Traps(returns::ReturnsArgs),
     /// Count what goes wrong in airspaces in which every aircraft flies fga.
     Airspaces(common::DrawnArgs),
     /// Measure the share of each leg that is flown, and the way back to short and curved legs.
@@ -104,6 +107,10 @@ fn main() -> ExitCode {
         }
         Experiment::Returns(args) => {
             returns::run(&args);
+            Ok(())
+        }
+        Experiment::Traps(args) => {
+            returns::traps::run(&args);
             Ok(())
         }
         Experiment::Airspaces(args) => returns::airspaces::run(&args),

@@ -8,6 +8,7 @@ pub(crate) mod airspaces;
 mod draw;
 mod flier;
 mod fly;
+pub(crate) mod traps;
 
 use clap::Args;
 use rayon::prelude::*;
@@ -49,6 +50,7 @@ struct Count {
     kept_off: Vec<u64>,
     low: Vec<u64>,
     entered: usize,
+    given_up: usize,
 }
 
 impl Count {
@@ -57,6 +59,7 @@ impl Count {
         self.aircraft += other.aircraft;
         self.longest_s = self.longest_s.max(other.longest_s);
         self.entered += other.entered;
+        self.given_up += other.given_up;
         self.stuck.extend(other.stuck);
         self.strayed.extend(other.strayed);
         self.open.extend(other.open);
@@ -73,7 +76,7 @@ impl Count {
         };
         format!(
             "{family}: {} flights, {} aircraft; avoiding with nothing near more than {STUCK_S} s: {} (longest {:.1} s); strayed: {}; \
-             mission not ended: {}; last waypoint missed: {}, kept off it: {}; below the floor: {}; {} entered a volume",
+             mission not ended: {}; last waypoint missed: {}, kept off it: {}; below the floor: {}; {} entered a volume; {} waypoints given up",
             self.flights,
             self.aircraft,
             named(&self.stuck),
@@ -84,6 +87,7 @@ impl Count {
             named(&self.kept_off),
             named(&self.low),
             self.entered,
+            self.given_up,
         )
     }
 }

@@ -23,6 +23,7 @@ pub const fn reason_words(reason: Reason) -> &'static str {
         Reason::Rejoined => "back on the mission",
         Reason::MissionComplete => "the last waypoint was passed, course and altitude are held",
         Reason::WindTooStrong => "the wind is too strong to reach any waypoint ahead",
+        Reason::WaypointGivenUp => "the waypoint ahead cannot be reached: on to the next one",
     }
 }
 
@@ -42,6 +43,7 @@ pub const fn reason_key(reason: Reason) -> &'static str {
         Reason::Rejoined => "rejoined",
         Reason::MissionComplete => "mission-complete",
         Reason::WindTooStrong => "wind-too-strong",
+        Reason::WaypointGivenUp => "waypoint-given-up",
     }
 }
 

@@ -55,6 +55,8 @@ pub struct Progress {
     /// Passes aside of the last waypoint since the nearest one, and the distance of that one, metres.
     pub(crate) passes: u8,
     pub(crate) nearest_m: f64,
+    /// The nearest to the end of the leg, metres, and how long obstacles at rest have kept the aircraft from coming nearer, seconds.
+    pub(crate) kept_off: (f64, f64),
 }
 
 impl Default for Progress {
@@ -80,6 +82,7 @@ impl Progress {
             restart: None,
             passes: 0,
             nearest_m: f64::INFINITY,
+            kept_off: (f64::INFINITY, 0.0),
         }
     }
 
@@ -172,6 +175,9 @@ impl Progress {
         index: usize,
         is_unentered: bool,
     ) {
+        if index != self.index {
+            self.kept_off = (f64::INFINITY, 0.0);
+        }
         self.index = index;
         self.is_unentered = is_unentered;
         self.turn = None;

@@ -17,6 +17,9 @@ pub(crate) use crate::route::Restart;
 /// Most returns to the last waypoint that bring the aircraft no nearer: gusts can keep the aircraft aside for ever.
 const MOST_PASSES: u8 = 3;
 
+/// A waypoint is given up after obstacles at rest have kept the aircraft from coming nearer to it for this long, seconds.
+const KEPT_OFF_S: f64 = 120.0;
+
 impl Progress {
     /// Whether the aircraft passed the last waypoint aside and returns to it. A pass nearer than those before does not count, for
     /// an aircraft comes down in circles. The leg then leads over the waypoint with the wind, which gains room for the turn back.
@@ -52,6 +55,28 @@ impl Progress {
             self.go_to(route, state, index, false);
         }
         is_missed
+    }
+
+    /// Gives the waypoint at the end of the leg up, and goes on to the next one, once obstacles at rest have kept the aircraft from it
+    /// for long; an obstacle at rest is avoided for another `passed_s`, seconds. Whether it does.
+    pub fn gives_up(&mut self, route: &Route<'_>, state: &MotionState, passed_s: f64) -> bool {
+        let Some(leg) = self.leg.filter(|_| !self.is_complete) else {
+            return false;
+        };
+        let position = leg.position(state.position_m, state.time_s);
+        let off_m = libm::hypot(leg.length_m - position.along_m, position.cross_m);
+        let (nearest_m, for_s) = self.kept_off;
+        let is_nearer = off_m < nearest_m - route.radius_m();
+        self.kept_off = if is_nearer {
+            (off_m, 0.0)
+        } else {
+            (nearest_m, for_s + passed_s)
+        };
+        let gives_up = self.kept_off.1 > KEPT_OFF_S;
+        if gives_up {
+            self.go_to(route, state, self.index + 1, false);
+        }
+        gives_up
     }
 
     /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
@@ -177,6 +202,33 @@ mod tests {
         } else {
             f64::INFINITY
         }
+    }
+
+    /// Of a mission of three waypoints the second one is given up after 120 s without coming a turn radius nearer, then the third.
+    #[test]
+    fn a_waypoint_is_given_up_after_two_minutes_without_coming_nearer() {
+        let waypoints_m = [0.0, 500.0, 900.0].map(|x_m| Vec3::new(x_m, 0.0, 0.0));
+        let mission = Mission::new(&waypoints_m);
+        along(&Vehicle::lagged(0.0), Vec3::ZERO, &mission, |route| {
+            let mut progress = Progress::new();
+            let mut given_up_s = [0.0; 2];
+            let mut times = given_up_s.iter_mut();
+            for step in 0..4000 {
+                let time_s = 0.1 * f64::from(step);
+                // It comes 100 m nearer after 60 s.
+                let x_m = if time_s < 60.0 { 100.0 } else { 200.0 };
+                let state = MotionState {
+                    position_m: Vec3::new(x_m, 80.0, 0.0),
+                    ..MotionState::ahead(0.0)
+                };
+                progress.update(route, &state, time_s);
+                if progress.gives_up(route, &state, 0.1) {
+                    *times.next().expect("two waypoints ahead") = libm::round(time_s);
+                }
+            }
+            assert_eq!(given_up_s, [180.0, 300.0]);
+            assert!(progress.is_complete());
+        });
     }
 
     /// Restarted within a millimetre of the leg's end, the mission once went on for ever along a leg without end.

@@ -354,7 +354,20 @@ impl Avoider {
             progress.update(route, &now, situation.time_s);
         });
         self.measure_drift(situation, &now);
-        self.step_turn_aware(situation, &now, kept)
+        let mut decision = self.step_turn_aware(situation, &now, kept);
+        let threat = self.plan.and_then(|plan| plan.threat);
+        let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
+        let hazards = self.tracks.hazards().rows();
+        if threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
+            let passed_s = self.settings.decision_period_s;
+            let gives_up = self.on_mission(situation, |progress, route| {
+                progress.gives_up(route, &now, passed_s)
+            });
+            if gives_up {
+                decision.record.reason = Reason::WaypointGivenUp;
+            }
+        }
+        decision
     }
 
     /// Measures the drift and the distance kept clear for it.

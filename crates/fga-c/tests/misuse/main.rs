@@ -25,7 +25,7 @@ fn every_status_state_and_reason_has_a_sentence_of_its_own() {
     for (of, count) in [
         (fga_status_text as Text, 13),
         (fga_state_text, 4),
-        (fga_reason_text, 13),
+        (fga_reason_text, 14),
     ] {
         let known: BTreeSet<String> = (0..count).map(|value| text(of(value))).collect();
         assert_eq!(known.len(), count as usize);

@@ -62,6 +62,8 @@ pub(super) struct Flier {
     pub(super) reversals: Reversals,
     pub(super) has_entered: bool,
     pub(super) is_adrift: bool,
+    /// Waypoints that it gave up.
+    pub(super) given_up: usize,
 }
 
 /// Distance of a place from a line through points, metres.
@@ -115,6 +117,7 @@ impl Flier {
             end_m: f64::INFINITY,
             has_entered: false,
             is_adrift: false,
+            given_up: 0,
         })
     }
 
@@ -159,6 +162,7 @@ impl Flier {
             self.reversals.bank(self.plant.ownship().bank_rad);
         }
         self.is_adrift = decision.record.reason == Reason::WindTooStrong;
+        self.given_up += usize::from(decision.record.reason == Reason::WaypointGivenUp);
         self.plant.command(&decision.command, PERIOD_S);
         self.plant.advance(PERIOD_S, |_, _| ());
     }

@@ -95,6 +95,7 @@ impl Flight {
             count.aircraft += 1;
             count.longest_s = count.longest_s.max(flier.alone_s.1);
             count.entered += usize::from(flier.has_entered);
+            count.given_up += flier.given_up;
             let [end_missed, kept_off] = flier.misses();
             let faults = [
                 (flier.alone_s.1 > STUCK_S, &mut count.stuck),

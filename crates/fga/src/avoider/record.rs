@@ -67,6 +67,8 @@ pub enum Reason {
     MissionComplete,
     /// The wind is too strong to reach any waypoint ahead; the aircraft flies against it.
     WindTooStrong,
+    /// Obstacles at rest have kept the aircraft from the waypoint ahead for 120 s: the mission goes on with the next one.
+    WaypointGivenUp,
 }
 
 /// The obstacle that the decision is about.
@@ -167,7 +169,7 @@ pub struct Decision {
 
 impl Reason {
     /// All reasons.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Clear,
         Self::InvalidInput,
         Self::WaitingForStart,
@@ -181,6 +183,7 @@ impl Reason {
         Self::Rejoined,
         Self::MissionComplete,
         Self::WindTooStrong,
+        Self::WaypointGivenUp,
     ];
 
     /// Whether the command has no certificate.
