@@ -61,7 +61,7 @@ fn with_unknown_key(kind: &str, table: &str) -> String {
     match table {
         "top level" => format!("{UNKNOWN} = 1\n{whole}"),
         "sensor" if kind == "campaign" => format!("{whole}[[sensor]]\n{UNKNOWN} = 1\n"),
-        "obstacle" | "grid" | "model" if kind != "vehicle" => {
+        "obstacle" | "zone" | "grid" | "model" if kind != "vehicle" => {
             format!("{whole}[[{table}]]\n{UNKNOWN} = 1\n")
         }
         _ => format!("{whole}[{table}]\n{UNKNOWN} = 1\n"),
