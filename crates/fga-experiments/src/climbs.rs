@@ -1,11 +1,13 @@
 //! Intruders whose climb changes: they level off, go on through the altitude of the aircraft, or pull up.
 //!
-//! The experiment measures separations itself, on the drawn intruder and the flown samples.
+//! The experiment measures separations itself, on the drawn intruder and the flown samples. An encounter counts as avoidable where one
+//! turn with one climb that begins with the change keeps clear: a search that learns then what the intruder will do.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use clap::Args;
 use fga::Vec3;
+use fga::vehicle::Vehicle;
 use fga_files::TomlText;
 use fga_sim::campaign::parse_policy;
 use fga_sim::policy::PolicyChoice;
@@ -26,6 +28,9 @@ const CLOSEST_S: f64 = 70.0;
 
 /// Interval between the moments of a track, seconds.
 const STEP_S: f64 = 0.5;
+
+/// Interval between the moments of a search, seconds.
+const FLOWN_S: f64 = 0.2;
 
 /// Moments of a track after its first one.
 const STEPS: u32 = 220;
@@ -82,6 +87,7 @@ struct Flown {
     acted: bool,
     cross_m: f64,
     changes: usize,
+    is_avoidable: bool,
     number: u64,
 }
 
@@ -105,10 +111,15 @@ fn show(name: &str, flown: &[Flown], rows: bool) {
     let mut cross_m: Vec<f64> = flown.iter().map(|f| f.cross_m).collect();
     cross_m.sort_by(f64::total_cmp);
     println!(
-        "{name}: NMAC {} of {}, induced {}; needless {} of {}; cross-track median {:.0} 90% {:.0} m; changes over 2: {}, most {}",
+        "{name}: NMAC {} of {}, induced {}, avoidable {} of {}; needless {} of {}; cross-track median {:.0} 90% {:.0} m; changes over 2: {}, most {}",
         flown.iter().filter(is_lost).count(),
         flown.iter().filter(would).count(),
         flown.iter().filter(|f| is_lost(f) && !would(f)).count(),
+        flown
+            .iter()
+            .filter(|f| is_lost(f) && f.is_avoidable)
+            .count(),
+        flown.iter().filter(|f| would(f) && f.is_avoidable).count(),
         flown.iter().filter(|f| f.acted && !would(f)).count(),
         flown.iter().filter(|f| !would(f)).count(),
         cross_m[cross_m.len() / 2],
@@ -118,14 +129,42 @@ fn show(name: &str, flown: &[Flown], rows: bool) {
     );
     for left in flown.iter().filter(is_lost).filter(|_| rows) {
         println!(
-            "  {}: nominal {:.1} m, flown {:.1} m",
-            left.number, left.nominal_m, left.least_m
+            "  {}: nominal {:.1} m, flown {:.1} m, avoidable: {}",
+            left.number, left.nominal_m, left.least_m, left.is_avoidable
         );
     }
 }
 
-/// The height of an intruder over that of the aircraft, metres, at a time, seconds.
-fn heights(kind: Kind, random: &mut Random) -> Box<dyn Fn(f64) -> f64> {
+/// Whether one turn and one climb, begun on the mission at a time, seconds, keep clear of the intruder.
+fn is_avoidable(vehicle: &Vehicle, intruder: &Moments, from_s: f64) -> bool {
+    let rate_radps = vehicle.airspeed_mps / vehicle.turn_radius_m;
+    let climbs = [vehicle.climb_min_rad, 0.0, vehicle.climb_max_rad];
+    let turns = (-24..=24).map(|k| f64::from(k) * PI / 24.0);
+    turns.into_iter().any(|turn_rad| {
+        climbs.into_iter().any(|climb_rad| {
+            let mut at_m = Vec3::X * vehicle.airspeed_mps * from_s;
+            let (mut course_rad, mut angle_rad) = (0.0_f64, 0.0_f64);
+            let mut track: Moments = vec![(from_s, at_m)];
+            while track.len() < 500 {
+                let step = |now: f64, to: f64, most: f64| now + (to - now).clamp(-most, most);
+                course_rad = step(course_rad, turn_rad, rate_radps * FLOWN_S);
+                angle_rad = step(angle_rad, climb_rad, vehicle.climb_rate_radps * FLOWN_S);
+                let level_mps = vehicle.airspeed_mps * angle_rad.cos();
+                let velocity_mps = Vec3::new(
+                    level_mps * course_rad.cos(),
+                    level_mps * course_rad.sin(),
+                    vehicle.airspeed_mps * angle_rad.sin(),
+                );
+                at_m += velocity_mps * FLOWN_S;
+                track.push((track[track.len() - 1].0 + FLOWN_S, at_m));
+            }
+            measure(&track, intruder, DURATION_S, 1.0)[0] >= 0.0
+        })
+    })
+}
+
+/// The height of an intruder over that of the aircraft, metres, at a time, seconds, and the time of the change.
+fn heights(kind: Kind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
     let side = if random.unit() < 0.5 { -1.0 } else { 1.0 };
     match kind {
         Kind::LevelsOff(fpm) => {
@@ -133,12 +172,13 @@ fn heights(kind: Kind, random: &mut Random) -> Box<dyn Fn(f64) -> f64> {
             let most_ft = if random.unit() < 0.5 { 50.0 } else { 500.0 };
             let level_m = random.within(-1.0, 1.0) * most_ft * FOOT_M;
             let rate_mps = side * fpm * FPM_MPS;
-            Box::new(move |time_s| level_m + rate_mps * f64::min(time_s - at_s, 0.0))
+            let height_m = move |time_s| level_m + rate_mps * f64::min(time_s - at_s, 0.0);
+            (Box::new(height_m), at_s)
         }
         Kind::GoesOn(fpm) => {
             let at_s = CLOSEST_S + random.within(-25.0, 25.0);
             let rate_mps = side * fpm * FPM_MPS;
-            Box::new(move |time_s| rate_mps * (time_s - at_s))
+            (Box::new(move |time_s| rate_mps * (time_s - at_s)), 0.0)
         }
         Kind::PullsUp => {
             let at_s = CLOSEST_S - random.within(8.0, 25.0);
@@ -148,7 +188,8 @@ fn heights(kind: Kind, random: &mut Random) -> Box<dyn Fn(f64) -> f64> {
                 let pulls_s = f64::min(since_s, rate_mps / pull_mps2);
                 0.5 * pull_mps2 * pulls_s * pulls_s + rate_mps * (since_s - pulls_s)
             };
-            Box::new(move |time_s| side * (climbed_m(time_s) - climbed_m(CLOSEST_S)))
+            let height_m = move |time_s| side * (climbed_m(time_s) - climbed_m(CLOSEST_S));
+            (Box::new(height_m), at_s)
         }
     }
 }
@@ -169,7 +210,7 @@ fn fly_one(
     let relative_mps = velocity_mps - Vec3::X * own_mps;
     let aside = Vec3::new(-relative_mps.y, relative_mps.x, 0.0).normalize_or(Vec3::Y);
     let meets_m = Vec3::X * own_mps * CLOSEST_S + aside * miss_m;
-    let height_m = heights(kind, &mut random);
+    let (height_m, change_s) = heights(kind, &mut random);
     let times = (0..=STEPS).map(|k| f64::from(k) * STEP_S);
     let intruder: Moments = times
         .clone()
@@ -200,6 +241,7 @@ fn fly_one(
         acted: acted(&log),
         cross_m: log.outcome.max_cross_track_m,
         changes: transitions(&log),
+        is_avoidable: is_avoidable(&model.vehicle, &intruder, change_s),
         number,
     })
 }

@@ -85,7 +85,7 @@ pub(super) struct Trend {
     rate_radps: f64,
     /// Average climb, metres per second.
     climb_mps: f64,
-    /// Largest recent change of climb from that average, metres per second.
+    /// How much steeper than that average the aircraft has recently climbed or descended, at most, metres per second.
     climb_change_mps: f64,
 }
 
@@ -113,7 +113,7 @@ impl Trend {
         let kept = libm::exp(-passed_s / CLIMB_AVERAGED_S);
         self.climb_mps = now_mps.z + kept * (self.climb_mps - now_mps.z);
         let remembered_mps = self.climb_change_mps * libm::exp(-passed_s / CLIMB_REMEMBERED_S);
-        self.climb_change_mps = remembered_mps.max((now_mps.z - self.climb_mps).abs());
+        self.climb_change_mps = remembered_mps.max(now_mps.z.abs() - self.climb_mps.abs());
         let slow = |v: Vec3| v.x * v.x + v.y * v.y < HOVERS_MPS * HOVERS_MPS;
         if slow(before_mps) || slow(now_mps) {
             return;
@@ -489,6 +489,8 @@ mod tests {
         assert!((9.0..10.0).contains(&pulls_up), "{pulls_up}");
         let later = fly(14.0, 60).climb_change_mps(&intruder());
         assert!(later < 0.6, "{later}");
+        let levels_off = fly(0.0, 1).climb_change_mps(&intruder());
+        assert!(levels_off < later, "{levels_off}");
         let mut noisy = intruder();
         noisy.uncertainty.velocity_mps = 4.0;
         assert!(fly(4.0, 1).climb_change_mps(&noisy) < 0.0);
