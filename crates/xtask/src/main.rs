@@ -5,6 +5,7 @@
 //! | `bytes` | prints the hash of every result that a refactoring must not change, or compares two builds |
 //! | `cortex-m` | flies ten encounters on an emulated Cortex-M7, and compares memory and instructions with a committed table |
 //! | `evidence` | makes the counts of the pages again, whole or a small part |
+//! | `house` | counts lines, tuned constants, circles and double names of every crate and compares them with a committed table |
 //! | `instructions` | counts the instructions of a step and compares them with a committed table |
 //! | `mutants` | changes the code that decides about the mode, piece by piece, and names changes that no test notices |
 //! | `pictures` | makes every picture of README and docs from real runs |
@@ -14,6 +15,7 @@ extern crate alloc;
 mod bytes;
 mod cortex_m;
 mod evidence;
+mod house;
 mod instructions;
 mod mutants;
 mod pictures;
@@ -27,11 +29,12 @@ fn main() -> ExitCode {
         ["bytes", ref options @ ..] => bytes::print(options),
         ["cortex-m", ref options @ ..] => cortex_m::check(options),
         ["evidence", ref options @ ..] => evidence::make(options),
+        ["house", ref options @ ..] => house::check(options),
         ["instructions", ref options @ ..] => instructions::check(options),
         ["mutants"] => mutants::check(),
         ["pictures"] => pictures::make(),
         _ => Err(
-            "expected cargo xtask bytes, cortex-m, evidence, instructions, mutants or pictures"
+            "expected cargo xtask bytes, cortex-m, evidence, house, instructions, mutants or pictures"
                 .to_owned(),
         ),
     };

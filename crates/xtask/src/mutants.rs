@@ -20,7 +20,7 @@ const CRATE: &str = "target/mutants/crate";
 const READ: &str = "docs/fly-safety.md";
 
 /// Mutated files and the tests that may notice. Tests and printing code stay unchanged.
-struct Run {
+struct Scope {
     name: &'static str,
     /// The workspace, from the root of the repository.
     at: &'static str,
@@ -29,8 +29,8 @@ struct Run {
     tests: &'static [&'static str],
 }
 
-const RUNS: [Run; 2] = [
-    Run {
+const RUNS: [Scope; 2] = [
+    Scope {
         name: "authority",
         at: CRATE,
         options: &["--in-place"],
@@ -42,7 +42,7 @@ const RUNS: [Run; 2] = [
         tests: &["--lib"],
     },
     // The threads around them, which use all of the link.
-    Run {
+    Scope {
         name: "guard",
         at: ".",
         // Builds the library's tests alone.
@@ -124,7 +124,7 @@ fn argued(text: &str) -> Result<BTreeSet<String>, String> {
 }
 
 /// Runs `cargo mutants`; returns the mutants that no test noticed.
-fn survivors(run: &Run) -> Result<BTreeSet<String>, String> {
+fn survivors(run: &Scope) -> Result<BTreeSet<String>, String> {
     let out = std::path::absolute(format!("{OUT}/{}", run.name)).map_err(|e| e.to_string())?;
     fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
     let mut command = Command::new("cargo");
