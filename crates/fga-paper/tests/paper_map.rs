@@ -43,6 +43,7 @@ fn every_name_on_the_pages_exists() {
     ] {
         sources(&root.join(folder), &mut text);
     }
+    text.push_str(&fs::read_to_string(root.join("../fga-sim/src/plant.rs")).unwrap());
     for page in ["from-paper-to-code.md", "errata.md"] {
         let path = root.join("../../docs").join(page);
         let page_text = fs::read_to_string(&path).unwrap();

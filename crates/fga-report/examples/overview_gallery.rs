@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p fga-report --example overview_gallery -- FOLDER`
 
-#[path = "../tests/cases/mod.rs"]
+#[path = "../tests/report/cases.rs"]
 mod cases;
 
 fn main() -> std::io::Result<()> {

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p fga-report --example plot_gallery -- FOLDER`
 
-#[path = "../tests/charts/mod.rs"]
+#[path = "../tests/report/charts.rs"]
 mod charts;
 
 fn main() -> std::io::Result<()> {

@@ -1,12 +1,10 @@
 //! The charts and the report: well formed, deterministic, safe against any input.
 
-mod charts;
-mod well_formed;
-
+use crate::charts;
+use crate::well_formed::assert_well_formed;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BoxChart, Cdf, Histogram, Line, LineChart, LinePoint, SampleSeries};
 use fga_report::report::{Block, Cell, Column, Report, Section, Table};
-use well_formed::assert_well_formed;
 
 #[test]
 fn every_chart_is_well_formed_and_the_same_twice() {

@@ -1,10 +1,8 @@
 //! The overview: well formed, deterministic, true to the flight, for runs of any size.
 
-mod cases;
-mod well_formed;
-
+use crate::cases;
+use crate::well_formed::assert_well_formed;
 use fga_report::overview::{Closest, Overview};
-use well_formed::assert_well_formed;
 
 #[test]
 fn every_case_is_well_formed_and_the_same_twice() {
