@@ -22,18 +22,22 @@
 //! | what do the rows show together? | [`Totals`], [`risk`] |
 
 pub mod configuration;
+mod error;
 mod expected;
 pub mod file;
 pub mod flight;
 pub mod folder;
+mod interval;
 mod judge;
 pub mod merge;
 pub mod metrics;
 pub mod risk;
+pub mod row;
 pub mod rows;
 pub mod run;
 mod show;
 pub mod sources;
+mod stamp;
 pub mod table;
 mod tail;
 pub mod totals;
@@ -41,40 +45,16 @@ pub mod totals;
 pub use configuration::{
     Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, own_sha256, parse_policy, policy_called,
 };
+pub use error::CampaignError;
 pub use expected::Expected;
-pub use flight::{Flown, Flyer, Row};
-pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
+pub use flight::{Flown, Flyer};
+pub use folder::{Folder, Manifest, RESULTS, Shard};
+pub use interval::Interval;
 pub use judge::{FlownPath, metrics_of};
 pub use merge::{Assembled, assemble, merge, reread};
+pub use row::Row;
 pub use rows::RowFiles;
 pub use run::{DecisionTimes, Progress, Task, run};
+pub use stamp::Stamp;
 pub use tail::Tail;
 pub use totals::{Quantiles, Summary, Totals};
-
-use fga::avoider::SettingsError;
-use fga_formats::{InputError, OutputError};
-
-/// Reasons why a campaign cannot be flown or read.
-#[derive(Debug, thiserror::Error)]
-pub enum CampaignError {
-    /// An unusable file.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// An unwritable file.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// Settings or limits that the core refuses.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// Anything else, as one sentence.
-    #[error("{0}")]
-    Other(String),
-    /// Stopped on request; finished blocks stay.
-    #[error("stopped after {done} of {total} encounters; --resume goes on from there")]
-    Stopped {
-        /// Encounters in finished blocks.
-        done: u64,
-        /// Encounters of this folder.
-        total: u64,
-    },
-}

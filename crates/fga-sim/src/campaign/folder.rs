@@ -10,12 +10,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use fga_formats::atomic;
-use fga_formats::{InputError, OutputError, build};
+use fga_formats::{InputError, OutputError};
 use parquet::errors::ParquetError;
 use serde::{Deserialize, Serialize};
 
 use super::table::{self, TableWriter};
-use super::{Campaign, CampaignError, Configuration, Row};
+use super::{Campaign, CampaignError, Configuration, Row, Stamp};
 use crate::fingerprint::fingerprint;
 
 /// Name of the manifest.
@@ -29,37 +29,6 @@ const BLOCKS: &str = "blocks";
 
 /// Digits of the checksum in a block's name.
 const CHECKSUM_DIGITS: usize = 32;
-
-/// Origin of the results, besides the configuration.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Stamp {
-    /// The target of the build.
-    pub target: String,
-    /// The commit of the build.
-    #[serde(default = "unknown")]
-    pub commit: String,
-}
-
-/// The commit in manifests that do not name it.
-fn unknown() -> String {
-    build::UNKNOWN.into()
-}
-
-impl Stamp {
-    /// The stamp of this program, built for `target`.
-    pub fn of_this_build(target: &str) -> Self {
-        Self {
-            target: target.into(),
-            commit: build::commit().into(),
-        }
-    }
-}
-
-impl core::fmt::Display for Stamp {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{} by commit {}", self.target, self.commit)
-    }
-}
 
 /// Which part of a campaign: `number` of `of`, counted from one. A part has every `of`-th block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,6 @@
 //! The list below gives the names, units and meanings of the columns, the fields of
 //! [`Metrics`], and the description inside a results file.
 
-use super::flight::kept;
 use crate::own::FailureKind;
 
 /// The type of a metric.
@@ -134,4 +133,9 @@ impl Metrics {
             Geometry::Crossing
         })
     }
+}
+
+/// A length or time with six decimals, without negative zero.
+pub(super) fn kept(value: f64) -> f64 {
+    libm::rint(value * 1e6) / 1e6 + 0.0
 }

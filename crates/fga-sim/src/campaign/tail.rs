@@ -9,7 +9,7 @@
 //! It is an extrapolation: it holds as far as the nearest encounters become nearer in the same way as the near ones did. A fault that
 //! no encounter showed is not in it.
 
-use super::risk::{Interval, percentiles, poisson};
+use super::interval::{Interval, percentiles, poisson};
 use crate::encounters::Random;
 
 /// Bootstrap samples.
