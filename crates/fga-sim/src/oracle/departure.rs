@@ -26,7 +26,7 @@ pub struct DepartureAnswer {
 ///
 /// Once no obstacle comes closer any more the aircraft turns back to its course, keeping the
 /// margin; the way back to the line is not part of it. Wait, turn, fly on and turn back, on a grid
-/// and refined, in the family of [`super::best_margin`]. Costs tens of milliseconds.
+/// and refined, in the family of [`super::search::best_margin`]. Costs tens of milliseconds.
 pub fn least_departure(
     start: &OracleStart,
     vehicle: &OracleVehicle,
@@ -45,7 +45,7 @@ pub fn least_departure(
         flight: OracleFlight::default(),
     };
     let nothing = hold_all_the_way(start, settings.horizon_s);
-    let safest = super::best_margin(
+    let safest = super::search::best_margin(
         start,
         vehicle,
         obstacles,

@@ -8,8 +8,7 @@ use core::f64::consts::TAU;
 use fga::Vec3;
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
-use super::separation::{Body, least_margin};
-use super::{OracleManeuver, OracleObstacle, OracleStart, OracleVehicle};
+use super::{OracleManeuver, OracleStart, OracleVehicle};
 
 /// Longest time between two nodes of a curved piece, seconds.
 const CURVED_STEP_S: f64 = 0.25;
@@ -77,13 +76,6 @@ impl OracleFlight {
     /// cubic through positions and velocities is exact to 0.1 mm.
     pub fn nodes(&self) -> &[FlightNode] {
         &self.nodes
-    }
-
-    /// The least signed distance to any protected volume over the flight, metres: never above the
-    /// truth and within a millimetre of it; infinite without obstacles.
-    pub fn least_margin_m(&self, obstacles: &[OracleObstacle]) -> f64 {
-        let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
-        least_margin(self, &bodies, f64::NEG_INFINITY)
     }
 
     /// The nodes of each leg, including the last one of the previous leg.

@@ -236,6 +236,15 @@ impl Body {
     }
 }
 
+impl OracleFlight {
+    /// The least signed distance to any protected volume over the flight, metres: never above the
+    /// truth and within a millimetre of it; infinite without obstacles.
+    pub fn least_margin_m(&self, obstacles: &[OracleObstacle]) -> f64 {
+        let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+        least_margin(self, &bodies, f64::NEG_INFINITY)
+    }
+}
+
 /// The least margin of a flight to all bodies, metres; infinite without bodies. Once it falls to
 /// `stop_below` or less the function stops.
 pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f64) -> f64 {
