@@ -50,11 +50,6 @@ use fga::vehicle::Vehicle;
 
 use crate::policy::PolicyPilot;
 
-/// Offset by which the velocity methods see an obstacle at their own height lower, in protected radii.
-/// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they
-/// keep fewer separated (`docs/baselines.md`).
-const LOWERED: f64 = 0.05;
-
 /// The baselines and peers by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Baseline {

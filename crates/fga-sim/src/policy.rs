@@ -1,5 +1,9 @@
 //! Policies by name, and the step that all of them share.
 
+mod pilot;
+
+pub use pilot::PolicyPilot;
+
 use fga::avoider::{Avoider, Settings, SettingsError, Start};
 use fga::pilot::MissionPilot;
 pub use fga::pilot::Pilot;
@@ -8,21 +12,8 @@ use fga_paper::pilot::{PaperPilot, Rule};
 
 use crate::ahead::Ahead;
 use crate::baselines::Baseline;
-use crate::own::{FailureKind, OwnPolicy, piped};
+use crate::own::{OwnPolicy, piped};
 pub use crate::settings::PolicySettings;
-
-/// A pilot of a policy.
-pub trait PolicyPilot: Pilot {
-    /// How the policy has failed in this flight; only policies outside of this crate do.
-    fn failure(&self) -> Option<FailureKind> {
-        None
-    }
-}
-
-impl PolicyPilot for Avoider {}
-impl PolicyPilot for MissionPilot {}
-impl PolicyPilot for PaperPilot {}
-impl<P: Pilot> PolicyPilot for Ahead<P> {}
 
 /// A policy by its name on the command line.
 #[derive(Debug, Clone, PartialEq)]

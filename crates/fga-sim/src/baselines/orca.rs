@@ -10,8 +10,9 @@ use alloc::borrow::Cow;
 use dodgy_3d::{Agent, AvoidanceOptions};
 use fga::Vec3;
 
+use super::Steering;
+use super::view::LOWERED;
 use super::view::{Sphere, View, flattened, levelled};
-use super::{LOWERED, Steering};
 
 /// The method's settings.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,8 +12,9 @@ use core::f64::consts::PI;
 use fga::Vec3;
 use fga::angle::{course_of, direction};
 
+use super::Steering;
+use super::view::LOWERED;
 use super::view::{Sphere, View};
-use super::{LOWERED, Steering};
 
 /// The method's settings.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,8 +9,9 @@
 
 use fga::Vec3;
 
+use super::Steering;
+use super::view::LOWERED;
 use super::view::{Sphere, View, flattened, levelled};
-use super::{LOWERED, Steering};
 
 /// The method's settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
