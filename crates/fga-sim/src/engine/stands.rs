@@ -7,7 +7,7 @@ use fga::Vec3;
 use fga::avoider::Decision;
 use fga::pilot::Pilot;
 
-use super::{Flight, situation};
+use super::flight::{Flight, situation};
 use crate::track::Track;
 use crate::world::Ending;
 

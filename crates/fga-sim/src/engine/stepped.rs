@@ -4,7 +4,8 @@ use fga::avoider::Decision;
 use fga::situation::{Ownship, Situation};
 use fga::vehicle::Vehicle;
 
-use super::{Engine, FlightState, Observer, Outcome, situation};
+use super::flight::{Engine, FlightState, situation};
+use super::{Observer, Outcome};
 use crate::separation::Separation;
 use crate::world::{World, WorldObstacle};
 

@@ -1,0 +1,536 @@
+//! The engine, and the flight that it flies.
+
+use std::time::Instant;
+
+use fga::Vec3;
+use fga::angle::{climb_of, course_of};
+use fga::avoider::{Decision, Reason, State};
+use fga::maneuver::Maneuver;
+use fga::pilot::Pilot;
+use fga::situation::Ownship;
+use fga::situation::{Mission, Obstacles, Situation};
+use fga::vehicle::Vehicle;
+use fga::zone::Zone;
+
+use super::measured::Measured;
+use super::observer::{DecisionMoment, Observer, Outcome};
+use super::steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
+use crate::plant::{Arc, Plant, unwrap_near};
+use crate::progress::{MissedWaypoint, MissionProgress};
+use crate::sensor::Sensor;
+use crate::separation::{Least, Separation};
+use crate::track::Track;
+use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle, WorldZone};
+use crate::zone::ZoneSeparation;
+
+/// Flies worlds; it keeps its buffers from one to the next.
+#[derive(Debug)]
+pub struct Engine {
+    pub(super) plant: Option<Plant>,
+    pub(super) sensor: Sensor,
+    pub(super) separations: Vec<Separation>,
+    from_zones: Vec<ZoneSeparation>,
+    pub(super) elapsed_ns: Vec<u64>,
+    pub(super) missed: Vec<MissedWaypoint>,
+}
+
+impl Default for Engine {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Times of events.
+#[derive(Debug, Clone, Copy, Default)]
+struct Milestones {
+    threat_s: Option<f64>,
+    start_s: Option<f64>,
+    clear_s: Option<f64>,
+    rejoined_s: Option<f64>,
+    /// Whether the pilot says that it is back, which counts once the track is.
+    says_back: bool,
+    /// Whether the pilot says that it has passed the last waypoint.
+    says_flown: bool,
+    last: State,
+    work_most: u32,
+}
+
+impl Milestones {
+    fn note(&mut self, time_s: f64, decision: &Decision) {
+        let state = decision.state;
+        if state != State::Cruise && self.threat_s.is_none() {
+            self.threat_s = Some(time_s);
+        }
+        if state == State::Avoiding && self.last != State::Avoiding {
+            self.start_s.get_or_insert(time_s);
+            self.clear_s = None;
+            self.rejoined_s = None;
+            self.says_back = false;
+        }
+        if self.last == State::Avoiding && state != State::Avoiding {
+            self.clear_s = Some(time_s);
+        }
+        let away = matches!(self.last, State::Avoiding | State::Recovering);
+        if away && matches!(state, State::Cruise | State::Threatened) {
+            self.rejoined_s = None;
+            self.says_back = true;
+        } else if !matches!(state, State::Cruise | State::Threatened) {
+            self.says_back = false;
+        }
+        self.says_flown = decision.record.reason == Reason::MissionComplete;
+        self.last = state;
+        self.work_most = self.work_most.max(decision.record.work.work);
+    }
+
+    /// The pilot says that it is back, and the track says so too.
+    fn confirm(&mut self, time_s: f64, is_on_line: bool) {
+        if self.says_back && is_on_line && self.rejoined_s.is_none() {
+            self.rejoined_s = Some(time_s);
+        }
+    }
+}
+
+impl Engine {
+    /// An engine with empty buffers.
+    pub fn new() -> Self {
+        Self {
+            plant: None,
+            sensor: Sensor::new(),
+            separations: Vec::new(),
+            from_zones: Vec::new(),
+            elapsed_ns: Vec::new(),
+            missed: Vec::new(),
+        }
+    }
+
+    /// Waypoints that the last flight missed, in order.
+    pub fn missed(&self) -> &[MissedWaypoint] {
+        &self.missed
+    }
+
+    /// Least separations of the last flight, in the order of the world's obstacles.
+    pub fn separations(&self) -> &[Separation] {
+        &self.separations
+    }
+
+    /// Least margins of the last flight from the world's zones, in their order; negative where it was on the wrong side.
+    pub fn zone_margins(&self) -> impl Iterator<Item = Least> {
+        self.from_zones.iter().map(|separation| separation.least)
+    }
+
+    /// First sight of each obstacle in the last flight, in the order of the world's.
+    pub fn first_seen_s(&self) -> &[Option<f64>] {
+        self.sensor.first_seen_s()
+    }
+
+    /// Duration of each decision made in the last flight, nanoseconds, in any order.
+    pub fn elapsed_ns(&mut self) -> &mut [u64] {
+        &mut self.elapsed_ns
+    }
+
+    /// Flies a world to its end.
+    pub fn fly(
+        &mut self,
+        world: &World,
+        pilot: &mut (impl Pilot + ?Sized),
+        observer: &mut impl Observer,
+    ) -> Outcome {
+        let mut state = self.begin(world);
+        self.flight(world, &mut state).fly(pilot, observer)
+    }
+
+    /// Puts the aircraft at the start of a world.
+    pub(super) fn begin(&mut self, world: &World) -> FlightState {
+        let plant = self
+            .plant
+            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
+        plant.refit(world.vehicle, world.autopilot, world.wind_mps);
+        world.gust.into_iter().for_each(|gust| plant.meet(gust));
+        let start = &world.start;
+        plant.place(0.0, start.position_m, start.course_rad, start.climb_rad);
+        self.sensor.begin_all(
+            world.sensor,
+            &world.more_sensors,
+            world.obstacles.len(),
+            world.seed,
+            world.stream,
+        );
+        self.elapsed_ns.clear();
+        self.separations.clear();
+        self.separations
+            .extend(world.obstacles.iter().map(|obstacle| {
+                let mut separation = Separation::new(obstacle.volume);
+                if let Some((position_m, _)) = obstacle.track.at(0.0) {
+                    separation.observe_moment(0.0, start.position_m - position_m);
+                }
+                separation
+            }));
+        self.from_zones.clear();
+        let from_zones =
+            (world.zones.iter()).map(|zone| ZoneSeparation::begun(zone, start.position_m));
+        self.from_zones.extend(from_zones);
+        FlightState {
+            milestones: Milestones::default(),
+            progress: MissionProgress::of(world),
+            replaying: world.recorded.is_some(),
+            tuned_mps: world.vehicle.airspeed_mps,
+            flown_m: 0.0,
+            straight: None,
+            cycle: 0,
+        }
+    }
+
+    /// Continues the flight that [`Engine::begin`] began.
+    pub(super) fn flight<'a>(
+        &'a mut self,
+        world: &'a World,
+        state: &'a mut FlightState,
+    ) -> Flight<'a> {
+        let plant = self
+            .plant
+            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
+        Flight {
+            world,
+            plant,
+            sensor: &mut self.sensor,
+            separations: &mut self.separations,
+            zones: world.zones.iter().map(WorldZone::zone).collect(),
+            from_zones: &mut self.from_zones,
+            elapsed_ns: &mut self.elapsed_ns,
+            missed: &mut self.missed,
+            state,
+        }
+    }
+}
+
+/// The state of a flight besides the aircraft, the sensor and the measurements.
+#[derive(Debug, Clone)]
+pub(super) struct FlightState {
+    milestones: Milestones,
+    pub(super) progress: MissionProgress,
+    /// Whether the aircraft still follows the recording.
+    pub(super) replaying: bool,
+    /// Airspeed of the pilot's present limits, metres per second.
+    pub(super) tuned_mps: f64,
+    /// Path over the ground, metres.
+    pub(super) flown_m: f64,
+    /// A straight arc that may go on, and its end: it is measured once it has ended.
+    pub(super) straight: Option<(Arc, Vec3)>,
+    /// Number of decisions flown.
+    pub(super) cycle: u32,
+}
+
+/// A flight in progress.
+pub(super) struct Flight<'a> {
+    pub(super) world: &'a World,
+    pub(super) plant: &'a mut Plant,
+    pub(super) sensor: &'a mut Sensor,
+    pub(super) separations: &'a mut [Separation],
+    /// The world's zones.
+    pub(super) zones: Vec<Zone<'a>>,
+    from_zones: &'a mut [ZoneSeparation],
+    pub(super) elapsed_ns: &'a mut Vec<u64>,
+    pub(super) missed: &'a mut Vec<MissedWaypoint>,
+    pub(super) state: &'a mut FlightState,
+}
+
+impl<'a> Flight<'a> {
+    fn fly(mut self, pilot: &mut (impl Pilot + ?Sized), observer: &mut impl Observer) -> Outcome {
+        let end_s = loop {
+            let time_s = self.time_s();
+            let decision = self.decide(time_s, pilot, observer);
+            let cycles = if observer.watches() {
+                1
+            } else {
+                self.cycles_alike(time_s, &decision, pilot)
+            };
+            let end_s = self.fly_on(&decision.command, decision.state, cycles, observer);
+            if let Some(end_s) = end_s {
+                break end_s;
+            }
+        };
+        self.outcome(end_s)
+    }
+
+    /// Time of the next decision, seconds.
+    pub(super) fn time_s(&self) -> f64 {
+        f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s
+    }
+
+    /// The recording, until the aircraft leaves it.
+    pub(super) fn replaying(&self) -> Option<&'a Track> {
+        let world = self.world;
+        world.recorded.as_ref().filter(|_| self.state.replaying)
+    }
+
+    /// Flies a manoeuvre for some cycles; returns the time of the end once it is reached.
+    pub(super) fn fly_on(
+        &mut self,
+        command: &Maneuver,
+        state: State,
+        cycles: u32,
+        observer: &mut impl Observer,
+    ) -> Option<f64> {
+        let period_s = self.world.settings.avoider.decision_period_s;
+        let time_s = self.time_s();
+        // A recording without a manoeuvre ends where it ends.
+        let horizon_s = self.world.horizon_s;
+        let limit_s = self
+            .replaying()
+            .map_or(horizon_s, |track| horizon_s.min(track.presence_s().1));
+        let left_s = limit_s - time_s;
+        if left_s <= 1e-9 || self.ended(time_s) {
+            return Some(time_s);
+        }
+        // The end need not coincide with a decision.
+        let last = left_s < period_s + 1e-9;
+        if self.replaying().is_none() {
+            self.plant.command(command, left_s.min(period_s));
+        }
+        let mut left = cycles;
+        loop {
+            let is_together =
+                left > 1 && self.state.progress.is_one_leg() && self.plant.is_straight();
+            let (together, longest_sample_s) = if is_together {
+                (left, f64::INFINITY)
+            } else {
+                (1, LONGEST_SAMPLE_S)
+            };
+            let until_s = if last {
+                limit_s
+            } else {
+                f64::from(self.state.cycle + together) * period_s
+            };
+            self.advance(state, (until_s, longest_sample_s), observer);
+            if last {
+                self.follow_recording(limit_s);
+                self.follow_mission(limit_s);
+                self.show(limit_s, state, observer);
+                return Some(limit_s);
+            }
+            self.state.cycle += together;
+            left -= together;
+            if left == 0 {
+                return None;
+            }
+            self.follow_mission(self.time_s());
+        }
+    }
+
+    /// Updates the progress along the mission.
+    pub(super) fn follow_mission(&mut self, time_s: f64) {
+        let plant = &self.plant;
+        let position_m = plant.ownship().position_m;
+        let straight_s = plant.straight_since_s();
+        self.state
+            .progress
+            .follow(time_s, position_m, straight_s, || {
+                plant.ground_velocity_mps()
+            });
+        let is_on_line = self.state.progress.is_on_line();
+        self.state.milestones.confirm(time_s, is_on_line);
+    }
+
+    /// Updates the aircraft's state, looks, and retunes a pilot with limits of another airspeed.
+    pub(super) fn look(&mut self, time_s: f64, mut retune: impl FnMut(&Vehicle)) {
+        self.follow_recording(time_s);
+        let airspeed_mps = self.plant.vehicle().airspeed_mps;
+        // A recording's speed changes from row to row in its last digits.
+        if (airspeed_mps - self.state.tuned_mps).abs() > 1e-3 * self.state.tuned_mps {
+            retune(self.plant.vehicle());
+            self.state.tuned_mps = airspeed_mps;
+        }
+        let ownship = self.plant.ownship();
+        self.sensor.face(ownship.course_rad);
+        self.sensor
+            .look(time_s, ownship.position_m, &self.world.obstacles);
+    }
+
+    /// Applies a decision.
+    pub(super) fn take(&mut self, time_s: f64, decision: &Decision) {
+        self.state.milestones.note(time_s, decision);
+        if decision.state == State::Avoiding {
+            self.state.replaying = false;
+        }
+    }
+
+    /// Looks and decides.
+    fn decide(
+        &mut self,
+        time_s: f64,
+        pilot: &mut (impl Pilot + ?Sized),
+        observer: &mut impl Observer,
+    ) -> Decision {
+        self.look(time_s, |vehicle| pilot.retune(vehicle));
+        let own = self.plant.ownship();
+        let situation = situation((self.world, &self.zones), own, self.sensor, time_s);
+        let begun = Instant::now();
+        let decision = pilot.step(&situation);
+        let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.elapsed_ns.push(elapsed_ns);
+        observer.decision(&DecisionMoment {
+            time_s,
+            situation: &situation,
+            decision: &decision,
+            elapsed_ns,
+        });
+        self.take(time_s, &decision);
+        self.show(time_s, decision.state, observer);
+        self.follow_mission(time_s);
+        decision
+    }
+
+    /// Shows the state now.
+    pub(super) fn show(&self, time_s: f64, state: State, observer: &mut impl Observer) {
+        let plant = &self.plant;
+        observer.sample(&sample_of(
+            &plant.ownship(),
+            plant.wind_mps(),
+            time_s,
+            state,
+        ));
+    }
+
+    /// Flies until the next decision and measures.
+    fn advance(
+        &mut self,
+        state: State,
+        (until_s, longest_sample_s): (f64, f64),
+        observer: &mut impl Observer,
+    ) {
+        let replaying = self.replaying();
+        let mut measured = Measured {
+            obstacles: &self.world.obstacles,
+            separations: self.separations,
+            zones: &self.world.zones,
+            from_zones: self.from_zones,
+            straight: &mut self.state.straight,
+            flown_m: &mut self.state.flown_m,
+        };
+        if let Some(recorded) = replaying {
+            let time_s =
+                f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s;
+            recorded_arcs(recorded, time_s, until_s, &mut |arc| {
+                measured.take(arc, arc.end_m());
+            });
+        } else {
+            let is_sampled = observer.watches();
+            let sample = |ownship: &Ownship, wind, time| {
+                observer.sample(&sample_of(ownship, wind, time, state));
+            };
+            let flown = |arc: &Arc, end_m| measured.take(arc, end_m);
+            fly_step(
+                self.plant,
+                (until_s, longest_sample_s),
+                is_sampled,
+                flown,
+                sample,
+            );
+        }
+    }
+
+    /// Places the aircraft on the recording while it follows it.
+    fn follow_recording(&mut self, time_s: f64) {
+        let Some(recorded) = self.replaying() else {
+            return;
+        };
+        let (first_s, last_s) = recorded.presence_s();
+        if let Some((position_m, velocity_mps)) = recorded.at(time_s.clamp(first_s, last_s)) {
+            let air_mps = velocity_mps - self.world.wind_mps;
+            let course_rad = unwrap_near(course_of(air_mps), self.plant.ownship().course_rad);
+            self.plant
+                .place(time_s, position_m, course_rad, climb_of(air_mps));
+            self.plant.fly_at(air_mps.length());
+        }
+    }
+
+    /// Whether the flight ends before its horizon.
+    fn ended(&self, time_s: f64) -> bool {
+        let (world, milestones) = (self.world, &self.state.milestones);
+        match world.ending {
+            Ending::Horizon => false,
+            Ending::MissionFlown => milestones.says_flown && milestones.last == State::Cruise,
+            // Most flights are not back: ask the cheap question first.
+            Ending::BackAndPassed
+                if milestones.last != State::Cruise
+                    || self.state.progress.cross_track_m() > BACK_WITHIN_M =>
+            {
+                false
+            }
+            Ending::BackAndPassed => {
+                let position_m = self.plant.ownship().position_m;
+                let velocity_mps = self.plant.ground_velocity_mps();
+                let passed = |obstacle: &WorldObstacle| {
+                    obstacle.track.at(time_s).is_none_or(|(at_m, moving_mps)| {
+                        (position_m - at_m).dot(velocity_mps - moving_mps) >= 0.0
+                    })
+                };
+                world.obstacles.iter().all(passed)
+                    && velocity_mps.angle_between(self.state.progress.direction())
+                        <= BACK_WITHIN_RAD
+            }
+        }
+    }
+
+    pub(super) fn outcome(&mut self, end_s: f64) -> Outcome {
+        Measured {
+            obstacles: &self.world.obstacles,
+            separations: self.separations,
+            zones: &self.world.zones,
+            from_zones: self.from_zones,
+            straight: &mut self.state.straight,
+            flown_m: &mut self.state.flown_m,
+        }
+        .end();
+        self.state.progress.settle();
+        let is_over = self.state.milestones.says_flown;
+        if is_over {
+            let dead_time_s = self.world.vehicle.response.dead_time_s;
+            let step_m = self.plant.ground_velocity_mps() * dead_time_s;
+            self.state.progress.coast(step_m);
+        }
+        *self.missed = self.state.progress.missed(is_over);
+        let least = |value: fn(&Separation) -> f64| {
+            self.separations
+                .iter()
+                .map(value)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let milestones = &self.state.milestones;
+        Outcome {
+            min_separation_m: least(|s| s.distance().value_m),
+            min_margin_m: least(|s| s.margin().value_m),
+            threat_s: milestones.threat_s,
+            start_s: milestones.start_s,
+            clear_s: milestones.clear_s,
+            rejoined_s: milestones.rejoined_s,
+            max_cross_track_m: self.state.progress.max_cross_track_m(),
+            extra_path_m: self.state.flown_m - self.state.progress.along_m(),
+            end_s,
+            mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
+            waypoints_missed: self.missed.len(),
+            work_most: milestones.work_most,
+        }
+    }
+}
+
+/// The known obstacles at a time, after a look.
+pub(super) fn situation<'a>(
+    (world, zones): (&'a World, &'a [Zone<'a>]),
+    ownship: Ownship,
+    sensor: &'a Sensor,
+    time_s: f64,
+) -> Situation<'a> {
+    Situation {
+        time_s,
+        ownship,
+        obstacles: Obstacles::Rows(sensor.known()),
+        mission: Mission {
+            waypoints_m: &world.mission_m,
+            passing: &world.passing,
+            limits_m: world.limits_m,
+            zones,
+        },
+        wind_mps: world.wind_mps,
+    }
+}
