@@ -6,16 +6,18 @@
 //! the previous ones. Numbers become floats by plain IEEE operations and `libm`, so an encounter is the
 //! same on every machine.
 
+mod draw;
 mod family;
 pub mod fleet;
 pub mod modeled;
 pub(crate) mod parse;
 pub(crate) mod random;
+mod source;
 
 pub use family::{Family, Range};
 pub use random::Random;
+pub use source::{Body, Bystanders, EncounterSource};
 
-use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
 
@@ -24,55 +26,7 @@ use crate::oracle::{
     best_margin,
 };
 
-/// Objects that are no threat, among which the threats hide (§2.3 (5)).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bystanders {
-    /// Their number, both ends included.
-    pub count: (u32, u32),
-    /// Their distances from the aircraft at the start, metres.
-    pub distance_m: Range,
-}
-
-impl Bystanders {
-    /// The number that makes `threats` 20–30 % of all objects.
-    pub fn of_section_2_3(threats: u32) -> Self {
-        Self {
-            count: ((threats * 7).div_ceil(3), threats * 4),
-            distance_m: Range(100.0, 500.0),
-        }
-    }
-}
-
-/// A cell or family with all parameters of its encounters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EncounterSource {
-    /// The family.
-    pub family: Family,
-    /// Whether everything happens at the aircraft's altitude.
-    pub planar: bool,
-    /// Protected radius `d_m`, metres.
-    pub radius_m: f64,
-    /// Airspeed of the aircraft, metres per second.
-    pub airspeed_mps: f64,
-    /// Objects that are no threat.
-    pub bystanders: Option<Bystanders>,
-    /// Master seed.
-    pub seed: u64,
-}
-
 impl EncounterSource {
-    /// A cell for Table 4's aircraft: 15 m/s, `d_m` 30 m, no bystanders.
-    pub const fn table_4(family: Family, planar: bool, seed: u64) -> Self {
-        Self {
-            family,
-            planar,
-            radius_m: 30.0,
-            airspeed_mps: 15.0,
-            bystanders: None,
-            seed,
-        }
-    }
-
     /// The encounter with this number.
     pub fn encounter(&self, number: u64) -> Encounter {
         let mut random = Random::new(self.seed, number);
@@ -101,18 +55,6 @@ impl EncounterSource {
                 })
                 .collect(),
         }
-    }
-
-    /// Whether a body and the aircraft, both on constant courses, come closer than `d_m`.
-    pub fn is_threat(&self, body: &Body) -> bool {
-        let relative = body.velocity_mps - Vec3::X * self.airspeed_mps;
-        let closing = -body.position_m.dot(relative);
-        let speed_squared = relative.dot(relative);
-        if closing <= 0.0 || speed_squared <= 0.0 {
-            return false;
-        }
-        let miss = body.position_m + relative * (closing / speed_squared);
-        miss.dot(miss) < self.radius_m * self.radius_m
     }
 
     fn clear_at_start(&self, bodies: &[Body]) -> bool {
@@ -166,13 +108,4 @@ impl EncounterSource {
             }
         }
     }
-}
-
-/// Position and velocity of an obstacle at the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body {
-    /// Position, metres.
-    pub position_m: Vec3,
-    /// Velocity, metres per second.
-    pub velocity_mps: Vec3,
 }

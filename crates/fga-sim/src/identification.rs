@@ -11,11 +11,16 @@
 //! Every figure has an interval: the middle 90 % of what the windows give by themselves. A log shows what was
 //! used, not what could be: limits are those of the flight, and never beyond the vehicle's own, which its guidance holds.
 
+mod figures;
 mod lag;
 mod text;
 
+pub use figures::{Estimate, Identified, MARGIN_AHEAD_S};
+
+use figures::{mean, percentile, rows_of};
+
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use fga_formats::flight_log::{FlightLog, Limits, Piece};
+use fga_formats::flight_log::{FlightLog, Piece};
 
 /// A bank below this turns too little to be measured, radians (5°).
 const TURNING_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
@@ -23,136 +28,8 @@ const TURNING_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
 const HELD_RAD: f64 = 2.5 * core::f64::consts::PI / 180.0;
 /// Length of the windows in which turns are measured, seconds.
 const TURN_WINDOW_S: f64 = 3.0;
-/// How far ahead the margin looks, seconds: later on the avoider has decided again.
-pub const MARGIN_AHEAD_S: f64 = 5.0;
 /// Fewer windows in which the command moves say nothing.
 const FEWEST_WINDOWS: usize = 4;
-
-/// A figure with its interval: the middle 90 % of what windows of the log give.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
-    /// The median.
-    pub value: f64,
-    /// 5 % of the windows give less.
-    pub low: f64,
-    /// 5 % of the windows give more.
-    pub high: f64,
-}
-
-/// The value below which a share of the sorted values lies, between neighbours in proportion.
-fn percentile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return 0.0;
-    };
-    #[expect(clippy::cast_precision_loss, reason = "a number of windows")]
-    let place = share * last as f64;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and the last place"
-    )]
-    let below = place.floor() as usize;
-    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
-    low + (high - low) * (place - place.floor())
-}
-
-impl Estimate {
-    /// The same within limits.
-    fn within(self, low: f64, high: f64) -> Self {
-        let limited = |value: f64| value.max(low).min(high);
-        Self {
-            value: limited(self.value),
-            low: limited(self.low),
-            high: limited(self.high),
-        }
-    }
-
-    fn of(mut values: Vec<f64>) -> Option<Self> {
-        if values.is_empty() {
-            return None;
-        }
-        values.sort_by(f64::total_cmp);
-        Some(Self {
-            value: percentile(&values, 0.5),
-            low: percentile(&values, 0.05),
-            high: percentile(&values, 0.95),
-        })
-    }
-}
-
-/// What a log says about its aircraft.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Identified {
-    /// Airspeed.
-    pub airspeed_mps: Estimate,
-    /// Steepest bank that is held, or mean bank of 3 s where none is held.
-    pub max_bank_deg: Estimate,
-    /// Time before a command has any effect.
-    pub dead_time_s: Estimate,
-    /// Time constant of the first-order bank response.
-    pub bank_time_constant_s: Estimate,
-    /// Course rate over that of the ideal coordinated turn.
-    pub turn_rate_factor: Estimate,
-    /// Steepest descent.
-    pub climb_min_deg: Estimate,
-    /// Steepest climb.
-    pub climb_max_deg: Estimate,
-    /// Rate at which the climb angle changes.
-    pub climb_rate_radps: Estimate,
-    /// Horizontal distance from where these figures put the aircraft, after [`MARGIN_AHEAD_S`]; `high` is what
-    /// becomes the margin.
-    pub position_error_m: Estimate,
-    /// Windows in which the command moves and the bank follows it.
-    pub windows: usize,
-    /// Windows in which the command moves and the bank does not follow it, which are left out.
-    pub windows_left_out: usize,
-}
-
-impl Identified {
-    /// Takes the vehicle's own limits as limits of the figures: an avoider cannot ask for more.
-    fn cap(&mut self, limits: &Limits) {
-        let infinite = f64::INFINITY;
-        if let Some(bank_rad) = limits.bank_rad {
-            self.max_bank_deg = self.max_bank_deg.within(0.0, bank_rad.to_degrees());
-        }
-        // Its guidance climbs at a speed: an angle at the airspeed of the flight.
-        let airspeed_mps = self.airspeed_mps.value;
-        let angle_deg = |speed_mps: Option<f64>| {
-            speed_mps.map(|speed_mps| libm::asin((speed_mps / airspeed_mps).min(1.0)).to_degrees())
-        };
-        let least =
-            |a: Option<f64>, b: Option<f64>| a.unwrap_or(infinite).min(b.unwrap_or(infinite));
-        let climb_deg = least(
-            angle_deg(limits.climb_mps),
-            limits.pitch_max_rad.map(f64::to_degrees),
-        );
-        let sink_deg = least(
-            angle_deg(limits.sink_mps),
-            limits
-                .pitch_min_rad
-                .map(|pitch_rad| -pitch_rad.to_degrees()),
-        );
-        self.climb_max_deg = self.climb_max_deg.within(0.0, climb_deg.max(0.0));
-        self.climb_min_deg = self.climb_min_deg.within(-sink_deg.max(0.0), 0.0);
-    }
-}
-
-/// Rows that last so long.
-fn rows_of(seconds: f64, period_s: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a few seconds over some hundredths"
-    )]
-    let rows = (seconds / period_s).round() as usize;
-    rows.max(1)
-}
-
-fn mean(values: &[f64]) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
-    let count = values.len().max(1) as f64;
-    values.iter().sum::<f64>() / count
-}
 
 /// What turns and straight flight of the windows say.
 #[derive(Default)]

@@ -8,8 +8,10 @@
 //! steps of at most 0.1 s; flight under the PI autopilot uses the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 
 mod arc;
+mod autopilot;
 mod lagged;
 mod pi_controller;
+mod rolls;
 
 use alloc::collections::VecDeque;
 
@@ -19,24 +21,13 @@ use fga::situation::Ownship;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 pub use arc::{Arc, unwrap_near};
+pub use autopilot::Autopilot;
+
+use autopilot::Controllers;
+use rolls::Rolls;
 
 /// A rest of a turn or a change of climb that takes less than this is rounding, seconds.
 const SHORTEST_S: f64 = 1e-12;
-
-/// How commands become bank and climb.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Autopilot {
-    /// Course and climb angle at their rate limits straight to the command.
-    #[default]
-    Direct,
-    /// Proportional and integral control of course and climb angle (Eq. 13–14), rates limited.
-    ProportionalIntegral {
-        /// `K_p`, per second.
-        proportional_per_s: f64,
-        /// `K_i`, per second squared.
-        integral_per_s2: f64,
-    },
-}
 
 /// A change of the wind for some time, of which nobody knows beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,8 +62,8 @@ pub struct Plant {
     straight: Option<(Arc, Vec3)>,
     /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
-    controllers: lagged::Controllers,
-    rolls: lagged::Rolls,
+    controllers: Controllers,
+    rolls: Rolls,
 }
 
 impl Plant {
@@ -92,8 +83,8 @@ impl Plant {
             active: None,
             straight: None,
             pending: VecDeque::with_capacity(64),
-            controllers: lagged::Controllers::new(autopilot, &vehicle),
-            rolls: lagged::Rolls::default(),
+            controllers: Controllers::new(autopilot, &vehicle),
+            rolls: Rolls::default(),
         }
     }
 
@@ -107,7 +98,7 @@ impl Plant {
         self.active = None;
         self.straight = None;
         self.pending.clear();
-        self.controllers = lagged::Controllers::new(self.autopilot, &self.vehicle);
+        self.controllers = Controllers::new(self.autopilot, &self.vehicle);
     }
 
     /// Replaces the vehicle, the autopilot and the wind; the state stays.
@@ -118,7 +109,7 @@ impl Plant {
         self.gust = None;
         self.airspeed_mps = vehicle.airspeed_mps;
         self.straight = None;
-        self.rolls = lagged::Rolls::default();
+        self.rolls = Rolls::default();
     }
 
     /// Meets a gust in the wind that it flies in now.
@@ -143,7 +134,7 @@ impl Plant {
         if wind_mps != self.wind_mps {
             self.wind_mps = wind_mps;
             self.straight = None;
-            self.rolls = lagged::Rolls::default();
+            self.rolls = Rolls::default();
         }
         changes_s.min(until_s)
     }
@@ -153,7 +144,7 @@ impl Plant {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.airspeed_mps = self.vehicle.airspeed_mps;
         self.straight = None;
-        self.rolls = lagged::Rolls::default();
+        self.rolls = Rolls::default();
     }
 
     /// The vehicle's limits at the present airspeed.

@@ -1,14 +1,16 @@
 //! One flight with everything logged, for `fga run`.
 
 mod conflict;
+mod decision;
 
 pub use crate::plan::Plan;
 pub use conflict::Conflict;
+pub use decision::DecisionLog;
 
 use std::path::Path;
 
 use fga::avoider::{Decision, SettingsError, State};
-use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::situation::{Obstacle, ProtectedVolume};
 use fga_files::TomlText;
 use fga_files::from_mission::scenario_text;
 use fga_formats::{InputError, missions};
@@ -80,24 +82,6 @@ impl Plan {
 
 /// Accuracy of an altitude at a limit, metres.
 const LIMIT_KNOWN_M: f64 = 0.1;
-
-/// A logged decision.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DecisionLog {
-    /// Seconds since the start.
-    pub time_s: f64,
-    /// The aircraft at that time; angles through the air.
-    pub ownship: Ownship,
-    /// The decision.
-    pub decision: Decision,
-    /// Its duration, nanoseconds.
-    pub elapsed_ns: u64,
-    /// Whether it differs from the previous one in more than its numbers.
-    pub changed: bool,
-    /// The known obstacles within the surveillance radius, over the ground; kept only
-    /// while something threatens.
-    pub known: Vec<Obstacle>,
-}
 
 /// The result for one obstacle.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,13 +12,14 @@
 mod case;
 mod motion;
 mod proposal;
+mod stressed;
 mod urgency;
 
 pub use case::StressCase;
 pub use motion::{GUST, MOTION, Motion, Parameter};
+pub use stressed::{MOST_INTRUDERS, Stress};
 
 use fga::avoider::SettingsError;
-use fga::situation::MovementBounds;
 use rayon::prelude::*;
 
 use crate::batch::{self, BatchSettings, empty_world};
@@ -26,10 +27,8 @@ use crate::encounters::random::Random;
 use crate::engine::Engine;
 use crate::oracle::{AVOIDABLE_MARGIN_M, OracleSettings, best_margin_of_tracks};
 use crate::own::FailureKind;
-use crate::policy::PolicyChoice;
 use crate::run::{Plan, RunLog};
 use crate::track::{Track, TrackPoint};
-use crate::vehicle_file::VehicleModel;
 use crate::world::World;
 use proposal::{Point, Proposal, distance};
 use urgency::Urgency;
@@ -48,69 +47,6 @@ const SHOWN: usize = 10;
 
 /// Longest flight, seconds.
 const HORIZON_S: f64 = 180.0;
-
-/// The most intruders.
-pub const MOST_INTRUDERS: usize = 4;
-
-/// What is tested.
-#[derive(Debug, Clone)]
-pub struct Stress {
-    /// The aircraft.
-    pub model: VehicleModel,
-    /// The policy.
-    pub policy: PolicyChoice,
-    /// The bounds of the intruders, which the policy knows.
-    pub bounds: MovementBounds,
-    /// Intruders, 1 to [`MOST_INTRUDERS`].
-    pub intruders: usize,
-    /// Standard deviation of each component of a gust, metres per second; 0 for no gusts.
-    pub gust_mps: f64,
-    /// Flights, besides those that simplify failures.
-    pub flights: usize,
-    /// Master seed.
-    pub seed: u64,
-}
-
-impl Stress {
-    /// A test of a policy: one intruder, the gusts that the vehicle file knows of.
-    pub fn of(model: VehicleModel, policy: PolicyChoice, bounds: MovementBounds) -> Self {
-        Self {
-            gust_mps: model.settings.avoider.drift_mps,
-            model,
-            policy,
-            bounds,
-            intruders: 1,
-            flights: 2000,
-            seed: 0,
-        }
-    }
-
-    fn has_gusts(&self) -> bool {
-        self.gust_mps > 0.0
-    }
-
-    /// The parameters of a flight in their order: name, usual distribution. Those of a second intruder and on have its number.
-    pub fn parameters(&self) -> Vec<(String, &'static str)> {
-        let motions = (1..=self.intruders).flat_map(|number| {
-            MOTION.iter().map(move |parameter| {
-                let name = parameter.name;
-                let name = match number {
-                    1 => name.to_owned(),
-                    _ => format!("{name}_{number}"),
-                };
-                (name, parameter.usually)
-            })
-        });
-        let gust = GUST.iter().filter(|_| self.has_gusts());
-        let gust = gust.map(|parameter| (parameter.name.to_owned(), parameter.usually));
-        motions.chain(gust).collect()
-    }
-
-    fn dimensions(&self) -> usize {
-        let gust = if self.has_gusts() { GUST.len() } else { 0 };
-        self.intruders * MOTION.len() + gust
-    }
-}
 
 /// A flight in which the policy entered a volume.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,3 +16,18 @@ pub fn crab(direction: Vec3, airspeed_mps: f64, wind_mps: Vec3) -> Option<(f64, 
     let air_mps = direction * forward_mps - across_mps;
     Some((course_of(air_mps), climb_of(air_mps)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crab_angle_flies_along_the_line() {
+        let wind = Vec3::new(3.0, -5.0, 1.0);
+        let (course, climb) = crab(Vec3::X, 15.0, wind).unwrap();
+        let ground = fga::angle::direction(course, climb) * 15.0 + wind;
+        assert!(ground.y.abs() < 1e-12 && ground.z.abs() < 1e-12 && ground.x > 15.0);
+        assert_eq!(crab(Vec3::X, 15.0, Vec3::new(-16.0, 0.0, 0.0)), None);
+        assert_eq!(crab(Vec3::X, 15.0, Vec3::new(0.0, 15.0, 0.0)), None);
+    }
+}

@@ -5,7 +5,8 @@ use fga::situation::Situation;
 use fga_formats::encounters::Encounter;
 use rayon::prelude::*;
 
-use super::{BatchError, BatchRow, BatchSettings, empty_world, populate, timed};
+use super::row::{BatchError, BatchRow, timed};
+use super::world::{BatchSettings, empty_world, populate};
 use crate::engine::SteppedFlight;
 use crate::own::{Answer, Failure, FailureKind, Nobody, OwnPilot, OwnPolicy};
 use crate::policy::PolicyPilot as _;

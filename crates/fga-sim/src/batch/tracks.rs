@@ -10,7 +10,8 @@ use fga_formats::InputError;
 use fga_formats::tally::Tally;
 use rayon::prelude::*;
 
-use super::{BLOCK, BatchError, BatchRow, BatchSettings, TrackRows, timed};
+use super::row::{BLOCK, BatchError, BatchRow, TrackRows, timed};
+use super::world::BatchSettings;
 use crate::drawn::Origin;
 use crate::engine::Engine;
 use crate::plan::Plan;

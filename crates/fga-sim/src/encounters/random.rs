@@ -6,7 +6,7 @@ use fga::Vec3;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
-use super::Range;
+use super::family::Range;
 
 /// The level unit vector that many turns to the left of +x.
 pub(super) fn level(turns: f64) -> Vec3 {

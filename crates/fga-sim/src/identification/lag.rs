@@ -3,7 +3,7 @@
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
 use fga_formats::flight_log::{FlightLog, Piece};
 
-use super::{Identified, MARGIN_AHEAD_S, mean, rows_of};
+use super::figures::{Identified, MARGIN_AHEAD_S, mean, rows_of};
 
 /// Longest window, seconds.
 pub(super) const WINDOW_S: f64 = 6.0;

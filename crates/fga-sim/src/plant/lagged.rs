@@ -9,10 +9,10 @@
 use core::f64::consts::PI;
 
 use fga::Vec3;
-use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
-use super::pi_controller::{PiController, PiGains};
-use super::{Arc, Autopilot, Plant, rate_to};
+use super::rolls::Moment;
+use super::{Arc, Plant, rate_to};
 
 /// Longest integration step under the PI autopilot, seconds (50 Hz).
 const LONGEST_STEP_S: f64 = 0.02;
@@ -25,67 +25,6 @@ const LONGEST_END_S: f64 = 0.1;
 
 /// A bank this close to its command is at the end of its roll, radians: the course rate hardly changes any more.
 const NEARLY_THERE_RAD: f64 = 0.1;
-
-/// The controllers of the PI autopilot (Eq. 13, 14); none under the direct one.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Controllers {
-    course: Option<PiController>,
-    climb: Option<PiController>,
-}
-
-impl Controllers {
-    /// Controllers at rest.
-    pub(super) fn new(autopilot: Autopilot, vehicle: &Vehicle) -> Self {
-        let Autopilot::ProportionalIntegral {
-            proportional_per_s,
-            integral_per_s2,
-        } = autopilot
-        else {
-            return Self::default();
-        };
-        let controller = |rate_limit_radps| {
-            PiController::new(PiGains {
-                proportional: proportional_per_s,
-                integral: integral_per_s2,
-                rate_limit_radps,
-            })
-        };
-        Self {
-            course: controller(vehicle.course_rate_radps()),
-            climb: controller(vehicle.climb_rate_radps),
-        }
-    }
-}
-
-/// What a roll computes for its next step.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Rolls {
-    /// The end of the last step.
-    last: Option<Moment>,
-    /// A course rate, radians per second, and its bank angle, radians.
-    full: (f64, f64),
-}
-
-/// A moment of a roll: the end of a step and the beginning of the next.
-#[derive(Debug, Clone, Copy)]
-struct Moment {
-    position_m: Vec3,
-    course_rad: f64,
-    climb_rad: f64,
-    bank_rad: f64,
-    /// Tangent of the bank angle.
-    bank_tan: f64,
-    /// Sine and cosine of the course and of the climb angle.
-    course: (f64, f64),
-    climb: (f64, f64),
-}
-
-impl Moment {
-    fn direction(&self) -> Vec3 {
-        let ((sin_course, cos_course), (sin_climb, cos_climb)) = (self.course, self.climb);
-        Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
-    }
-}
 
 /// The integrated state under the PI autopilot: position, course and bank.
 #[derive(Clone, Copy)]
@@ -504,7 +443,10 @@ impl Plant {
 
 #[cfg(test)]
 mod tests {
+    use super::super::autopilot::Autopilot;
+    use super::super::rolls::Rolls;
     use super::*;
+    use fga::vehicle::Vehicle;
 
     /// Rolls to one side and then to the other, climbing, in wind, against the equations of motion in fine steps.
     #[test]

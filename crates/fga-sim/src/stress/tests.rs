@@ -2,12 +2,14 @@
 
 use fga::avoider::Avoider;
 use fga::pilot::Pilot;
-use fga::situation::{Obstacle, Obstacles, ProtectedVolume, Situation};
+use fga::situation::{MovementBounds, Obstacle, Obstacles, ProtectedVolume, Situation};
 use fga::vehicle::Vehicle;
 
 use super::*;
 use crate::own::{Answer, Failure, Outside, OwnPolicy};
+use crate::policy::PolicyChoice;
 use crate::settings::PolicySettings;
+use crate::vehicle_file::VehicleModel;
 
 /// The default policy, but it does not see what is to its right.
 struct LeftOnly {

@@ -1,0 +1,97 @@
+//! The world in which an encounter is flown.
+
+use fga::Vec3;
+use fga::situation::{Obstacle, ProtectedVolume};
+use fga_formats::encounters::Encounter;
+
+use crate::policy::{PolicyChoice, PolicySettings};
+use crate::track::Track;
+use crate::vehicle_file::VehicleModel;
+use crate::wind::crab;
+use crate::world::{Ending, StartState, World, WorldObstacle};
+
+/// Length of the mission along +x, metres: longer than any flight.
+const MISSION_LENGTH_M: f64 = 1e6;
+
+/// The settings of a batch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BatchSettings {
+    /// The aircraft.
+    pub model: VehicleModel,
+    /// The policy.
+    pub policy: PolicyChoice,
+    /// Longest time flown, seconds.
+    pub horizon_s: f64,
+    /// Master seed of the sensor's noise.
+    pub seed: u64,
+    /// Whether to make the rows of `tracks.csv`.
+    pub tracks: bool,
+}
+
+/// The world of a batch without its obstacles; `None` if the wind is too strong for the line.
+pub fn empty_world(settings: &BatchSettings) -> Option<World> {
+    let model = &settings.model;
+    let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;
+    Some(World {
+        mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
+        passing: Vec::new(),
+        limits_m: settings.model.limits_m,
+        zones: Vec::new(),
+        start: StartState {
+            position_m: Vec3::ZERO,
+            course_rad,
+            climb_rad,
+        },
+        vehicle: model.vehicle,
+        autopilot: model.autopilot,
+        settings: PolicySettings {
+            avoider: fga::avoider::Settings {
+                surveillance_radius_m: f64::INFINITY,
+                ..model.settings.avoider
+            },
+            ..model.settings
+        },
+        wind_mps: model.wind_mps,
+        gust: None,
+        obstacles: Vec::new(),
+        sensor: crate::sensor::SensorSettings {
+            range_m: f64::INFINITY,
+            ..model.sensor
+        },
+        more_sensors: Vec::new(),
+        seed: settings.seed,
+        stream: 0,
+        horizon_s: settings.horizon_s,
+        ending: Ending::BackAndPassed,
+        recorded: None,
+    })
+}
+
+/// The volume of an obstacle of an encounter: its own sphere, or a cylinder of the same
+/// radius if the vehicle file protects a cylinder.
+pub fn volume_of(obstacle: &Obstacle, protection: &ProtectedVolume) -> ProtectedVolume {
+    let radius_m = obstacle.volume.radius_m();
+    match *protection {
+        ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
+        ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        },
+    }
+}
+
+/// Replaces the obstacles of a world by an encounter's.
+pub fn populate(world: &mut World, encounter: &Encounter, protection: &ProtectedVolume) {
+    world.stream = encounter.id;
+    world.obstacles.clear();
+    world
+        .obstacles
+        .extend(encounter.obstacles.iter().zip(0..).map(|(obstacle, id)| {
+            let volume = volume_of(obstacle, protection);
+            let track = Track::straight(obstacle.position_m, obstacle.velocity_mps);
+            WorldObstacle {
+                movement: obstacle.movement,
+                ..WorldObstacle::new(id, track, volume)
+            }
+        }));
+}
