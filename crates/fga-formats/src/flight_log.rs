@@ -26,21 +26,12 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::gzip;
+pub use columns::COLUMNS;
 pub use phases::Limits;
 pub use series::{FlightLog, Piece};
 
 /// The first bytes of a log of PX4.
 const ULOG: &[u8] = b"ULog\x01\x12\x35";
-
-/// The columns of a log in CSV.
-pub const COLUMNS: [&str; 6] = [
-    "t_s",
-    "airspeed_mps",
-    "bank_command_rad",
-    "bank_rad",
-    "course_rad",
-    "climb_rad",
-];
 
 /// Reads a log.
 ///

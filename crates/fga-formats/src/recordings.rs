@@ -12,17 +12,18 @@
 //! out; so is what cannot be used, with a count by reason.
 
 mod degas;
+mod encounters;
 pub mod pairs;
 mod received;
 mod state_vectors;
 
-use crate::daa::{self, Recording};
+use crate::daa;
 use crate::error::InputError;
-use crate::gzip;
-use crate::tally::Tally;
+use crate::gzip::text_of;
 use crate::traffic::sbs;
 use std::path::{Path, PathBuf};
 
+pub use encounters::{Content, Encounters, Named};
 pub use received::{Heard, Received, ReceivedTrack};
 
 /// First lines that show what a file is: a recorder may begin anywhere.
@@ -30,35 +31,6 @@ const LOOK_AT: usize = 1000;
 
 /// Endings of recordings, besides `.gz` after them.
 const ENDINGS: [&str; 6] = ["daa", "csv", "txt", "json", "sbs", "log"];
-
-/// An encounter with its name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Named {
-    /// Name of the file without its ending, and of the pair where the file holds several.
-    pub name: String,
-    /// The aircraft; the first is the ownship.
-    pub recording: Recording,
-}
-
-/// The encounters of a file.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Encounters {
-    /// The encounters.
-    pub named: Vec<Named>,
-    /// What became of the file's lines, rows or state vectors.
-    pub tally: Tally,
-}
-
-/// The content of a file of any kind.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Content {
-    /// Lines of BaseStation, as text: [`sbs::Log`] reads them.
-    Lines(String),
-    /// State vectors.
-    States(Received),
-    /// One encounter.
-    Recording(Recording),
-}
 
 /// The recordings of a folder by their endings, sorted by name; a file stands for itself.
 ///
@@ -227,11 +199,4 @@ fn name_of(path: &Path) -> String {
     name.rsplit_once('.')
         .map_or(name, |(stem, _)| stem)
         .to_owned()
-}
-
-/// The text of a file without its byte order mark, decompressed if it is a gzip one.
-pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
-    let plain = gzip::unpacked(bytes, path)?;
-    let text = String::from_utf8_lossy(&plain);
-    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }

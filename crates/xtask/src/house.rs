@@ -260,6 +260,13 @@ mod tests {
             "fn f() { vec![crate::A] } struct B;",
         ];
         assert_eq!(circles(&[("lib", face), ("a", a), ("b", b)]), [["a", "b"]]);
+        // A function with its module's name.
+        let face = "mod a; mod b; pub use a::{A, a}; pub use b::B;";
+        let [a, b] = [
+            "use super::B; struct A; fn a() {}",
+            "use super::a; struct B;",
+        ];
+        assert_eq!(circles(&[("lib", face), ("a", a), ("b", b)]), [["a", "b"]]);
         let b = "struct B;";
         assert_eq!(
             circles(&[("lib", face), ("a", a), ("b", b)]),

@@ -1,7 +1,7 @@
 //! CZML for Cesium: the flight with its attitude, the protected volumes, the events.
 
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
 use super::time::iso;
-use super::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
 use crate::flight::{Flight, FlightObstacle, FlightSample};
 use crate::geodesy::LocalFrame;
 use fga::Vec3;
@@ -104,7 +104,7 @@ fn polyline(
 /// The flown track again, as one line for each state.
 fn state_lines(flight: &Flight) -> impl Iterator<Item = Value> {
     let frame = flight.frame();
-    super::pieces(flight, STEP_S)
+    pieces(flight, STEP_S)
         .into_iter()
         .enumerate()
         .map(move |(index, (state, piece))| {

@@ -4,9 +4,9 @@
 //! The property `kind` of a feature is `track`, `mission`, `obstacle`, `volume` or `event`. The
 //! footprint of a moving obstacle is at its position of the least margin.
 
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
 use super::shapes::circle;
 use super::time::iso;
-use super::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
 use crate::flight::{Flight, FlightObstacle};
 use crate::geodesy::LocalFrame;
 use ::geojson::{Feature, FeatureCollection, GeoJson, Geometry, GeometryValue};

@@ -4,9 +4,9 @@
 //! track has the colours of the states. A volume at rest is one surface; a moving one is a series of
 //! surfaces, each with its time span.
 
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
 use super::shapes::surface;
 use super::time::iso;
-use super::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
 use crate::flight::{Flight, FlightObstacle, FlightSample};
 use crate::geodesy::LocalFrame;
 use crate::number::push_fixed;

@@ -11,7 +11,7 @@
 //!
 //! The frame `local` has x east, y north, z up.
 
-use super::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
 use crate::flight::{Flight, FlightEvent, FlightObstacle, FlightSample};
 use ::mcap::records::MessageHeader;
 use ::mcap::{McapError, WriteOptions, Writer};

@@ -2,10 +2,19 @@
 
 use std::path::Path;
 
-use super::COLUMNS;
 use super::series::Signals;
 use crate::error::{InputError, shown};
 use crate::tally::Tally;
+
+/// The columns of a log in CSV.
+pub const COLUMNS: [&str; 6] = [
+    "t_s",
+    "airspeed_mps",
+    "bank_command_rad",
+    "bank_rad",
+    "course_rad",
+    "climb_rad",
+];
 
 const FEWEST_ROWS: usize = 50;
 

@@ -5,10 +5,13 @@
 
 use std::path::Path;
 
+use super::MissionFile;
 use super::items::{Item, Reader};
-use super::{LIST, MissionFile};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
+
+/// The first words of a list of waypoints.
+pub(super) const LIST: &str = "QGC WPL";
 
 /// Fields of a line.
 const FIELDS: usize = 12;

@@ -5,8 +5,8 @@
 //! [`AFTER_S`] after it, as far as both report without a gap longer than [`GAP_S`]. The first
 //! of the two by name is the ownship. Between reports aircraft fly straight.
 
+use super::encounters::{Encounters, Named};
 use super::received::{Heard, Received, ReceivedTrack};
-use super::{Encounters, Named};
 use crate::daa::{Recording, Track, TrackSample};
 use crate::error::InputError;
 use crate::geodesy::{Earth, LocalFrame};

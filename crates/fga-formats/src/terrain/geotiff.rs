@@ -7,8 +7,9 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::field::{Grid, HOLE, HeightField, Heights};
+use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
-use super::{MOST_BYTES, Parsed, Stated, name};
+use super::name;
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
 const MOST_TIMES: u64 = 1_100;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::field::{Cell, Grid, HeightField, Heights};
-use super::{Area, Datum, Given, TerrainFile, read};
+use super::{Area, Datum, Given, TerrainFile, reader};
 use crate::error::InputError;
 
 /// Grids whose posts agree within this are one lattice, share of the spacing.
@@ -32,7 +32,7 @@ impl Terrain {
     /// # Errors
     /// As [`read`]; no file; files above different datums.
     pub fn read(paths: &[PathBuf], given: &Given) -> Result<Self, InputError> {
-        let files = paths.iter().map(|path| read(path, given));
+        let files = paths.iter().map(|path| reader::read(path, given));
         Self::new(files.collect::<Result<_, _>>()?)
     }
 

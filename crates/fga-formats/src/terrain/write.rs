@@ -12,10 +12,11 @@ use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
 use super::field::{Grid, HOLE, HeightField, Heights};
+use super::file::MOST_BYTES;
 use super::geokeys::{self, codes};
 use super::geotiff::{ERROR_ITEM, GDAL_METADATA};
 use super::mosaic::{Terrain, same_spacing, whole_steps};
-use super::{Area, Datum, MOST_BYTES};
+use super::{Area, Datum};
 use crate::atomic;
 use crate::error::OutputError;
 

@@ -5,6 +5,11 @@ use fga::angle::direction;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
+/// Offset by which the velocity methods see an obstacle at their own height lower, in protected radii.
+/// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they
+/// keep fewer separated (`docs/baselines.md`).
+pub(super) const LOWERED: f64 = 0.05;
+
 /// An obstacle for the methods: a sphere on a straight line, relative to the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
@@ -166,8 +171,3 @@ pub(super) fn flattened(spheres: &[Sphere]) -> impl Iterator<Item = Sphere> + '_
         })
     })
 }
-
-/// Offset by which the velocity methods see an obstacle at their own height lower, in protected radii.
-/// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they
-/// keep fewer separated (`docs/baselines.md`).
-pub(super) const LOWERED: f64 = 0.05;

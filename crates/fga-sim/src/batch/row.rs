@@ -31,6 +31,9 @@ pub fn result_columns(is_own: bool, is_named: bool) -> String {
     columns
 }
 
+/// Columns of `timing.csv`.
+pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
+
 /// Columns of `tracks.csv`.
 pub const TRACK_COLUMNS: &str = "encounter,t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad";
 
@@ -185,6 +188,3 @@ impl BatchRow {
         row.push(b'\n');
     }
 }
-
-/// Columns of `timing.csv`.
-pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";

@@ -16,6 +16,35 @@ use super::{
     OracleVehicle, Stages,
 };
 
+/// The largest margin to all obstacles that any manoeuvre of the family keeps over the horizon.
+///
+/// Accurate to about a centimetre near zero. Cost with three obstacles: a tenth of a millisecond where
+/// one turn gives `enough_m`, a millisecond where one turn gives [`OracleSettings::settled_m`], ten
+/// to a hundred for a search over two turns.
+pub fn best_margin(
+    start: &OracleStart,
+    vehicle: &OracleVehicle,
+    obstacles: &[OracleObstacle],
+    settings: &OracleSettings,
+) -> OracleAnswer {
+    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+    search(start, vehicle, &bodies, settings)
+}
+
+/// The same among aircraft on known tracks.
+///
+/// The oracle knows how they will fly, which no policy does: an avoidable encounter is one that hindsight
+/// saves, and a lost one is lost for every policy.
+pub fn best_margin_on_tracks(
+    start: &OracleStart,
+    vehicle: &OracleVehicle,
+    tracks: &[OracleTrack],
+    settings: &OracleSettings,
+) -> OracleAnswer {
+    let bodies: Vec<Body> = tracks.iter().map(Body::on_track).collect();
+    search(start, vehicle, &bodies, settings)
+}
+
 /// Everything that one search needs; the arcs depend on the vehicle and the climb angle at the start.
 struct Problem<'a> {
     start: &'a OracleStart,
@@ -351,33 +380,4 @@ fn at_its_limit(problem: &Problem<'_>, bodies: &[Body], found: &Ascent<'_>) -> b
     let best = ascent.best;
     ascent.refine(&[best], true);
     ascent.best.0 < margin + LIMIT_TOLERANCE_M
-}
-
-/// The largest margin to all obstacles that any manoeuvre of the family keeps over the horizon.
-///
-/// Accurate to about a centimetre near zero. Cost with three obstacles: a tenth of a millisecond where
-/// one turn gives `enough_m`, a millisecond where one turn gives [`OracleSettings::settled_m`], ten
-/// to a hundred for a search over two turns.
-pub fn best_margin(
-    start: &OracleStart,
-    vehicle: &OracleVehicle,
-    obstacles: &[OracleObstacle],
-    settings: &OracleSettings,
-) -> OracleAnswer {
-    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
-    search(start, vehicle, &bodies, settings)
-}
-
-/// The same among aircraft on known tracks.
-///
-/// The oracle knows how they will fly, which no policy does: an avoidable encounter is one that hindsight
-/// saves, and a lost one is lost for every policy.
-pub fn best_margin_on_tracks(
-    start: &OracleStart,
-    vehicle: &OracleVehicle,
-    tracks: &[OracleTrack],
-    settings: &OracleSettings,
-) -> OracleAnswer {
-    let bodies: Vec<Body> = tracks.iter().map(Body::on_track).collect();
-    search(start, vehicle, &bodies, settings)
 }

@@ -108,7 +108,13 @@ fn follow(sources: &Sources, from: &Names, path: &[String], depth: usize) -> Opt
             "super" => {
                 module.pop()?;
             }
-            name if sources.modules.contains_key(&below(&module, name)) => {
+            // A function may have its module's name: of a path that ends here, the function is meant.
+            name if sources.modules.contains_key(&below(&module, name))
+                && !(rest.is_empty()
+                    && sources
+                        .imports
+                        .contains_key(&(module.clone(), name.to_owned()))) =>
+            {
                 module = below(&module, name);
             }
             name => {

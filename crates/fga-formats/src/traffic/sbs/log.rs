@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, BufReader, Read};
 
-use super::{LONGEST_LINE, fields, parse, text_of, time, without_offset};
+use super::message::{LONGEST_LINE, fields, parse, text_of, without_offset};
+use super::time;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::TrafficReport;
 

@@ -1,0 +1,70 @@
+//! What a mission file says.
+
+use fga::situation::Passing;
+
+use crate::geodesy::Geodetic;
+
+/// A place of a mission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    /// Where; the altitude is above mean sea level.
+    pub place: Geodetic,
+    /// How it is passed.
+    pub passing: Passing,
+}
+
+/// The outline of a fence; latitudes and longitudes in degrees.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outline {
+    /// A circle.
+    Circle {
+        /// Its centre: latitude and longitude, degrees.
+        center_deg: [f64; 2],
+        /// Its radius, metres.
+        radius_m: f64,
+    },
+    /// A polygon of at least three corners.
+    Polygon {
+        /// Latitude and longitude of each corner, degrees.
+        corners_deg: Vec<[f64; 2]>,
+    },
+}
+
+/// A fence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fence {
+    /// Its outline.
+    pub outline: Outline,
+    /// Whether the aircraft must stay inside, not outside.
+    pub keep_in: bool,
+}
+
+/// A mission with its fences and rally points.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MissionFile {
+    /// Home, if the file gives it; the altitude is above mean sea level.
+    pub home: Option<Geodetic>,
+    /// The places in their order, the first of which is where the flight begins; empty for a file of fences only.
+    pub waypoints: Vec<Waypoint>,
+    /// Speed that the file plans with, metres per second.
+    pub cruise_mps: Option<f64>,
+    /// Fences.
+    pub fences: Vec<Fence>,
+    /// Rally points; altitudes are above mean sea level.
+    pub rally: Vec<Geodetic>,
+    /// What of the file is not flown, or flown in another way; one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl MissionFile {
+    /// The contents in words, as in "4 waypoints, 1 fence, 2 rally points".
+    pub fn holds(&self) -> String {
+        use crate::words::counted;
+        format!(
+            "{}, {}, {}",
+            counted(self.waypoints.len(), "waypoint"),
+            counted(self.fences.len(), "fence"),
+            counted(self.rally.len(), "rally point")
+        )
+    }
+}

@@ -1,0 +1,232 @@
+//! Messages as lines of text.
+
+use core::str::from_utf8;
+
+use super::time;
+use crate::geodesy::course_from_compass_rad;
+use crate::tally::LeftOut;
+use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport};
+use crate::units::{Feet, FeetPerMinute, Knots};
+
+/// Longest accepted line, bytes.
+pub(super) const LONGEST_LINE: usize = 512;
+
+/// Fields of a message.
+pub(super) const FIELDS: usize = 22;
+
+/// Place of the position's error behind them in lines that begin with `MLAT`.
+pub(super) const MLAT_ERROR: usize = 24;
+
+/// First words of lines about other things than an aircraft's state.
+pub(super) const OTHER_WORDS: [&str; 7] = ["STA", "AIR", "ID", "SEL", "CLK", "CLICK", "START"];
+
+/// A message sent longer after its reception is too old, seconds.
+pub(super) const OLDEST_S: f64 = 30.0;
+
+/// A larger difference of its two times is one of clocks, not an age, seconds (as in readsb).
+pub(super) const CLOCKS_S: f64 = 1200.0;
+
+/// A position is within this many σ in 95 of 100 cases: √(−2 ln 0.05). `MLAT` lines have the σ of all axes
+/// together.
+pub(super) const SIGMAS_IN_95: f64 = 2.4477;
+
+/// The report in one line.
+///
+/// Before the first word the line may have a time in nanoseconds, as in Stratux recordings.
+///
+/// # Errors
+/// Why the line holds no report.
+///
+/// ```
+/// use fga_formats::traffic::sbs;
+///
+/// let line = b"MSG,3,1,1,4CA2D6,1,,,,,,37000,,,51.45735,-1.02826,,,0,0,0,0";
+/// let report = sbs::parse_line(line).expect("a position");
+/// assert_eq!(report.address, 0x4C_A2D6);
+/// assert_eq!(report.altitude.map(|a| a.metres()), Some(37_000.0 * 0.3048));
+/// ```
+pub fn parse_line(line: &[u8]) -> Result<TrafficReport, LeftOut> {
+    parse(without_offset(text_of(line)?).1)
+}
+
+/// The text of a line.
+pub(super) fn text_of(line: &[u8]) -> Result<&str, LeftOut> {
+    if line.len() > LONGEST_LINE {
+        return Err(LeftOut::TooLong);
+    }
+    let text = from_utf8(line).map_err(|_| LeftOut::UnreadableField)?;
+    Ok(text.trim())
+}
+
+/// A recorder's nanoseconds before a line, and the line without them.
+pub(super) fn without_offset(line: &str) -> (Option<u64>, &str) {
+    line.split_once(',')
+        .and_then(|(first, rest)| {
+            let is_number = !first.is_empty() && first.bytes().all(|byte| byte.is_ascii_digit());
+            is_number.then_some((first.parse().ok(), rest))
+        })
+        .unwrap_or((None, line))
+}
+
+/// The fields of a line: commas in quotes do not end one.
+pub(super) fn fields(line: &str) -> impl Iterator<Item = &str> {
+    let mut is_quoted = false;
+    line.split(move |letter| {
+        is_quoted ^= letter == '"';
+        letter == ',' && !is_quoted
+    })
+    .map(|field| field.trim().trim_matches('"').trim())
+}
+
+/// Whether a line is of the kind that a recording of BaseStation lines begins with.
+pub(crate) fn is_message(line: &str) -> bool {
+    let (_, line) = without_offset(line.trim());
+    let mut fields = fields(line);
+    let word = fields.next().unwrap_or_default();
+    let kind = fields.next().unwrap_or_default();
+    let is_kind = kind.len() <= 1 && kind.bytes().all(|byte| byte.is_ascii_digit());
+    is_kind && (matches!(word, "MSG" | "MLAT") || OTHER_WORDS[..5].contains(&word))
+}
+
+/// The report in a line without a recorder's time.
+pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
+    let mut found = [""; FIELDS];
+    let mut mlat_error = "";
+    let mut count = 0;
+    for field in fields(line) {
+        match found.get_mut(count) {
+            Some(place) => *place = field,
+            None if count == MLAT_ERROR => mlat_error = field,
+            None => {}
+        }
+        count += 1;
+    }
+    let [
+        word,
+        kind,
+        _,
+        _,
+        address,
+        _,
+        date,
+        time,
+        sent_date,
+        sent_time,
+        callsign,
+        altitude,
+        ground_speed,
+        track,
+        latitude,
+        longitude,
+        climb,
+        _,
+        _,
+        _,
+        _,
+        on_ground,
+    ] = found;
+    if line.is_empty() || OTHER_WORDS.contains(&word) {
+        return Err(LeftOut::NotNeeded);
+    }
+    let is_word = (2..=8).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_alphabetic());
+    if !is_word || (count < FIELDS && !matches!(word, "MSG" | "MLAT")) {
+        return Err(LeftOut::UnknownKind);
+    }
+    if count < FIELDS {
+        return Err(LeftOut::CutShort);
+    }
+    if kind.len() > 1 || kind.bytes().any(|byte| !byte.is_ascii_digit()) {
+        return Err(LeftOut::UnreadableField);
+    }
+    let address = address_of(address)?;
+    let latitude_deg = number(latitude, 90.0)?;
+    let longitude_deg = number(longitude, 180.0)?;
+    let place_deg = match (latitude_deg, longitude_deg) {
+        // Senders without a position write zeros.
+        (Some(0.0), Some(0.0)) | (None, _) | (_, None) => None,
+        (Some(latitude_deg), Some(longitude_deg)) => Some([latitude_deg, longitude_deg]),
+    };
+    let speed_kn = number(ground_speed, 4000.0)?.filter(|speed| *speed >= 0.0);
+    let error_m = if word == "MLAT" {
+        number(mlat_error, 1e9)?.filter(|error_m| *error_m > 0.0)
+    } else {
+        None
+    };
+    let report = TrafficReport {
+        address,
+        callsign: Callsign::new(callsign),
+        place_deg,
+        altitude: altitude_of(altitude)?,
+        ground_speed_mps: speed_kn.map(|knots| Knots(knots).to_mps()),
+        course_rad: number(track, 360.0)?.map(course_from_compass_rad),
+        climb_mps: number(without_geometric(climb), 60_000.0)?
+            .map(|fpm| FeetPerMinute(fpm).to_mps()),
+        on_ground: match on_ground {
+            "" => None,
+            "0" => Some(false),
+            "1" | "-1" => Some(true),
+            _ => return Err(LeftOut::UnreadableField),
+        },
+        position_error_m: error_m.map(|sigma_m| sigma_m * SIGMAS_IN_95),
+        ..TrafficReport::default()
+    };
+    let nothing = TrafficReport {
+        address,
+        ..TrafficReport::default()
+    };
+    if report == nothing {
+        return Err(LeftOut::NotNeeded);
+    }
+    let age_s = time::instant_s(date, time)
+        .zip(time::instant_s(sent_date, sent_time))
+        .map_or(0.0, |(heard_s, sent_s)| sent_s - heard_s);
+    match age_s {
+        0.0..=OLDEST_S => Ok(TrafficReport { age_s, ..report }),
+        OLDEST_S..=CLOCKS_S => Err(LeftOut::TooOld),
+        _ => Ok(report),
+    }
+}
+
+/// An address, with [`NON_ICAO`] if a sign before it says so.
+pub(super) fn address_of(text: &str) -> Result<u32, LeftOut> {
+    let digits = text.trim_start_matches(|letter: char| !letter.is_ascii_alphanumeric());
+    let is_short = digits.len() <= 6 && text.len() - digits.len() <= 1;
+    let address = u32::from_str_radix(digits, 16)
+        .ok()
+        .filter(|address| is_short && *address != 0)
+        .ok_or(LeftOut::NoAddress)?;
+    Ok(if digits.len() < text.len() {
+        address | NON_ICAO
+    } else {
+        address
+    })
+}
+
+/// An altitude in feet; `H` behind it says that satellites measured it.
+pub(super) fn altitude_of(text: &str) -> Result<Option<Altitude>, LeftOut> {
+    let digits = without_geometric(text);
+    let is_geometric = digits.len() < text.len();
+    let altitude = number(digits, 150_000.0)?.map(|feet| Feet(feet).to_m());
+    Ok(altitude.map(if is_geometric {
+        Altitude::Ellipsoid
+    } else {
+        Altitude::Pressure
+    }))
+}
+
+pub(super) fn without_geometric(text: &str) -> &str {
+    text.strip_suffix(['H', 'h']).unwrap_or(text)
+}
+
+/// A number within ±`largest`; `None` for an empty field.
+pub(super) fn number(text: &str, largest: f64) -> Result<Option<f64>, LeftOut> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let value: f64 = text.parse().map_err(|_| LeftOut::UnreadableField)?;
+    if value.abs() <= largest {
+        Ok(Some(value))
+    } else {
+        Err(LeftOut::UnreadableField)
+    }
+}
