@@ -28,138 +28,35 @@ pub(crate) mod memory;
 pub(crate) mod met;
 mod opening;
 pub(crate) mod path;
+mod picture;
 mod pool;
-pub(crate) mod recovery;
+mod quantity;
+pub(crate) mod recovered;
+mod recovery;
 pub(crate) mod search;
 mod shrinking;
 pub(crate) mod span;
 mod steps;
 mod ways;
 
-use crate::aircraft::{Aircraft, PairDeviation, State};
+pub(crate) use picture::{Contribution, Picture, Terminal};
+pub use quantity::QuantityBands;
+
+use crate::aircraft::State;
 use crate::bands::colors::{Band, Colors, band_at};
 use crate::bands::free::Kept;
 use crate::bands::intervals::Intervals;
 use crate::bands::memory::{Memory, Resolution, Step, Way};
 use crate::bands::met::{Met, meetings, meetings_once};
+use crate::bands::path::Range;
 use crate::bands::pool::{WindowPool, level_key};
-use crate::bands::recovery::{Recovery, WaysOut};
+use crate::bands::recovered::{Recovery, WaysOut};
 use crate::bands::search::Task;
 use crate::bands::span::{Quantity, Span};
-use crate::bands::ways::{Range, Ways};
-use crate::loss::Loss;
-use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
+use crate::bands::ways::Ways;
+use crate::settings::{Region, TerminalGuidance};
 use crate::volume::Volume;
 use alloc::vec::Vec;
-
-/// An aircraft that contributes to the bands of a region.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Contribution {
-    /// The aircraft's index in the traffic.
-    pub(crate) intruder: usize,
-    /// The alerter, counted from 0.
-    pub(crate) alerter: usize,
-    /// The level, counted from 1.
-    pub(crate) level: usize,
-    /// Horizon, seconds.
-    pub(crate) horizon_s: f64,
-}
-
-impl Contribution {
-    /// The level that the aircraft contributes by.
-    fn level<'a>(&self, settings: &'a Settings) -> Option<&'a AlertLevel> {
-        settings.alerters.get(self.alerter)?.level(self.level)
-    }
-}
-
-/// The state of the terminal area.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Terminal {
-    #[default]
-    Outside,
-    Inside,
-    /// Inside, with the special guidance on.
-    Guided,
-}
-
-/// The input of all bands.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Picture<'a> {
-    pub(crate) settings: &'a Settings,
-    pub(crate) time_s: f64,
-    pub(crate) ownship: &'a Aircraft,
-    pub(crate) traffic: &'a [Aircraft],
-    /// The alerter of each aircraft.
-    pub(crate) alerters: &'a [Option<usize>],
-    /// Aircraft in conflict, by region, nearest first.
-    pub(crate) conflicts: &'a [Vec<Contribution>; 3],
-    /// Time interval with any aircraft in conflict, by region.
-    pub(crate) times: &'a [Loss; 3],
-    pub(crate) terminal: Terminal,
-    /// Whether the ownship is slower than its least airspeed.
-    pub(crate) is_slow: bool,
-}
-
-impl<'a> Picture<'a> {
-    pub(crate) fn met(&self, intruder: usize) -> Option<Met<'a>> {
-        let aircraft = self.traffic.get(intruder)?;
-        Some(Met {
-            settings: self.settings,
-            intruder: &aircraft.state,
-            deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
-            asked_s: self.asked_s(intruder),
-        })
-    }
-
-    /// Until when a maneuver is looked at against an intruder: up to the horizon against one in conflict, else up
-    /// to the longest alerting time.
-    fn asked_s(&self, intruder: usize) -> f64 {
-        let mut conflicts = self.conflicts.iter().flatten();
-        if conflicts.any(|contribution| contribution.intruder == intruder) {
-            return self.settings.lookahead_s;
-        }
-        let alerter = self.alerters.get(intruder).copied().flatten();
-        alerter
-            .and_then(|index| self.settings.alerters.get(index))
-            .into_iter()
-            .flat_map(|alerter| &alerter.levels)
-            .map(|level| level.alerting_s.min(self.settings.lookahead_s))
-            .fold(0.0, f64::max)
-    }
-
-    pub(crate) fn turns_at_once(&self) -> bool {
-        self.is_slow
-            && self.settings.slow_directions == crate::settings::SlowDirections::Instantaneous
-    }
-
-    /// The searched range below and above the value, if the terminal area limits it.
-    fn around(&self, quantity: Quantity) -> Option<(f64, f64)> {
-        let vertical = matches!(quantity, Quantity::VerticalSpeed | Quantity::Altitude);
-        // No descent.
-        (vertical && self.terminal == Terminal::Guided).then_some((0.0, -1.0))
-    }
-
-    /// Whether any alerter paints a region.
-    fn paints(&self, region: Region) -> bool {
-        self.settings
-            .alerters
-            .iter()
-            .any(|alerter| alerter.level_for(region).is_some())
-    }
-}
-
-/// The bands of one quantity.
-#[derive(Debug, Clone)]
-pub struct QuantityBands {
-    quantity: Quantity,
-    bands: Vec<Band>,
-    peripheral: [Vec<Contribution>; 3],
-    recovery: Recovery,
-    memory: Memory,
-    ways: Ways,
-    pool: WindowPool,
-    span: Option<Span>,
-}
 
 impl QuantityBands {
     pub(crate) fn new(quantity: Quantity) -> Self {

@@ -2,11 +2,12 @@
 
 use crate::bands::intervals::Intervals;
 use crate::bands::met::{meetings, meetings_once};
+use crate::bands::picture::{Contribution, Picture};
 use crate::bands::pool::{Key, level_key};
+use crate::bands::quantity::QuantityBands;
 use crate::bands::search::Task;
 use crate::bands::span::Span;
 use crate::bands::ways::Search;
-use crate::bands::{Contribution, Picture, QuantityBands};
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 

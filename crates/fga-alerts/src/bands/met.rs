@@ -2,7 +2,6 @@
 
 use crate::aircraft::{Pair, PairDeviation, State};
 use crate::almost::Closeness::Rounding;
-use crate::bands::opening::clear_s;
 use crate::bands::path::{Line, Lines};
 use crate::loss::{Loss, earlier_of, later_of};
 use crate::settings::Settings;
@@ -416,4 +415,9 @@ impl Meeting<'_> {
         }
         false
     }
+}
+
+/// A time that rounding cannot make, seconds.
+pub(super) fn clear_s(lookahead_s: f64) -> f64 {
+    1e-6 * (1.0 + lookahead_s)
 }

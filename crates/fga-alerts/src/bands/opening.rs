@@ -5,7 +5,7 @@
 //! times of its windows; only a change within rounding of one of them asks the exact question again.
 
 use crate::bands::level::{Levels, Target};
-use crate::bands::met::Meeting;
+use crate::bands::met::{Meeting, clear_s};
 use crate::loss::{earlier_of, later_of};
 use alloc::vec::Vec;
 
@@ -179,9 +179,4 @@ impl Opening {
         }
         opening
     }
-}
-
-/// A time that rounding cannot make, seconds.
-pub(super) fn clear_s(lookahead_s: f64) -> f64 {
-    1e-6 * (1.0 + lookahead_s)
 }

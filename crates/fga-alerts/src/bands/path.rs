@@ -6,8 +6,7 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::Quantity;
-use crate::bands::ways::Range;
+use crate::bands::span::{Quantity, Span};
 use crate::plane::{Crossing, root};
 use crate::settings::Settings;
 use alloc::vec::Vec;
@@ -432,4 +431,15 @@ impl LevelChange {
             DVec3::new(v.x, v.y, 0.0),
         )
     }
+}
+
+/// The values of a quantity that an ownship flies to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Range<'a> {
+    pub(crate) quantity: Quantity,
+    pub(crate) settings: &'a Settings,
+    pub(crate) ownship: &'a State,
+    pub(crate) span: &'a Span,
+    /// Whether turns take no time.
+    pub(crate) turns_at_once: bool,
 }

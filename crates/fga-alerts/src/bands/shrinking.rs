@@ -7,7 +7,7 @@
 
 use crate::bands::level::Target;
 use crate::bands::met::Met;
-use crate::bands::opening::clear_s;
+use crate::bands::met::clear_s;
 use crate::bands::path::Line;
 use crate::bands::ways::Ways;
 use crate::loss::Loss;

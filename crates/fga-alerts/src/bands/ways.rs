@@ -1,25 +1,12 @@
 //! The ways to the values of a span.
 
-use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::level::{LevelSearch, Levels};
 use crate::bands::met::Meeting;
-use crate::bands::path::{Fan, Lines};
+use crate::bands::path::{Fan, Lines, Range};
 use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
-use crate::settings::Settings;
 use alloc::vec::Vec;
-
-/// The values of a quantity that an ownship flies to.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Range<'a> {
-    pub(crate) quantity: Quantity,
-    pub(crate) settings: &'a Settings,
-    pub(crate) ownship: &'a State,
-    pub(crate) span: &'a Span,
-    /// Whether turns take no time.
-    pub(crate) turns_at_once: bool,
-}
 
 /// The ways to the values of a span.
 #[derive(Debug, Clone, PartialEq)]
