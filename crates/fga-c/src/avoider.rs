@@ -6,15 +6,15 @@ use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
 
+use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
 use crate::decision::fga_decision;
+use crate::growable::{Growable, size_word};
 use crate::input::{
     fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
 };
-use crate::memory::{
-    AtWork, Growable, Kind, Object, Span, answered, apart, fill, given, list, size_word, sized,
-};
+use crate::memory;
+use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, list, sized};
 use crate::status::{Refused, fga_refusal, fga_status};
-use crate::{FGA_ABI_VERSION, FGA_ALIGN, memory};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_FIXED_BYTES: usize = 161_280;

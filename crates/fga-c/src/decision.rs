@@ -5,8 +5,8 @@ use core::ffi::{CStr, c_char};
 use fga::avoider::{Decision, Reason, State};
 use fga::maneuver::MAX_STAGES;
 
+use crate::growable::Growable;
 use crate::input::fga_stage;
-use crate::memory::Growable;
 
 /// Most stages of a command.
 pub const FGA_STAGES_MOST: usize = 40;

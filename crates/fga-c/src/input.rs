@@ -11,7 +11,7 @@ use fga::situation::{
 };
 use fga::vehicle::{Response, Vehicle};
 
-use crate::memory::{Growable, size_word};
+use crate::growable::{Growable, size_word};
 use crate::status::{Refused, fga_status};
 
 /// The parts of a position and of the wind, for a refusal.

@@ -32,13 +32,16 @@
 #[cfg(test)]
 extern crate std;
 
+mod abi;
 mod avoider;
 mod decision;
+mod growable;
 mod input;
 mod memory;
 mod prover;
 mod status;
 
+pub use abi::{FGA_ABI_VERSION, FGA_ALIGN, fga_abi_version};
 pub use avoider::*;
 pub use decision::*;
 pub use input::{
@@ -50,25 +53,6 @@ pub use prover::*;
 pub use status::{
     FGA_REFUSAL_EXPECTED_BYTES, FGA_REFUSAL_FIELD_BYTES, fga_refusal, fga_status, fga_status_text,
 };
-
-use fga_proof::meter::Meter;
-
-/// Version of this interface. It grows when a program compiled with an older header can no longer be linked.
-pub const FGA_ABI_VERSION: u32 = 1;
-
-/// Alignment of all storage, bytes.
-pub const FGA_ALIGN: usize = 16;
-
-/// The version of the interface of the linked library: the program's header has it as `FGA_ABI_VERSION`.
-#[unsafe(no_mangle)]
-pub const extern "C" fn fga_abi_version() -> u32 {
-    FGA_ABI_VERSION
-}
-
-/// Work of one call, no more than this.
-const fn meter(limit: u32) -> Meter {
-    Meter::new(limit, limit)
-}
 
 /// A static library must have one. It is linked only if something can panic, and then it stays here.
 #[cfg(feature = "staticlib")]

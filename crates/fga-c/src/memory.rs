@@ -6,22 +6,8 @@
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use crate::growable::{Growable, size_word};
 use crate::status::{Refused, fga_refusal, fga_status};
-
-/// A structure of C that begins with its size, as a `u32`.
-///
-/// # Safety
-/// It is `repr(C)`, its first field is a `u32`, and zeros are a value of it.
-pub(crate) unsafe trait Growable: Copy {}
-
-/// The size of a structure for its first field.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "structures of this interface are far below 4 GB"
-)]
-pub(crate) const fn size_word<T>() -> u32 {
-    size_of::<T>() as u32
-}
 
 /// The memory that a pointer of the caller leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

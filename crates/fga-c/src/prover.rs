@@ -3,17 +3,17 @@
 use fga::Vec3;
 use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
 use fga::maneuver::MAX_STAGES;
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::Movement;
 
+use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::growable::Growable;
 use crate::input::{
     WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
 };
-use crate::memory::{
-    Growable, Kind, Object, Span, answered, apart, fill, given, list, sized, work,
-};
+use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, sized, work};
 use crate::status::{Refused, fga_refusal, fga_status};
-use crate::{FGA_ABI_VERSION, FGA_ALIGN, meter};
 
 /// Bytes of storage for a prover.
 pub const FGA_PROVER_BYTES: usize = 84_480;
@@ -177,7 +177,7 @@ impl Proving {
         let maneuver = maneuver(stages)?;
         let straight_aircraft =
             self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;
-        let meter = meter(question.work_limit);
+        let meter = within(question.work_limit);
         let (horizon_s, target_m) = (question.horizon_s, question.target_m);
         let now = MotionState::of(&ownship);
         self.path
@@ -371,7 +371,7 @@ pub unsafe extern "C" fn fga_predict(
                 &MotionState::of(&own),
                 &maneuver,
                 after_s,
-                &meter(u32::MAX),
+                &within(u32::MAX),
             );
             then.write(fga_ownship {
                 position_m: fga_enu::of(state.position_m + wind_mps * after_s),
@@ -383,6 +383,11 @@ pub unsafe extern "C" fn fga_predict(
             Ok(fga_status::Ok)
         })
     }
+}
+
+/// Work of one call, no more than this.
+const fn within(limit: u32) -> Meter {
+    Meter::new(limit, limit)
 }
 
 #[cfg(test)]

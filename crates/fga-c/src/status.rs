@@ -4,7 +4,7 @@ use core::ffi::{CStr, c_char};
 
 use fga::limit::SettingsError;
 
-use crate::memory::{Growable, size_word};
+use crate::growable::{Growable, size_word};
 
 /// The answer of a call. `FGA_STATUS_OK` and `FGA_STATUS_INCOMPLETE` come with a result; after any other
 /// nothing has changed, and nothing is written but the refusal.

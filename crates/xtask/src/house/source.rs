@@ -134,7 +134,9 @@ impl Reader<'_> {
 
     /// Notes what a tree of `use` takes.
     fn uses(&mut self, tree: &[TokenTree], module: &Names, prefix: &Names) {
-        for branch in tree.split(|token| is_punct(token, ',')) {
+        let branches = tree.split(|token| is_punct(token, ','));
+        // A comma may stand behind the last one.
+        for branch in branches.filter(|branch| !branch.is_empty()) {
             let mut names = prefix.clone();
             let mut given = None;
             let mut tokens = branch.iter();
