@@ -5,64 +5,19 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
 use fga_formats::words::{counted, per_second};
 use fga_sim::batch::{BatchRow, BatchSettings, TIMING_COLUMNS, TRACK_COLUMNS, result_columns};
 use serde_json::json;
 
+use crate::batch_args::BatchArgs;
 use crate::batch_input::Input;
 use crate::batch_replays;
-use crate::common::{
-    AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, tell_failures,
-    watch_for_interrupt,
-};
+use crate::common::{interrupted, tell_failures, watch_for_interrupt};
 use crate::failure::Failure;
 use fga_results::provenance::Provenance;
 use fga_results::worst::Worst;
-
-/// Options of `fga batch`.
-#[derive(Args, Debug)]
-pub(crate) struct BatchArgs {
-    /// Encounters: a table with the columns
-    /// `encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m`, a recording, a folder of
-    /// recordings, or a folder that `fga campaign draw` wrote.
-    pub(crate) encounters: PathBuf,
-    #[command(flatten)]
-    pub(crate) policy: PolicyArgs,
-    #[command(flatten)]
-    pub(crate) vehicle: VehicleArgs,
-    #[command(flatten)]
-    out: OutArgs,
-    #[command(flatten)]
-    threads: ThreadArgs,
-    /// Longest time flown in an encounter, seconds; without it 60, for recordings until the way back ends.
-    #[arg(long, value_name = "S", value_parser = positive_seconds)]
-    pub(crate) horizon: Option<f64>,
-    /// Exit with 0 although damaged recordings were left out.
-    #[arg(long)]
-    skip_damaged: bool,
-    /// Also write tracks.csv: the aircraft's track, at most 0.1 s between rows.
-    #[arg(long)]
-    pub(crate) tracks: bool,
-    /// Write replay pages of the N worst encounters: replay/<encounter>.html.
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    replay: usize,
-    /// Master seed for the sensor noise of the vehicle file.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    #[command(flatten)]
-    answer: AnswerArgs,
-}
-
-/// A positive number of seconds, at most a day.
-pub(crate) fn positive_seconds(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|seconds| *seconds > 0.0 && *seconds <= 86_400.0)
-        .ok_or_else(|| "expected a positive number of seconds, at most 86400".into())
-}
 
 /// Files of a batch under construction.
 struct Files {

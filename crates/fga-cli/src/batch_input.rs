@@ -13,7 +13,7 @@ use fga_sim::vehicle_file::VehicleModel;
 
 use serde_json::{Map, Value};
 
-use crate::batch::BatchArgs;
+use crate::batch_args::BatchArgs;
 use crate::common::tell_left_out;
 use crate::failure::Failure;
 

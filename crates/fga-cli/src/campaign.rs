@@ -24,6 +24,7 @@ use crate::batch_input::PARTS;
 use crate::campaign_draw::{self, DrawArgs};
 use crate::campaign_progress::Display;
 use crate::campaign_report::{self, ReportArgs};
+use crate::campaign_source::SourceArgs;
 use crate::common::{
     self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, tell_failures, tell_left_out,
     watch_for_interrupt,
@@ -88,17 +89,6 @@ struct RunArgs {
     threads: ThreadArgs,
     #[command(flatten)]
     answer: AnswerArgs,
-}
-
-/// Sources of encounters, besides the file.
-#[derive(Args, Debug)]
-pub(crate) struct SourceArgs {
-    /// A recording or a folder of recordings, besides those in the campaign file; may be given several times.
-    #[arg(long, value_name = "PATH")]
-    recordings: Vec<PathBuf>,
-    /// The file of every [[model]], instead of the one in the campaign file.
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -290,17 +280,6 @@ fn verdict(campaign: &Campaign, skip_damaged: bool) -> Result<ExitCode, Failure>
         "{damaged} of {} recordings cannot be used and were left out, the rest is flown; with --skip-damaged that is a success",
         damaged + configuration.recordings.len()
     )))
-}
-
-impl SourceArgs {
-    /// Options that override the campaign file.
-    pub(crate) fn overrides(&self) -> Overrides {
-        Overrides {
-            recordings: self.recordings.clone(),
-            model: self.model.clone(),
-            ..Overrides::default()
-        }
-    }
 }
 
 fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {

@@ -14,7 +14,7 @@ use fga_sim::drawn::{Content, Origin, ROWS, TRACKS, TableWriter};
 use serde_json::json;
 
 use crate::batch_input::PARTS;
-use crate::campaign::SourceArgs;
+use crate::campaign_source::SourceArgs;
 use crate::common::{self, AnswerArgs, OutArgs};
 use crate::failure::Failure;
 

@@ -26,7 +26,7 @@ use crate::batch_input::PARTS;
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
-use crate::terrain::Facts;
+use crate::terrain_ground::Facts;
 
 /// Options of `fga check`.
 #[derive(Args, Debug)]

@@ -5,6 +5,7 @@
 mod alerts;
 mod bands;
 mod batch;
+mod batch_args;
 mod batch_input;
 mod batch_replays;
 mod campaign;
@@ -12,6 +13,7 @@ mod campaign_catalogue;
 mod campaign_draw;
 mod campaign_progress;
 mod campaign_report;
+mod campaign_source;
 mod check;
 mod common;
 mod export;
@@ -34,6 +36,7 @@ mod shell;
 mod stress;
 mod terrain;
 mod terrain_check;
+mod terrain_ground;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
@@ -65,7 +68,7 @@ enum Command {
     /// Fly one scenario or recording in closed loop and show the result.
     Run(run::RunArgs),
     /// Fly the encounters of a file.
-    Batch(batch::BatchArgs),
+    Batch(batch_args::BatchArgs),
     /// Say for each encounter whether any manoeuvre could save it.
     Oracle(oracle::OracleArgs),
     /// Show the alert levels that a DAIDALUS configuration gives a recording.

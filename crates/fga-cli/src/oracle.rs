@@ -17,7 +17,7 @@ use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use crate::batch::positive_seconds;
+use crate::batch_args::positive_seconds;
 use crate::batch_input::{PARTS, left_out, verdict};
 use crate::common::{
     AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, tell_left_out, watch_for_interrupt,

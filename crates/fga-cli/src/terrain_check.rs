@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
-use crate::terrain::{Facts, GroundArgs, metres};
+use crate::terrain_ground::{Facts, GroundArgs, metres};
 
 /// Options of `fga terrain check`.
 #[derive(Args, Debug)]
