@@ -19,6 +19,7 @@
 
 extern crate alloc;
 
+mod commanded;
 mod geometry;
 mod guidance;
 mod mission;
@@ -26,6 +27,7 @@ mod mode;
 mod parameters;
 mod plant;
 mod receive;
+mod streams;
 mod telemetry;
 
 pub use geometry::{Home, Place};
@@ -37,8 +39,8 @@ pub use plant::{Plant, PlantSettings};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 
-use guidance::{Guidance, Guided, Overrides};
-use telemetry::Streams;
+use commanded::{Guidance, Guided, Overrides};
+use streams::Streams;
 
 /// Length of a step of the plant, seconds (ArduPlane's main loop runs at 50 Hz).
 pub const STEP_S: f64 = 0.02;

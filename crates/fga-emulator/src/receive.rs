@@ -9,7 +9,7 @@ use mavlink::dialects::ardupilotmega::{
     TIMESYNC_DATA,
 };
 
-use crate::guidance::HeadingTarget;
+use crate::commanded::HeadingTarget;
 use crate::mission::{Item, Upload};
 use crate::mode::Mode;
 use crate::{Emulator, LONGEST_INTRUDER_LIST};

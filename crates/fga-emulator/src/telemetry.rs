@@ -9,102 +9,12 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use crate::geometry::{bearing, distance_m};
+use crate::streams::{
+    ADSB_VEHICLE, ATTITUDE, GLOBAL_POSITION_INT, GPS_RAW_INT, HEARTBEAT, INITIALISING,
+    MISSION_CURRENT, NAV_CONTROLLER_OUTPUT, POSITION_TARGET_GLOBAL_INT, SCALED_PRESSURE,
+    SYS_STATUS, SYSTEM_TIME, VFR_HUD, WIND,
+};
 use crate::{Emulator, Mode, Place};
-
-/// A periodic message.
-#[derive(Debug, Clone, Copy)]
-struct Stream {
-    message_id: u32,
-    interval_s: f64,
-    due_s: f64,
-}
-
-pub(crate) const HEARTBEAT: u32 = 0;
-const SYS_STATUS: u32 = 1;
-const SYSTEM_TIME: u32 = 2;
-const GPS_RAW_INT: u32 = 24;
-const SCALED_PRESSURE: u32 = 29;
-const ATTITUDE: u32 = 30;
-const GLOBAL_POSITION_INT: u32 = 33;
-const MISSION_CURRENT: u32 = 42;
-const NAV_CONTROLLER_OUTPUT: u32 = 62;
-const VFR_HUD: u32 = 74;
-const POSITION_TARGET_GLOBAL_INT: u32 = 87;
-const WIND: u32 = 168;
-const ADSB_VEHICLE: u32 = 246;
-/// Mode number in heartbeats before the autopilot has started.
-const INITIALISING: u32 = 16;
-
-/// The periodic messages and their intervals.
-#[derive(Debug)]
-pub(crate) struct Streams(Vec<Stream>);
-
-/// Messages that a companion can request.
-const KNOWN: [u32; 13] = [
-    HEARTBEAT,
-    SYS_STATUS,
-    SYSTEM_TIME,
-    GPS_RAW_INT,
-    SCALED_PRESSURE,
-    ATTITUDE,
-    GLOBAL_POSITION_INT,
-    MISSION_CURRENT,
-    NAV_CONTROLLER_OUTPUT,
-    VFR_HUD,
-    POSITION_TARGET_GLOBAL_INT,
-    WIND,
-    ADSB_VEHICLE,
-];
-
-impl Streams {
-    /// Heartbeats and the list of aircraft each second, everything else at `interval_s`.
-    pub(crate) fn new(interval_s: Option<f64>) -> Self {
-        let rows = KNOWN.into_iter().filter_map(|message_id| {
-            let always = matches!(message_id, HEARTBEAT | ADSB_VEHICLE).then_some(1.0);
-            Some(Stream {
-                message_id,
-                interval_s: always.or(interval_s)?,
-                due_s: 0.0,
-            })
-        });
-        Self(rows.collect())
-    }
-
-    /// The interval of a message, seconds.
-    pub(crate) fn interval_s(&self, message_id: u32) -> Option<f64> {
-        let mut rows = self.0.iter();
-        rows.find(|stream| stream.message_id == message_id)
-            .map(|stream| stream.interval_s)
-    }
-
-    /// Sets an interval, seconds; `false` for an unknown message.
-    pub(crate) fn set(&mut self, message_id: u32, interval_s: Option<f64>, now_s: f64) -> bool {
-        if !KNOWN.contains(&message_id) {
-            return false;
-        }
-        self.0.retain(|stream| stream.message_id != message_id);
-        if let Some(interval_s) = interval_s {
-            self.0.push(Stream {
-                message_id,
-                interval_s,
-                due_s: now_s,
-            });
-        }
-        true
-    }
-
-    fn due(&mut self, now_s: f64, fastest_s: f64) -> Vec<u32> {
-        let mut due = Vec::new();
-        for stream in &mut self.0 {
-            if now_s >= stream.due_s - 1e-9 {
-                let interval_s = stream.interval_s.max(fastest_s);
-                stream.due_s = (stream.due_s + interval_s).max(now_s);
-                due.push(stream.message_id);
-            }
-        }
-        due
-    }
-}
 
 impl Emulator {
     #[expect(
