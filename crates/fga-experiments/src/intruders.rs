@@ -12,6 +12,7 @@
 
 mod flight;
 mod oracle;
+mod setting;
 pub(crate) mod traffic;
 
 use clap::{Args, ValueEnum};
@@ -19,7 +20,8 @@ use fga::Vec3;
 use fga::situation::Movement;
 use rayon::prelude::*;
 
-use flight::{Conditions, Flown, RADIUS_M, VEHICLE, fly};
+use flight::{Conditions, Flown, fly};
+use setting::{RADIUS_M, VEHICLE};
 use traffic::{Intruder, Limits, Random, meeting, pieces};
 
 const HORIZON_S: f64 = 60.0;

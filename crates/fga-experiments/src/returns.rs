@@ -13,7 +13,7 @@ pub(crate) mod traps;
 use clap::Args;
 use rayon::prelude::*;
 
-use self::draw::Flight;
+use self::draw::{FAMILIES, Flight};
 use self::flier::STUCK_S;
 use crate::common::DrawnArgs;
 
@@ -26,15 +26,6 @@ pub(crate) struct ReturnsArgs {
     #[arg(long)]
     only: Option<u64>,
 }
-
-/// What makes the aircraft avoid.
-const FAMILIES: [&str; 5] = [
-    "fleet",
-    "tracks that end",
-    "corner",
-    "mission's end",
-    "mast",
-];
 
 /// What went wrong in flights of a family.
 #[derive(Debug, Default, Clone)]

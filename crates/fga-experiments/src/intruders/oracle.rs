@@ -3,7 +3,8 @@
 
 use fga::Vec3;
 
-use super::flight::{Own, RADIUS_M, VEHICLE};
+use super::flight::Own;
+use super::setting::{RADIUS_M, VEHICLE};
 use super::traffic::Intruder;
 
 /// Horizon, seconds.

@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 
-use super::flight::{PERIOD_S, RADIUS_M, VEHICLE};
+use super::setting::{PERIOD_S, RADIUS_M, VEHICLE};
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
 pub(crate) struct Random(pub(crate) u64);

@@ -10,9 +10,17 @@ use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
 
-use super::FAMILIES;
 use super::flier::Flier;
 use crate::intruders::traffic::Random;
+
+/// What makes the aircraft avoid.
+pub(super) const FAMILIES: [&str; 5] = [
+    "fleet",
+    "tracks that end",
+    "corner",
+    "mission's end",
+    "mast",
+];
 
 /// An obstacle that flies straight, for some time.
 pub(super) struct Straight {
