@@ -1,6 +1,6 @@
 //! Whether a path stays clear of moving volumes, certified in continuous time.
 
-use super::DubinsPath;
+use super::path::DubinsPath;
 use fga::certificate::Hazard;
 
 /// Resolution of the certificate, metres: it may call a separation violated that exceeds the wanted one

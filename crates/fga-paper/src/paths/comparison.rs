@@ -1,6 +1,6 @@
 //! `L_1`, `L_2`, `L_3` and the bound of `k_2` (§3.4.3, Eq. 54–56).
 
-use super::{RoundObstacle, deviation_rad, usable};
+use super::obstacle::{RoundObstacle, deviation_rad, usable};
 
 /// `L_1`: path from Q, where the latest turn begins, round the obstacle to abeam, metres;
 /// (ρ + `d_m`) α for ρ ≤ `d_m` (Eq. 55), `L_1'` = ρ (`α_1` + `α_2`) otherwise (Fig. 8(b)).

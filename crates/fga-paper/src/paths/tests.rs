@@ -1,6 +1,7 @@
 use super::*;
 use alloc::vec::Vec;
 use fga::Vec3;
+use fga::angle::Side;
 use fga::situation::Ownship;
 use fga::vehicle::{Vehicle, turned};
 use proptest::prelude::*;

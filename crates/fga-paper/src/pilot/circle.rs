@@ -5,6 +5,7 @@
 //! obstacle rests, and not in the air, which moves; every turn allows for the bank's lag; and the way is predicted
 //! before it begins. Where the prediction does not keep the volume, the record says so and the mission is flown on.
 
+mod round;
 mod way;
 
 use fga::Vec3;
@@ -14,6 +15,7 @@ use fga::maneuver::Maneuver;
 use fga::prediction::MotionState;
 use fga::situation::{ProtectedVolume, Situation};
 
+pub(super) use self::round::Round;
 use self::way::{Air, Way};
 use super::{Edition, PaperPilot, threat};
 use crate::algorithm_4::Phase;
@@ -32,29 +34,6 @@ const SAME_TRACK_RAD: f64 = 0.02;
 
 /// Where no way keeps the volume, the next plan is made after this time, seconds.
 const NEXT_PLAN_S: f64 = 1.0;
-
-/// The way round one obstacle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Round {
-    /// `None` where no way keeps the volume.
-    way: Option<Way>,
-    /// The obstacle and its wind when the way was planned.
-    id: u32,
-    wind_mps: Vec3,
-    /// Time of the plan, seconds on the situation's clock.
-    planned_s: f64,
-    /// Time of the threat's times, seconds on the situation's clock.
-    told_s: f64,
-    threat: Threat,
-}
-
-impl Round {
-    /// Whether it is flown.
-    fn is_flown(&self) -> bool {
-        let phase = self.way.map(|way| way.phase());
-        phase.is_some_and(|phase| !matches!(phase, Phase::Waiting | Phase::Done))
-    }
-}
 
 impl PaperPilot {
     fn air(&self, wind_mps: Vec3) -> Air<'_> {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::dubins::Clearance;
 use core::f64::consts::{FRAC_PI_2, PI};
 use fga::certificate::Hazard;
 use fga::situation::ProtectedVolume;
