@@ -3,8 +3,8 @@
 use fga::situation::ProtectedVolume;
 
 use super::data::{Focus, Followed, Overview};
+use super::look::{FRAME, OBSTACLE_COLOURS, marker, state_look};
 use super::panel::{Panel, pieces};
-use super::{FRAME, OBSTACLE_COLOURS, marker, state_look};
 use crate::label::Labels;
 use crate::palette::{INK, VERMILION};
 use crate::svg::{Point, Rect, Svg, TextStyle, shorten, thin};

@@ -4,7 +4,7 @@ use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 use fga::{Vec2, Vec3};
 
-use super::Shape;
+use super::look::Shape;
 
 /// The aircraft's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! A panel over time: its axes, the band of states, lines at the critical moments.
 
 use super::data::{Moment, Overview, Sample};
-use super::{GRID_LINE, axis_titles, state_colour};
+use super::look::{GRID_LINE, axis_titles, state_colour};
 use crate::palette::MUTED;
 use crate::scale::{Scale, mark_text, marks, step, time_step};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle};

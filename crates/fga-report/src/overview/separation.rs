@@ -3,8 +3,8 @@
 use fga::situation::ProtectedVolume;
 
 use super::data::{CurvePoint, Focus, Overview};
+use super::look::{FRAME, Shape, marker, obstacle_line};
 use super::panel::Panel;
-use super::{FRAME, Shape, marker, obstacle_line};
 use crate::label::Labels;
 use crate::palette::{INK, MUTED, VERMILION};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width, thin};

@@ -1,14 +1,14 @@
 //! The top view: equal axes, north up, with compass, scale and labels.
 
 use fga::Vec3;
+use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 
-use super::data::{Focus, Followed};
-use super::panel::pieces;
-use super::{
-    FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, Obstacle, Overview, State, Zone, axis_titles,
-    marker, obstacle_line, state_look,
+use super::data::{Focus, Followed, Obstacle, Overview, Zone};
+use super::look::{
+    FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, axis_titles, marker, obstacle_line, state_look,
 };
+use super::panel::pieces;
 use crate::label::Labels;
 use crate::palette::{INK, MUTED, VERMILION};
 use crate::scale::{Scale, mark_text, marks, round_down, step, time_step};
