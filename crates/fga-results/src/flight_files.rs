@@ -9,13 +9,12 @@ use fga_formats::decision;
 use fga_formats::words::decision_words;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
 use fga_sim::batch::push_sample;
-use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
 use serde_json::{Value, json};
 
 use crate::flight_file;
-use crate::replay_page;
+use crate::replay_page::{self, missed_words};
 
 /// Writes the files of a flight into `folder`. The replay page also holds `overlaid`, the same
 /// encounter under other policies.
@@ -111,15 +110,6 @@ pub fn events(log: &RunLog) -> Vec<(f64, Value)> {
     }
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
     events
-}
-
-/// A missed waypoint, in words; waypoints count from 1.
-pub fn missed_words(missed: &MissedWaypoint) -> String {
-    format!(
-        "waypoint {} missed by {:.1} m",
-        missed.index + 1,
-        missed.distance_m
-    )
 }
 
 /// The events, one JSON object a line.

@@ -5,6 +5,7 @@
 
 mod sets;
 mod standing;
+mod terms;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -13,22 +14,22 @@ use fga_formats::{InputError, atomic};
 use fga_report::league::{League, LeagueSet};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, Folder, Manifest, Progress, RESULTS, Shard, Stamp, Summary, Task,
-    assemble, policy_called, reread, run as fly,
+    Campaign, CampaignError, Folder, Progress, RESULTS, Shard, Stamp, Task, assemble,
+    policy_called, reread, run as fly,
 };
-use fga_sim::own::OwnPolicy;
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
-use crate::campaign::safety::{file_name, safety_case};
+use crate::campaign::safety::safety_case;
 use crate::campaign::{decision_times, finish};
 use crate::named_rows::{Row, csv, objects};
 use crate::parquet_rows::parquet;
 use crate::provenance::{Provenance, TARGET};
-use sets::{Set, sets};
-use standing::{described, in_words, row, standing};
+use sets::{Set, part, sets};
+use standing::{FlownCampaign, described, in_words, row, standing};
 
 pub use sets::shipped_names;
+pub use terms::Terms;
 
 /// The policies of a league that names none.
 pub const POLICIES: [&str; 15] = [
@@ -48,26 +49,6 @@ pub const POLICIES: [&str; 15] = [
     "tcas-like",
     "arduplane-rules",
 ];
-
-/// What a league flies.
-#[derive(Debug, Clone, Default)]
-pub struct Terms {
-    /// Sets: names of shipped ones, or paths of campaign files; without any, all shipped ones whose data are there.
-    pub sets: Vec<String>,
-    /// Policies by their names on the command line, or of `own`; without any, [`POLICIES`].
-    pub policies: Vec<String>,
-    /// Policies by which intruders with tracks react, besides `none`, which is always flown: they fly their tracks;
-    /// `itself` for the policy of the ownship.
-    pub intruders: Vec<String>,
-    /// Policies outside of this program.
-    pub own: Vec<OwnPolicy>,
-    /// Folder of third-party data, with `flown` and `encounter-models`.
-    pub data: Option<PathBuf>,
-    /// Encounters of each set that draws them; without it the set's number.
-    pub encounters: Option<u64>,
-    /// Worst encounters of each policy in each set with a replay.
-    pub worst: usize,
-}
 
 /// The result of a league.
 #[derive(Debug)]
@@ -264,19 +245,6 @@ fn policies(terms: &Terms) -> Result<Vec<PolicyChoice>, CampaignError> {
         policies.push(policy);
     }
     Ok(policies)
-}
-
-/// The name of a policy's folder; another program under the same name is another policy.
-fn part(policy: &PolicyChoice) -> String {
-    let version = policy.own().map(|own| format!("-{}", &own.sha256()[..12]));
-    file_name(&policy.name()) + &version.unwrap_or_default()
-}
-
-/// A flown campaign of one policy.
-struct FlownCampaign {
-    manifest: Manifest,
-    summary: Summary,
-    sha256: String,
 }
 
 /// Flies what is missing of a campaign, and sums it up.

@@ -12,11 +12,11 @@ use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
     ReplayPiece, ReplayRun, ReplaySample, ReplayZone, render,
 };
+use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::world::WorldZone;
 
-use crate::flight_files::missed_words;
 use crate::replay_guidance;
 
 /// The text of the records of a flight without a policy.
@@ -426,4 +426,13 @@ fn sentence(phrase: &str) -> String {
     let mut letters = phrase.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string());
     format!("{}{}.", first.unwrap_or_default(), letters.as_str())
+}
+
+/// A missed waypoint, in words; waypoints count from 1.
+pub fn missed_words(missed: &MissedWaypoint) -> String {
+    format!(
+        "waypoint {} missed by {:.1} m",
+        missed.index + 1,
+        missed.distance_m
+    )
 }

@@ -11,7 +11,8 @@ use fga_sim::drawn::{Content, Origin, TRACKS, TableWriter};
 use fga_sim::encounters::fleet::fleet;
 use fga_sim::policy::PolicyChoice;
 
-use super::{Terms, part};
+use super::terms::Terms;
+use crate::campaign::safety::file_name;
 
 /// Data of a set.
 enum Needs {
@@ -314,4 +315,10 @@ fn draw_fleets(folder: &Path, count: u64) -> Result<(), OutputError> {
         table.push_tracks(&drawn, &origin).map_err(failed)?;
     }
     table.finish().map_err(failed)?.commit()
+}
+
+/// The name of a policy's folder; another program under the same name is another policy.
+pub(super) fn part(policy: &PolicyChoice) -> String {
+    let version = policy.own().map(|own| format!("-{}", &own.sha256()[..12]));
+    file_name(&policy.name()) + &version.unwrap_or_default()
 }

@@ -2,10 +2,9 @@
 
 use fga_report::league::{League, LeagueSet, Standing};
 use fga_report::safety_case::SafetyCase;
-use fga_sim::campaign::Campaign;
+use fga_sim::campaign::{Campaign, Manifest, Summary};
 use serde_json::{Value, json};
 
-use super::FlownCampaign;
 use super::sets::Reaction;
 use crate::named_rows::{Row, rounded};
 
@@ -186,4 +185,11 @@ pub(super) fn in_words(league: &League) -> String {
         }
     }
     text
+}
+
+/// A flown campaign of one policy.
+pub(super) struct FlownCampaign {
+    pub(super) manifest: Manifest,
+    pub(super) summary: Summary,
+    pub(super) sha256: String,
 }
