@@ -136,3 +136,22 @@ impl Flights {
         &self.campaign.configuration.cells
     }
 }
+
+/// Every method; the first one measures the cost of plant and measurement alone.
+pub(crate) const METHODS: [&str; 10] = [
+    "none",
+    "published --start tc",
+    "published --start t0",
+    "turn-aware",
+    "potential-field",
+    "waypoint-greedy",
+    "waypoint-optimal",
+    "orca",
+    "mvp",
+    "velocity-obstacles",
+];
+
+/// Index of a method.
+pub(crate) fn method(name: &str) -> usize {
+    METHODS.iter().position(|m| *m == name).unwrap_or(0)
+}

@@ -9,22 +9,8 @@ use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Totals;
 
 use crate::ReproduceError;
-use crate::flights::{Flights, PLANAR, fly};
+use crate::flights::{Flights, METHODS, PLANAR, fly, method};
 use crate::{Setting, shorter, times};
-
-/// Every method; the first one measures the cost of plant and measurement alone.
-pub(crate) const METHODS: [&str; 10] = [
-    "none",
-    "published --start tc",
-    "published --start t0",
-    "turn-aware",
-    "potential-field",
-    "waypoint-greedy",
-    "waypoint-optimal",
-    "orca",
-    "mvp",
-    "velocity-obstacles",
-];
 
 /// The methods except the first, with their names in a chart.
 const SHORT: [&str; METHODS.len() - 1] = [
@@ -38,11 +24,6 @@ const SHORT: [&str; METHODS.len() - 1] = [
     "mvp",
     "vel. obst.",
 ];
-
-/// Index of a method.
-pub(crate) fn method(name: &str) -> usize {
-    METHODS.iter().position(|m| *m == name).unwrap_or(0)
-}
 
 /// Speeds of §2.3 and obstacles at rest, metres per second.
 const SPEEDS: [&str; 5] = ["0", "15-20", "35-40", "55-60", "0-60"];

@@ -9,8 +9,7 @@ use fga_sim::campaign::Row;
 
 use crate::ReproduceError;
 use crate::Setting;
-use crate::flights::Flights;
-use crate::methods::method;
+use crate::flights::{Flights, method};
 
 /// The methods that the paper claims to be shorter.
 const OWN: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];

@@ -8,8 +8,7 @@ use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 
 use crate::ReproduceError;
 use crate::Setting;
-use crate::flights::{Flights, Times};
-use crate::methods::{METHODS, method};
+use crate::flights::{Flights, METHODS, Times, method};
 
 /// Seconds per case that the paper states: for FGA with static and moving obstacles, and in Table 6.
 fn stated(method: &str) -> [Option<f64>; 2] {
