@@ -48,7 +48,7 @@ pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
 use fga::avoider::{Settings, SettingsError};
 use fga::vehicle::Vehicle;
 
-use crate::policy::PolicyPilot;
+use crate::policy_pilot::PolicyPilot;
 
 /// The baselines and peers by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

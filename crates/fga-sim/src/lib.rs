@@ -55,6 +55,7 @@ pub mod own;
 pub mod plan;
 pub mod plant;
 pub mod policy;
+mod policy_pilot;
 pub mod progress;
 pub mod reaction;
 pub mod recorded;

@@ -1,9 +1,4 @@
 //! Policies by name, and the step that all of them share.
-
-mod pilot;
-
-pub use pilot::PolicyPilot;
-
 use fga::avoider::{Avoider, Settings, SettingsError, Start};
 use fga::pilot::MissionPilot;
 pub use fga::pilot::Pilot;
@@ -13,6 +8,7 @@ use fga_paper::pilot::{PaperPilot, Rule};
 use crate::ahead::Ahead;
 use crate::baselines::Baseline;
 use crate::own::{OwnPolicy, piped};
+pub use crate::policy_pilot::PolicyPilot;
 pub use crate::settings::PolicySettings;
 
 /// A policy by its name on the command line.

@@ -10,7 +10,7 @@ use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
 use super::view::{Route, Sphere, View, flattened};
-use crate::policy::PolicyPilot;
+use crate::policy_pilot::PolicyPilot;
 use crate::wind::crab;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
 

@@ -15,7 +15,7 @@ use fga_formats::words::counted;
 use super::outside::Nobody;
 use super::{Answer, Failure, FailureKind, Make, Outside};
 use crate::baselines::{Route, returning};
-use crate::policy::PolicyPilot;
+use crate::policy_pilot::PolicyPilot;
 use crate::settings::PolicySettings;
 
 /// A policy of one's own by its name.
