@@ -1,12 +1,12 @@
 //! Any bytes of a connection are taken, and give the same reports however they are cut; every line is counted once.
 #![no_main]
 
-use fga_formats::traffic::sbs::{Log, Stream};
+use fga_formats::traffic::sbs::{Log, LineStream};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let collect = |size: usize| {
-        let mut stream = Stream::new();
+        let mut stream = LineStream::new();
         let mut reports = Vec::new();
         for part in bytes.chunks(size) {
             stream.push(part, |report| {

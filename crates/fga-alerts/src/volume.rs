@@ -18,7 +18,7 @@ pub use cylinder::Cylinder;
 pub use uncertain::{DeviationFactors, UncertainWellClear};
 pub use well_clear::{HorizontalTime, VerticalTime, WellClear};
 
-pub(crate) use approach::{Approach, Reach};
+pub(crate) use approach::{Approach, Surroundings};
 
 use crate::aircraft::Pair;
 use crate::loss::Loss;
@@ -56,7 +56,7 @@ impl Volume {
     }
 
     /// A line that passes by the reach, or leaves it, meets nothing afterwards; `None` where that is not known.
-    pub(crate) fn reach(&self) -> Option<Reach> {
+    pub(crate) fn reach(&self) -> Option<Surroundings> {
         match self {
             Self::Cylinder(cylinder) => Some(cylinder.reach()),
             Self::WellClear(volume) => volume.reach(),

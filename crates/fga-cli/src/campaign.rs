@@ -14,8 +14,8 @@ use fga_results::flight_files;
 use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, DecisionTimes, Folder, Manifest, RESULTS, Shard, Stamp, Task,
-    assemble, merge, reread, run as fly,
+    Campaign, CampaignError, Folder, Manifest, PolicyTimes, RESULTS, Shard, Stamp, Task, assemble,
+    merge, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
@@ -41,7 +41,7 @@ pub(crate) struct CampaignArgs {
 #[derive(Subcommand, Debug)]
 enum CampaignCommand {
     /// Fly a campaign, or continue one.
-    Run(RunArgs),
+    Run(CampaignRunArgs),
     /// Write a campaign's encounters as files, without flying them.
     Draw(DrawArgs),
     /// Merge the parts of a campaign.
@@ -54,7 +54,7 @@ enum CampaignCommand {
 
 #[derive(Args, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "one switch each")]
-struct RunArgs {
+struct CampaignRunArgs {
     /// The campaign file (.toml).
     file: PathBuf,
     /// Number of encounters over all cells; without it the file's number.
@@ -148,7 +148,7 @@ pub(crate) fn run(args: &CampaignArgs) -> Result<ExitCode, Failure> {
     }
 }
 
-fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
+fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let overrides = Overrides {
         encounters: args.encounters,
@@ -282,7 +282,7 @@ fn verdict(campaign: &Campaign, skip_damaged: bool) -> Result<ExitCode, Failure>
     )))
 }
 
-fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
+fn rate(times: &[PolicyTimes], fly_s: f64) -> Option<String> {
     let encounters = times.first()?.encounters;
     (encounters > 0).then(|| {
         format!(

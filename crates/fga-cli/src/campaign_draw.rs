@@ -10,7 +10,7 @@ use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
-use fga_sim::drawn::{Content, Origin, ROWS, TRACKS, TableWriter};
+use fga_sim::drawn::{Content, DrawnWriter, Origin, ROWS, TRACKS};
 use serde_json::json;
 
 use crate::batch_input::PARTS;
@@ -161,7 +161,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
 
 /// A Parquet file under construction.
 struct Table {
-    writer: TableWriter<AtomicFile>,
+    writer: DrawnWriter<AtomicFile>,
     path: PathBuf,
 }
 
@@ -169,7 +169,7 @@ impl Table {
     fn create(folder: &Path, name: &str, content: Content) -> Result<Self, OutputError> {
         let path = folder.join(name);
         let file = AtomicFile::create(&path)?;
-        match TableWriter::new(file, content) {
+        match DrawnWriter::new(file, content) {
             Ok(writer) => Ok(Self { writer, path }),
             Err(error) => Err(OutputError::new(path, std::io::Error::other(error))),
         }

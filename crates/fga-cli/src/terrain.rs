@@ -28,7 +28,7 @@ enum TerrainCommand {
     /// Write the heights of an area as a GeoTIFF.
     Cut(CutArgs),
     /// Say whether files of heights are usable, and whether a mission clears their ground.
-    Check(terrain_check::CheckArgs),
+    Check(terrain_check::TerrainCheckArgs),
 }
 
 /// Options of `fga terrain info`.

@@ -20,7 +20,7 @@ use crate::terrain_ground::{Facts, GroundArgs, metres};
 
 /// Options of `fga terrain check`.
 #[derive(Args, Debug)]
-pub(crate) struct CheckArgs {
+pub(crate) struct TerrainCheckArgs {
     #[command(flatten)]
     ground: GroundArgs,
     /// A mission (.plan, .waypoints) or a scenario (.toml) with an [origin], whose legs must clear the ground.
@@ -37,7 +37,7 @@ pub(crate) struct CheckArgs {
 }
 
 /// Reads the files, and flies the mission over them.
-pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+pub(crate) fn run(args: &TerrainCheckArgs) -> Result<ExitCode, Failure> {
     let terrain = args.ground.read()?;
     let mut text = String::new();
     for file in terrain.files() {

@@ -12,7 +12,7 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
 use fga_sim::encounters::{Random, Range};
-use fga_sim::fine::{Body, FineFlight};
+use fga_sim::fine::{FineFlight, GrowingBody};
 use rayon::prelude::*;
 
 /// Accepted excess of the certified margin over the flown one, metres.
@@ -47,7 +47,7 @@ struct Case {
     own: Ownship,
     wind_mps: Vec3,
     maneuver: Maneuver,
-    body: Body,
+    body: GrowingBody,
     horizon_s: f64,
 }
 
@@ -155,7 +155,7 @@ fn maneuver(random: &mut Random, from_rad: f64) -> Maneuver {
 }
 
 /// An obstacle that is near a place of the flight at a moment of it.
-fn body(random: &mut Random, near_m: Vec3, at_s: f64) -> Body {
+fn body(random: &mut Random, near_m: Vec3, at_s: f64) -> GrowingBody {
     let volume = if random.unit() < 0.5 {
         ProtectedVolume::Sphere {
             radius_m: random.within(Range(5.0, 80.0)),
@@ -178,7 +178,7 @@ fn body(random: &mut Random, near_m: Vec3, at_s: f64) -> Body {
         let (sin, cos) = libm::sincos(random.within(Range(-3.2, 3.2)));
         Vec3::new(cos, sin, random.within(Range(-0.1, 0.1))) * random.within(Range(0.0, 60.0))
     };
-    Body {
+    GrowingBody {
         position_m: near_m + beside - velocity_mps * at_s,
         velocity_mps,
         volume,

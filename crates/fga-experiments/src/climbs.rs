@@ -81,7 +81,7 @@ const KINDS: [(&str, Kind); 9] = [
 ];
 
 /// The outcome of one flight.
-struct Flown {
+struct ClimbFlight {
     nominal_m: f64,
     least_m: f64,
     acted: bool,
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &ClimbsArgs) -> Result<(), String> {
     let model = VehicleModel::read(&args.vehicle).map_err(|e| e.to_string())?;
     let policy = parse_policy(&args.policy)?;
     for (name, kind) in KINDS {
-        let flown: Result<Vec<Flown>, String> = (0..args.count)
+        let flown: Result<Vec<ClimbFlight>, String> = (0..args.count)
             .into_par_iter()
             .map(|number| fly_one(kind, (args.seed, number), &model, &policy))
             .collect();
@@ -105,9 +105,9 @@ pub(crate) fn run(args: &ClimbsArgs) -> Result<(), String> {
     Ok(())
 }
 
-fn show(name: &str, flown: &[Flown], rows: bool) {
-    let is_lost = |f: &&Flown| f.least_m < 0.0;
-    let would = |f: &&Flown| f.nominal_m < 0.0;
+fn show(name: &str, flown: &[ClimbFlight], rows: bool) {
+    let is_lost = |f: &&ClimbFlight| f.least_m < 0.0;
+    let would = |f: &&ClimbFlight| f.nominal_m < 0.0;
     let mut cross_m: Vec<f64> = flown.iter().map(|f| f.cross_m).collect();
     cross_m.sort_by(f64::total_cmp);
     println!(
@@ -199,7 +199,7 @@ fn fly_one(
     (seed, number): (u64, u64),
     model: &VehicleModel,
     policy: &PolicyChoice,
-) -> Result<Flown, String> {
+) -> Result<ClimbFlight, String> {
     let mut random = stream(seed, number);
     let own_mps = model.vehicle.airspeed_mps;
     let (radius_m, half_height_m) = NMAC;
@@ -235,7 +235,7 @@ fn fly_one(
     let plan = parse(text, Some(model.clone())).map_err(|e| e.to_string())?;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
     let track = moments(&log);
-    Ok(Flown {
+    Ok(ClimbFlight {
         nominal_m: measure(&own, &intruder, DURATION_S, 1.0)[0],
         least_m: measure(&track, &intruder, DURATION_S, 1.0)[0],
         acted: acted(&log),

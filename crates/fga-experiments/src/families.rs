@@ -176,7 +176,7 @@ fn level(course_rad: f64, length: f64) -> Vec3 {
 }
 
 /// The result of an encounter.
-struct Flown {
+struct FamilyFlight {
     number: u64,
     outcome: Outcome,
     /// Where it was entered or the aircraft was not back: the oracle's margin, metres.
@@ -208,7 +208,7 @@ impl Observer for LastManeuver {
     }
 }
 
-fn fly(family: Family, number: u64, seed: u64) -> Result<Flown, String> {
+fn fly(family: Family, number: u64, seed: u64) -> Result<FamilyFlight, String> {
     let mut random = Random::new(seed ^ ((family as u64) << 32), number);
     let mut model = model(true)?;
     let airspeed_mps = model.vehicle.airspeed_mps;
@@ -272,7 +272,7 @@ fn fly(family: Family, number: u64, seed: u64) -> Result<Flown, String> {
         let vehicle = OracleVehicle::from(&settings.model.vehicle);
         best_margin(&start, &vehicle, &obstacles, &oracle).best_margin_m
     });
-    Ok(Flown {
+    Ok(FamilyFlight {
         number,
         outcome,
         oracle_m,
@@ -282,7 +282,7 @@ fn fly(family: Family, number: u64, seed: u64) -> Result<Flown, String> {
 }
 
 /// Flies some encounters of a family on all cores.
-fn fly_all(family: Family, count: u64, seed: u64) -> Result<Vec<Flown>, String> {
+fn fly_all(family: Family, count: u64, seed: u64) -> Result<Vec<FamilyFlight>, String> {
     (0..count)
         .into_par_iter()
         .map(|number| fly(family, number, seed))
@@ -301,9 +301,9 @@ pub(crate) fn run(args: &FamiliesArgs) -> Result<(), String> {
         }
         let flown = fly_all(family, args.count, args.seed)?;
         let entered = flown.iter().filter(|f| !f.outcome.separated());
-        let avoidable = |f: &&Flown| f.oracle_m.is_some_and(|m| m >= AVOIDABLE_MARGIN_M);
-        let lost: Vec<&Flown> = entered.clone().filter(avoidable).collect();
-        let late: Vec<&Flown> = flown
+        let avoidable = |f: &&FamilyFlight| f.oracle_m.is_some_and(|m| m >= AVOIDABLE_MARGIN_M);
+        let lost: Vec<&FamilyFlight> = entered.clone().filter(avoidable).collect();
+        let late: Vec<&FamilyFlight> = flown
             .iter()
             .filter(|f| f.outcome.separated() && !f.is_back)
             .collect();
@@ -350,7 +350,7 @@ mod tests {
     fn the_aircraft_is_kept_clear_and_back_in_time() {
         for family in Family::ALL {
             let flown = fly_all(family, 300, 3).unwrap();
-            let numbers = |wrong: fn(&Flown) -> bool| -> Vec<u64> {
+            let numbers = |wrong: fn(&FamilyFlight) -> bool| -> Vec<u64> {
                 let wrong = flown.iter().filter(|f| wrong(f));
                 wrong.map(|f| f.number).collect()
             };

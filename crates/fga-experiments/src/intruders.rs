@@ -34,7 +34,7 @@ const LIMITS: Limits = Limits {
 /// Options of `intruders`.
 #[derive(Args, Debug)]
 pub(crate) struct IntrudersArgs {
-    family: Family,
+    family: IntruderFamily,
     /// Number of encounters of each kind.
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     count: u64,
@@ -47,7 +47,7 @@ pub(crate) struct IntrudersArgs {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Family {
+enum IntruderFamily {
     /// One to three intruders with random turns up to 6 °/s, ±2 m/s², climbs.
     Turning,
     /// Each half second the worst of three turns.
@@ -236,26 +236,26 @@ pub(crate) fn run(args: &IntrudersArgs) {
         ideal.movement = Movement::Straight;
     }
     match args.family {
-        Family::Turning => {
+        IntruderFamily::Turning => {
             for intruders in 1..=3 {
                 let judged = turning(count, seed, &ideal, intruders);
                 show(&format!("{intruders} turning"), &judged);
             }
         }
-        Family::Pursuit => {
+        IntruderFamily::Pursuit => {
             for degrees in [1.5_f64, 3.0, 6.0] {
                 let judged = pursuit(count, seed, &ideal, degrees.to_radians());
                 show(&format!("pursuit with {degrees} °/s"), &judged);
             }
         }
-        Family::Gusts => {
+        IntruderFamily::Gusts => {
             for gust_mps in [0.3, 0.7, 1.5] {
                 let gusty = Conditions { gust_mps, ..ideal };
                 let judged = straight(count, seed, &gusty, (3, 16.0));
                 show(&format!("gusts of {gust_mps} m/s"), &judged);
             }
         }
-        Family::Noise => {
+        IntruderFamily::Noise => {
             let noisy = Conditions {
                 noise_m: 10.0,
                 latency_s: 0.5,
@@ -264,13 +264,13 @@ pub(crate) fn run(args: &IntrudersArgs) {
             };
             show("noise", &straight(count, seed, &noisy, (3, 16.0)));
         }
-        Family::Missing => {
+        IntruderFamily::Missing => {
             for missing in [0.2, 0.5] {
                 let judged = straight(count, seed, &Conditions { missing, ..ideal }, (3, 1.0));
                 show(&format!("{missing} missing"), &judged);
             }
         }
-        Family::Calm => show("calm", &calm(count, seed, &ideal, 10.0)),
+        IntruderFamily::Calm => show("calm", &calm(count, seed, &ideal, 10.0)),
     }
 }
 

@@ -56,14 +56,14 @@ const LEFT_M: f64 = 0.01;
 /// Follows a flight: the start of the avoidance, the entries, the largest altitude above or below the mission, and the state of
 /// everything when an intruder is to turn.
 #[derive(Default)]
-struct Story {
+struct LostStory {
     off_m: f64,
     avoids_s: Option<f64>,
     states: Vec<(f64, State)>,
     turn: Option<(f64, OracleStart)>,
 }
 
-impl Observer for Story {
+impl Observer for LostStory {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let state = moment.decision.state;
         self.off_m = f64::max(self.off_m, moment.situation.ownship.position_m.z.abs());
@@ -88,7 +88,7 @@ impl Observer for Story {
 }
 
 /// The result of an encounter.
-struct Flown {
+struct LostFlight {
     number: u64,
     outcome: Outcome,
     states: Vec<(f64, State)>,
@@ -98,12 +98,16 @@ struct Flown {
     oracle_m: Option<f64>,
 }
 
-fn fly(settings: &BatchSettings, encounter: &Encounter, args: &LostArgs) -> Result<Flown, String> {
+fn fly(
+    settings: &BatchSettings,
+    encounter: &Encounter,
+    args: &LostArgs,
+) -> Result<LostFlight, String> {
     let mut world = world(settings, encounter)?;
     if let Some(layer_m) = args.layer {
         world.limits_m = (-layer_m, layer_m);
     }
-    let mut story = Story::default();
+    let mut story = LostStory::default();
     let mut outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
     let mut start = OracleStart::ORIGIN;
     let mut obstacles = oracle_obstacles(encounter);
@@ -113,7 +117,7 @@ fn fly(settings: &BatchSettings, encounter: &Encounter, args: &LostArgs) -> Resu
         // Until the turn, the second flight repeats the first one.
         obstacles = turn_closest(&mut world, turn_s, from.position_m, encounter.id);
         start = from;
-        story = Story::default();
+        story = LostStory::default();
         outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
     }
     let is_lost = !outcome.separated() || args.layer.is_some_and(|m| story.off_m > m + LEFT_M);
@@ -122,7 +126,7 @@ fn fly(settings: &BatchSettings, encounter: &Encounter, args: &LostArgs) -> Resu
         let vehicle = OracleVehicle::from(&settings.model.vehicle);
         best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
     });
-    Ok(Flown {
+    Ok(LostFlight {
         number: encounter.id,
         outcome,
         off_m: story.off_m,
@@ -211,21 +215,21 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
     println!("cell,saved,lost,not avoidable,not back,median cross m,median extra m");
     for (cell, source) in args.draw.sources()? {
         let settings = settings(source.planar, policy.clone(), HORIZON_S)?;
-        let flown: Vec<Flown> = (0..args.draw.count)
+        let flown: Vec<LostFlight> = (0..args.draw.count)
             .into_par_iter()
             .map(|number| fly(&settings, &source.encounter(number), args))
             .collect::<Result<_, _>>()?;
-        let left = |f: &Flown| args.layer.is_some_and(|m| f.off_m > m + LEFT_M);
-        let saved: Vec<&Flown> = flown
+        let left = |f: &LostFlight| args.layer.is_some_and(|m| f.off_m > m + LEFT_M);
+        let saved: Vec<&LostFlight> = flown
             .iter()
             .filter(|f| f.outcome.separated() && !left(f))
             .collect();
-        let is_lost = |f: &&Flown| {
+        let is_lost = |f: &&LostFlight| {
             f.oracle_m
                 .is_some_and(|best_m| best_m >= AVOIDABLE_MARGIN_M)
         };
         let lost = flown.iter().filter(is_lost).count();
-        let back: Vec<&&Flown> = saved
+        let back: Vec<&&LostFlight> = saved
             .iter()
             .filter(|f| f.outcome.end_s < HORIZON_S)
             .collect();
@@ -273,7 +277,7 @@ mod tests {
             let policy = parse_policy(&args.policy).unwrap();
             let settings = settings(false, policy, HORIZON_S).unwrap();
             let (_, source) = args.draw.sources().unwrap().remove(0);
-            let flown: Vec<Flown> = (0..args.draw.count)
+            let flown: Vec<LostFlight> = (0..args.draw.count)
                 .map(|number| fly(&settings, &source.encounter(number), &args).unwrap())
                 .collect();
             assert!(flown.iter().any(|f| f.off_m > 1.0), "none climbs: {cell}");

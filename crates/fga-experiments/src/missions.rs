@@ -23,13 +23,13 @@ const PROTECTED: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
 /// Options of `missions`.
 #[derive(Args, Debug)]
 pub(crate) struct MissionsArgs {
-    family: Family,
+    family: MissionFamily,
     /// Vehicle file; without it the aircraft of Table 4.
     vehicle: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Family {
+enum MissionFamily {
     /// Survey lines 10 to 100 m apart.
     Survey,
     /// Zigzags with corners up to 180°.
@@ -39,17 +39,17 @@ enum Family {
 }
 
 #[derive(Default)]
-struct Flown {
+struct MissionFlight {
     samples: Vec<Sample>,
 }
 
-impl Observer for Flown {
+impl Observer for MissionFlight {
     fn sample(&mut self, sample: &Sample) {
         self.samples.push(*sample);
     }
 }
 
-impl Flown {
+impl MissionFlight {
     fn distance_m(&self, place_m: Vec3) -> f64 {
         let near = |pair: &[Sample]| {
             let (a, b) = (pair[0].position_m, pair[1].position_m);
@@ -131,11 +131,11 @@ fn world(model: &VehicleModel, mission_m: Vec<Vec3>, wind_mps: Vec3, horizon_s: 
     world
 }
 
-fn fly(world: &World) -> (Flown, Outcome) {
+fn fly(world: &World) -> (MissionFlight, Outcome) {
     let mut pilot = PolicyChoice::default()
         .pilot(&world.settings, &world.vehicle)
         .expect("usable settings");
-    let mut flown = Flown::default();
+    let mut flown = MissionFlight::default();
     let outcome = Engine::new().fly(world, pilot.as_mut(), &mut flown);
     (flown, outcome)
 }
@@ -290,9 +290,9 @@ pub(crate) fn run(args: &MissionsArgs) -> Result<(), String> {
     };
     let model = model.map_err(|error| error.to_string())?;
     match args.family {
-        Family::Survey => survey(&model),
-        Family::Corners => corners(&model),
-        Family::Curves => curves(&model),
+        MissionFamily::Survey => survey(&model),
+        MissionFamily::Corners => corners(&model),
+        MissionFamily::Curves => curves(&model),
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ const COUNTS: [usize; 3] = [1, 3, 8];
 
 /// What came of encounters.
 #[derive(Debug, Default, Clone)]
-struct Count {
+struct Outcomes {
     /// Decisions that claimed a resilience.
     claimed: u32,
     /// Of these, the encounters in which an aircraft was entered: their numbers, and by how much, metres.
@@ -45,7 +45,7 @@ struct Count {
     straight: u32,
 }
 
-impl Count {
+impl Outcomes {
     fn and(mut self, other: Self) -> Self {
         self.entered.extend(other.entered);
         Self {
@@ -139,7 +139,7 @@ fn least_m(plant: &mut Plant, intruders: &mut [Obstacle], motions: &[(f64, f64, 
     least_m
 }
 
-fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
+fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
     let stream = seed
         .wrapping_mul(0x9e37_79b9)
         .wrapping_add(number)
@@ -170,10 +170,10 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
         .iter()
         .any(|intruder| intruder.position_m.length() < 3.0 * RADIUS_M)
     {
-        return Count::default();
+        return Outcomes::default();
     }
     let waypoints_m = [Vec3::ZERO, Vec3::new(1e5, 0.0, 0.0)];
-    let mut count = Count::default();
+    let mut count = Outcomes::default();
     // The moment: so many decisions that claim something have passed.
     let mut left = (random.unit() * random.unit() * 150.0) as u32;
     let mut step = 0_u32;
@@ -219,7 +219,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
     count
 }
 
-fn counted(count: u64, seed: u64) -> Vec<(usize, bool, Count)> {
+fn counted(count: u64, seed: u64) -> Vec<(usize, bool, Outcomes)> {
     let cells = COUNTS
         .into_iter()
         .flat_map(|aircraft| [(aircraft, true), (aircraft, false)]);
@@ -228,7 +228,11 @@ fn counted(count: u64, seed: u64) -> Vec<(usize, bool, Count)> {
             let flown = (0..count)
                 .into_par_iter()
                 .map(|number| fly(seed, number, aircraft, planar));
-            (aircraft, planar, flown.reduce(Count::default, Count::and))
+            (
+                aircraft,
+                planar,
+                flown.reduce(Outcomes::default, Outcomes::and),
+            )
         })
         .collect()
 }

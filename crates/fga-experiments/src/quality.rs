@@ -56,7 +56,7 @@ impl Observer for Steps {
 
 /// One encounter at one limit.
 #[derive(Debug, Clone, Copy)]
-struct Flown {
+struct LimitFlight {
     is_saved: bool,
     cross_m: f64,
     steps: Steps,
@@ -85,17 +85,17 @@ fn at_limits(args: &QualityArgs, planar: bool) -> Result<Vec<(u32, BatchSettings
 fn flown(
     encounter: &Encounter,
     limits: &[(u32, BatchSettings)],
-) -> Result<(bool, Vec<Flown>), String> {
+) -> Result<(bool, Vec<LimitFlight>), String> {
     let at = |(_, settings): &(u32, BatchSettings)| {
         let mut steps = Steps::default();
         let outcome = fly(settings, encounter, &mut steps)?;
-        Ok(Flown {
+        Ok(LimitFlight {
             is_saved: outcome.separated(),
             cross_m: outcome.max_cross_track_m,
             steps,
         })
     };
-    let flown: Vec<Flown> = limits.iter().map(at).collect::<Result<_, String>>()?;
+    let flown: Vec<LimitFlight> = limits.iter().map(at).collect::<Result<_, String>>()?;
     let is_avoidable = flown.iter().any(|flown| flown.is_saved)
         || limits.first().is_some_and(|(_, settings)| {
             let vehicle = OracleVehicle::from(&settings.model.vehicle);
@@ -113,7 +113,7 @@ pub(crate) fn run(args: &QualityArgs) -> Result<(), String> {
     let mut limits = Vec::new();
     for (_, source) in args.draw.sources()? {
         limits = at_limits(args, source.planar)?;
-        let flown: Vec<(bool, Vec<Flown>)> = (0..args.draw.count)
+        let flown: Vec<(bool, Vec<LimitFlight>)> = (0..args.draw.count)
             .into_par_iter()
             .map(|number| flown(&source.encounter(number), &limits))
             .collect::<Result<_, _>>()?;

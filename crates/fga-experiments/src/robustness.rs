@@ -108,7 +108,7 @@ impl Observer for Story {
 }
 
 /// The result of an encounter.
-struct Flown {
+struct RobustFlight {
     number: u64,
     outcome: Outcome,
     oracle_m: f64,
@@ -119,7 +119,7 @@ fn fly(
     source: &EncounterSource,
     conditions: &RobustnessArgs,
     number: u64,
-) -> Result<Flown, String> {
+) -> Result<RobustFlight, String> {
     let settings = conditions.settings(source.planar, number, source.seed)?;
     let model = &settings.model;
     let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)
@@ -153,7 +153,7 @@ fn fly(
         let vehicle = OracleVehicle::from(&model.vehicle);
         best_margin(&start, &vehicle, &obstacles, &oracle_settings).best_margin_m
     };
-    Ok(Flown {
+    Ok(RobustFlight {
         number,
         outcome,
         oracle_m,
@@ -166,13 +166,13 @@ pub(crate) fn run(args: &RobustnessArgs) -> Result<(), String> {
     println!("cell,saved,lost,not avoidable,share saved %");
     let (mut all_saved, mut all_lost) = (0, 0);
     for (cell, source) in &args.draw.sources()? {
-        let flown: Vec<Flown> = (0..args.draw.count)
+        let flown: Vec<RobustFlight> = (0..args.draw.count)
             .into_par_iter()
             .filter(|n| args.only.is_none_or(|only| only == *n))
             .map(|n| fly(source, args, n))
             .collect::<Result<_, _>>()?;
         let saved = flown.iter().filter(|f| f.outcome.separated()).count();
-        let is_lost = |f: &&Flown| !f.outcome.separated() && f.oracle_m >= 0.1;
+        let is_lost = |f: &&RobustFlight| !f.outcome.separated() && f.oracle_m >= 0.1;
         let lost = flown.iter().filter(is_lost).count();
         let share = 100.0 * saved as f64 / (saved + lost).max(1) as f64;
         println!(

@@ -41,7 +41,7 @@ pub struct CampaignFile {
     pub recordings: Vec<Spanned<String>>,
     /// Grids of conditions.
     #[serde(default)]
-    pub grid: Vec<Spanned<Grid>>,
+    pub grid: Vec<Spanned<CellGrid>>,
     /// Encounter models.
     #[serde(default)]
     pub model: Vec<Spanned<Model>>,
@@ -100,7 +100,7 @@ pub enum OwnshipFlight {
 /// `[[grid]]`: every combination is a cell.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub struct CellGrid {
     /// Family of encounters.
     pub family: Spanned<String>,
     /// Numbers of intruders.

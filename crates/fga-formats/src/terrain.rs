@@ -27,7 +27,7 @@ mod reader;
 mod requested;
 mod write;
 
-pub use along::{Clearance, Lowest, Piece};
+pub use along::{Clearance, GroundPoint, Lowest};
 pub use area::Area;
 pub use field::{Grid, HeightField};
 pub use file::{Datum, Given, Stated, TerrainFile};

@@ -48,13 +48,13 @@ pub struct BootClock {
     offset_s: f64,
     offset_at_s: f64,
     suspects: u8,
-    late: Option<Late>,
+    late: Option<LateRun>,
 }
 
 /// Messages that are all late: start, least and largest lateness, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
 #[derive(Debug, Clone, Copy)]
-struct Late {
+struct LateRun {
     since_s: f64,
     least_s: f64,
     most_s: f64,
@@ -132,7 +132,7 @@ impl BootClock {
             self.late = None;
             return;
         }
-        let begun = Late {
+        let begun = LateRun {
             since_s: now_s,
             least_s: late_s,
             most_s: late_s,

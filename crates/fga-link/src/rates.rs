@@ -14,7 +14,7 @@ use crate::outgoing::Outbox;
 
 /// A requested message.
 #[derive(Debug, Clone, Copy)]
-struct Stream {
+struct RequestedStream {
     message_id: f32,
     interval_s: f64,
 }
@@ -23,55 +23,55 @@ struct Stream {
 const ATTITUDE: usize = 0;
 const POSITION: usize = 1;
 /// The messages and their intervals; the heartbeat more often than usual, because it has the mode.
-const STREAMS: [Stream; 12] = [
-    Stream {
+const STREAMS: [RequestedStream; 12] = [
+    RequestedStream {
         message_id: 30.0,
         interval_s: 0.05,
     },
-    Stream {
+    RequestedStream {
         message_id: 33.0,
         interval_s: 0.1,
     },
-    Stream {
+    RequestedStream {
         message_id: 0.0,
         interval_s: 0.25,
     },
-    Stream {
+    RequestedStream {
         message_id: 74.0,
         interval_s: 0.25,
     },
-    Stream {
+    RequestedStream {
         message_id: 168.0,
         interval_s: 1.0,
     },
-    Stream {
+    RequestedStream {
         message_id: 42.0,
         interval_s: 0.5,
     },
-    Stream {
+    RequestedStream {
         // The commanded bank, often enough for `fga identify`.
         message_id: 62.0,
         interval_s: 0.2,
     },
-    Stream {
+    RequestedStream {
         message_id: 87.0,
         interval_s: 0.5,
     },
-    Stream {
+    RequestedStream {
         message_id: 2.0,
         interval_s: 2.0,
     },
     // Our pressure, to compare with other aircraft's, and the height of the geoid.
-    Stream {
+    RequestedStream {
         message_id: 29.0,
         interval_s: 0.5,
     },
-    Stream {
+    RequestedStream {
         message_id: 24.0,
         interval_s: 2.0,
     },
     // Whether the fence is enabled.
-    Stream {
+    RequestedStream {
         message_id: 1.0,
         interval_s: 1.0,
     },

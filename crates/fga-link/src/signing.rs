@@ -80,7 +80,7 @@ impl SigningCounts {
 }
 
 #[derive(Default)]
-struct State {
+struct SigningState {
     counts: SigningCounts,
     told: [bool; Refusal::ALL.len()],
     sent: u64,
@@ -89,7 +89,7 @@ struct State {
     heard: BTreeMap<(u8, u8, u8), u64>,
 }
 
-impl State {
+impl SigningState {
     /// The newest timestamp heard; 0 before any.
     fn newest(&self) -> u64 {
         self.heard.values().copied().max().unwrap_or(0)
@@ -102,7 +102,7 @@ struct Inner {
     key: [u8; 32],
     link_id: u8,
     allow_unsigned: bool,
-    state: Mutex<State>,
+    state: Mutex<SigningState>,
 }
 
 /// Key and state of MAVLink 2 message signing, and whether it accepts unsigned frames.
@@ -149,7 +149,7 @@ impl Signing {
         }))
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, SigningState> {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

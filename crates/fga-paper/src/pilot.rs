@@ -35,7 +35,7 @@ enum Edition {
 
 /// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Plan {
+struct Planned {
     maneuver: Maneuver,
     /// Time of the decision, seconds on the situation's clock.
     decided_s: f64,
@@ -54,7 +54,7 @@ struct Plan {
     against: Against,
 }
 
-impl Plan {
+impl Planned {
     fn remaining(&self, time_s: f64) -> Maneuver {
         self.maneuver.after(time_s - self.decided_s)
     }
@@ -75,7 +75,7 @@ pub struct PaperPilot {
     /// The obstacles with their uncertainty, for certifying a way back.
     tracks: Tracks,
     path: FlightPath,
-    plan: Option<Plan>,
+    plan: Option<Planned>,
     /// The way round a static obstacle, of the rule [`Rule::Circle`].
     round: Option<circle::Round>,
     last_time_s: f64,
@@ -165,7 +165,7 @@ impl PaperPilot {
     }
 
     /// The decision to fly the rest of a plan.
-    fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
+    fn report(&self, plan: &Planned, time_s: f64, reason: Reason) -> Decision {
         let elapsed_s = time_s - plan.decided_s;
         let command = plan.remaining(time_s);
         let mut decision = self.decision(&command, reason);

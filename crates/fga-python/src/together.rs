@@ -20,7 +20,7 @@ use crate::work::Shared;
 type Tables = [Vec<(&'static str, Column)>; 2];
 
 /// A question to the thread of the policy.
-enum Question {
+enum ThreadQuestion {
     /// Make the policy for the flights that begin.
     Begin,
     /// Answer for flights.
@@ -41,7 +41,7 @@ pub(crate) fn fly(
     };
     let vehicle = settings.model.vehicle;
     let policy = std::sync::Arc::new(policy);
-    let mut thread: Result<Thread<Question, Vec<Answer>>, Failure> =
+    let mut thread: Result<Thread<ThreadQuestion, Vec<Answer>>, Failure> =
         Err(Failure::new(FailureKind::Ended, "the policy has not begun"));
     let thread = std::cell::RefCell::new(&mut thread);
     let begin = || {
@@ -49,12 +49,12 @@ pub(crate) fn fly(
         let mut step = None;
         let started = Thread::start(move |py, question| {
             let tables = match question {
-                Question::Begin => {
+                ThreadQuestion::Begin => {
                     let calls = made(py, &policy, STEP_ALL, &of_flights, &vehicle);
                     step = Some(calls.map_err(|error| raised(py, &error))?.0);
                     return Ok(Vec::new());
                 }
-                Question::Step(tables) => tables,
+                ThreadQuestion::Step(tables) => tables,
             };
             let Some(step) = &step else {
                 return Err(Failure::new(FailureKind::Ended, "the policy was not made"));
@@ -62,7 +62,7 @@ pub(crate) fn fly(
             answers(py, step, tables)
         });
         **thread.borrow_mut() = started.and_then(|thread| {
-            thread.ask(Question::Begin, limit_s.max(10.0))??;
+            thread.ask(ThreadQuestion::Begin, limit_s.max(10.0))??;
             Ok(thread)
         });
     };
@@ -72,7 +72,7 @@ pub(crate) fn fly(
         }
         let mut thread = thread.borrow_mut();
         let answer = match &**thread {
-            Ok(thread) => thread.ask(Question::Step(tables(questions)), limit_s),
+            Ok(thread) => thread.ask(ThreadQuestion::Step(tables(questions)), limit_s),
             Err(failure) => return Err(failure.clone()),
         };
         answer.and_then(|answer| answer).inspect_err(|failure| {

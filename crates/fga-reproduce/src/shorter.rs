@@ -18,10 +18,10 @@ const OWN: [&str; 3] = ["published --start tc", "published --start t0", "turn-aw
 const PLANNERS: [&str; 2] = ["waypoint-greedy", "waypoint-optimal"];
 
 /// A length of a flight and its name.
-type Measure = (&'static str, fn(&Row) -> Option<f64>);
+type NamedLength = (&'static str, fn(&Row) -> Option<f64>);
 
 /// Possible meanings of the length of the changed path.
-const MEASURES: [Measure; 3] = [
+const MEASURES: [NamedLength; 3] = [
     ("extra path", |row| Some(row.extra_path_m)),
     ("time away from the route", Row::time_away_s),
     ("whole path until back", |row| {
@@ -31,7 +31,7 @@ const MEASURES: [Measure; 3] = [
 ];
 
 /// One comparison.
-struct Compared {
+struct PathComparison {
     obstacles: &'static str,
     own: &'static str,
     planner: &'static str,
@@ -40,7 +40,7 @@ struct Compared {
     shorter: [Option<Estimate>; MEASURES.len()],
 }
 
-impl Compared {
+impl PathComparison {
     fn of(
         obstacles: &'static str,
         flights: &Flights,
@@ -88,7 +88,7 @@ pub(crate) fn section(
     for (obstacles, flights) in [("static", still), ("moving", moving)] {
         for planner in PLANNERS {
             for own in OWN {
-                compared.push(Compared::of(obstacles, flights, own, planner));
+                compared.push(PathComparison::of(obstacles, flights, own, planner));
             }
         }
     }
@@ -146,7 +146,7 @@ pub(crate) fn section(
     })
 }
 
-fn reading(compared: &[Compared]) -> Reading {
+fn reading(compared: &[PathComparison]) -> Reading {
     let told = |own: &str| {
         let told: Vec<String> = compared
             .iter()

@@ -6,7 +6,7 @@ pub mod summary;
 
 use fga_formats::atomic;
 use fga_sim::campaign::{
-    Assembled, Campaign, CampaignError, DecisionTimes, Folder, Manifest, Summary,
+    Assembled, Campaign, CampaignError, Folder, Manifest, PolicyTimes, Summary,
 };
 use serde_json::{Value, json};
 
@@ -39,7 +39,7 @@ pub fn finish(
 }
 
 /// The times of the decisions of one run, for its `run.json`: of all policies together, and of each.
-pub fn decision_times(campaign: &Campaign, times: &[DecisionTimes], fly_s: f64) -> Value {
+pub fn decision_times(campaign: &Campaign, times: &[PolicyTimes], fly_s: f64) -> Value {
     let encounters = times.first().map_or(0, |times| times.encounters);
     let policies: Vec<Value> = campaign
         .configuration

@@ -54,7 +54,7 @@ pub use judge::{FlownPath, metrics_of};
 pub use merge::{Assembled, assemble, merge, reread};
 pub use row::Row;
 pub use rows::RowFiles;
-pub use run::{DecisionTimes, Progress, Task, run};
+pub use run::{PolicyTimes, Progress, Task, run};
 pub use stamp::Stamp;
 pub use tail::Tail;
 pub use totals::{Quantiles, Summary, Totals};

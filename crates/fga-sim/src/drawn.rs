@@ -17,7 +17,7 @@ use fga_formats::encounters::{self, Encounter};
 use fga_formats::recordings::{self, Encounters};
 
 pub use origin::{Content, Origin};
-pub use tables::{ROW_COLUMNS, TRACK_COLUMNS, TableWriter};
+pub use tables::{DrawnWriter, ROW_COLUMNS, TRACK_COLUMNS};
 
 /// The table of aircraft with tracks in a drawn folder.
 pub const TRACKS: &str = "tracks.parquet";

@@ -30,7 +30,7 @@ const GAUSS: [(f64, f64); 4] = [
 
 /// An obstacle that flies straight over the ground; its volume grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body {
+pub struct GrowingBody {
     /// Centre at the beginning, metres.
     pub position_m: Vec3,
     /// Velocity over the ground, metres per second.
@@ -41,7 +41,7 @@ pub struct Body {
     pub growth_mps: f64,
 }
 
-impl Body {
+impl GrowingBody {
     /// Signed distance of a point from the volume at a time, metres, by elementary geometry.
     pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
         let x = position_m.x - (self.position_m.x + self.velocity_mps.x * at_s);
@@ -299,7 +299,7 @@ impl<'a> FineFlight<'a> {
     }
 
     /// Least signed distance to any body's volume up to `until_s`, metres; infinite without bodies.
-    pub fn least_margin_m(&mut self, bodies: &[Body], until_s: f64) -> f64 {
+    pub fn least_margin_m(&mut self, bodies: &[GrowingBody], until_s: f64) -> f64 {
         let mut least = bodies
             .iter()
             .map(|body| body.margin_m(self.state.position_m, self.state.time_s))
@@ -325,7 +325,7 @@ fn moving(left_rad: f64, limit_radps: f64) -> (f64, f64) {
 }
 
 /// Least margin on a straight piece, along which it is a convex function.
-fn least_between(from: &FineState, to: &FineState, body: &Body) -> f64 {
+fn least_between(from: &FineState, to: &FineState, body: &GrowingBody) -> f64 {
     let span_s = to.time_s - from.time_s;
     let at = |share: f64| {
         let position_m = from.position_m + (to.position_m - from.position_m) * share;

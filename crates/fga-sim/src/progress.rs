@@ -81,7 +81,7 @@ pub struct MissionProgress {
     ahead_m: f64,
     /// Index of the present leg.
     leg: usize,
-    line: Option<Leg>,
+    line: Option<MissionLeg>,
     /// Length of the earlier legs, metres.
     before_m: f64,
     along_m: f64,
@@ -102,7 +102,7 @@ pub struct MissionProgress {
 
 /// A leg of positive length.
 #[derive(Debug, Clone, Copy)]
-struct Leg {
+struct MissionLeg {
     from_m: Vec3,
     direction: Vec3,
     length_m: f64,
@@ -110,7 +110,7 @@ struct Leg {
     last: bool,
 }
 
-impl Leg {
+impl MissionLeg {
     fn of(waypoints_m: &[Vec3], leg: usize) -> Option<Self> {
         let (from, to) = (*waypoints_m.get(leg)?, *waypoints_m.get(leg + 1)?);
         Some(Self {
@@ -279,7 +279,7 @@ impl MissionProgress {
     }
 
     fn along(line_m: Vec<Vec3>, waypoints: Vec<Passed>, ahead_m: f64, position_m: Vec3) -> Self {
-        let line = Leg::of(&line_m, 0);
+        let line = MissionLeg::of(&line_m, 0);
         let mut progress = Self {
             line_m,
             waypoints,
@@ -326,12 +326,12 @@ impl MissionProgress {
             if along <= 0.5 * line.length_m {
                 break;
             }
-            let nearer = |leg: &Leg| leg.measure(position_m).1 < beside;
-            let flies_along = |leg: &Leg| {
+            let nearer = |leg: &MissionLeg| leg.measure(position_m).1 < beside;
+            let flies_along = |leg: &MissionLeg| {
                 let velocity_mps = velocity_mps();
                 velocity_mps.dot(leg.direction) > 0.8 * velocity_mps.length()
             };
-            let after = |legs: usize| Leg::of(&self.line_m, self.leg + legs);
+            let after = |legs: usize| MissionLeg::of(&self.line_m, self.leg + legs);
             let next = after(1);
             if next.is_some_and(|leg| nearer(&leg)) {
                 self.before_m += line.length_m;
@@ -368,7 +368,7 @@ impl MissionProgress {
     fn look_ahead(&mut self, position_m: Vec3, velocity_mps: Vec3) {
         let mut before_m = self.before_m;
         for index in self.leg.. {
-            let Some(leg) = Leg::of(&self.line_m, index) else {
+            let Some(leg) = MissionLeg::of(&self.line_m, index) else {
                 return;
             };
             if before_m - self.along_m > self.ahead_m {
@@ -513,7 +513,7 @@ impl MissionProgress {
     }
 
     fn length_m(&self, leg: usize) -> f64 {
-        Leg::of(&self.line_m, leg).map_or(0.0, |leg| leg.length_m)
+        MissionLeg::of(&self.line_m, leg).map_or(0.0, |leg| leg.length_m)
     }
 
     /// Present distance from the mission, metres.

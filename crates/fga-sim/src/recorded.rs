@@ -30,7 +30,7 @@ pub struct RecordingSource {
 
 /// The content of folders of recordings.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Found {
+pub struct FoundRecordings {
     /// Usable files.
     pub sources: Vec<RecordingSource>,
     /// The faults of the others, one sentence each.
@@ -43,8 +43,8 @@ pub struct Found {
 ///
 /// # Errors
 /// An unreadable folder or one without recordings; no usable recording.
-pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<Found, InputError> {
-    let mut found = Found::default();
+pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<FoundRecordings, InputError> {
+    let mut found = FoundRecordings::default();
     let mut errors = Vec::new();
     for path in paths {
         let source = std::path::absolute(path)

@@ -39,14 +39,14 @@ pub(super) struct Target {
     /// The line on which it flies level, or the only one.
     level: usize,
     /// `None` where the altitude is flown along one line from the begin.
-    way: Option<Way>,
+    way: Option<LevelWay>,
 }
 
 /// A way of three parts: to the rate, along the rate, to the altitude.
 ///
 /// The lines to the rate, and the one along it, are the same for all altitudes to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Way {
+pub(super) struct LevelWay {
     /// The first line.
     begin: usize,
     /// The line along the rate.
@@ -60,7 +60,7 @@ pub(super) struct Way {
     pub(super) level_since_s: f64,
 }
 
-impl Way {
+impl LevelWay {
     /// Lines until the rate is reached.
     pub(super) fn early(&self) -> Range<usize> {
         self.begin..self.rate
@@ -73,7 +73,7 @@ impl Way {
 
 impl Target {
     /// `None` where the altitude is flown along one line from the begin.
-    pub(super) const fn way(&self) -> Option<&Way> {
+    pub(super) const fn way(&self) -> Option<&LevelWay> {
         self.way.as_ref()
     }
 
@@ -197,7 +197,7 @@ impl Levels {
         }
     }
 
-    fn add_level(&mut self, line: Line, way: Option<Way>) {
+    fn add_level(&mut self, line: Line, way: Option<LevelWay>) {
         let level = self.lines.len();
         self.lines.push(line);
         self.targets.push(Target { level, way });
@@ -233,7 +233,7 @@ impl Levels {
         let seconds = seconds(libm::ceil(t2), libm::floor(t3), horizon_s);
         self.lines
             .extend(seconds.map(|time_s| change.line_at(time_s)));
-        let way = Way {
+        let way = LevelWay {
             begin,
             rate,
             late,

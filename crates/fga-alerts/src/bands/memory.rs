@@ -256,7 +256,7 @@ impl Memory {
         self.preferred_since_s.filter(|_| usable)
     }
 
-    fn keep_resolutions(&mut self, bands: &[Band], found: &WaysOut, step: &Step) {
+    fn keep_resolutions(&mut self, bands: &[Band], found: &NearestWays, step: &Step) {
         let since_s = self
             .remembered_since_s(step)
             .filter(|since_s| step.time_s > *since_s);
@@ -366,7 +366,7 @@ impl Memory {
 }
 
 /// The nearest resolutions and their bands.
-struct WaysOut {
+struct NearestWays {
     low: Resolution,
     high: Resolution,
     low_index: Option<usize>,
@@ -382,8 +382,8 @@ fn nearest_ways_out(
     index: Option<usize>,
     step: &Step,
     corrective: Region,
-) -> WaysOut {
-    let mut ways = WaysOut {
+) -> NearestWays {
+    let mut ways = NearestWays {
         low: Resolution::Unneeded,
         high: Resolution::Unneeded,
         low_index: index,

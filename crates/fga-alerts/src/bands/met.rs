@@ -5,7 +5,7 @@ use crate::almost::Closeness::Rounding;
 use crate::bands::path::{Line, Lines};
 use crate::loss::{Loss, earlier_of, later_of};
 use crate::settings::Settings;
-use crate::volume::{Approach, Reach, Volume};
+use crate::volume::{Approach, Surroundings, Volume};
 use alloc::vec::Vec;
 use core::cell::Cell;
 use core::ops::Range;
@@ -191,7 +191,7 @@ pub(crate) struct Meeting<'a> {
     known: Option<&'a [Cell<Loss>]>,
     /// Whether windows depend on the time that is asked for.
     pub(super) depends_on_time: bool,
-    reach: Option<Reach>,
+    reach: Option<Surroundings>,
     /// Nothing later than this after the begin of a line is asked for, seconds; `None` where anything may be.
     asked_s: Option<f64>,
     lookahead_s: f64,
@@ -246,7 +246,7 @@ impl Meeting<'_> {
     /// How a line approaches, unless its window is known and more is not worth asking.
     #[expect(clippy::inline_always, reason = "asked for each line of each quantity")]
     #[inline(always)]
-    fn approach_of_unknown(&self, index: usize) -> Option<(&Line, Approach, &Reach)> {
+    fn approach_of_unknown(&self, index: usize) -> Option<(&Line, Approach, &Surroundings)> {
         let place = self.known?.get(index)?;
         let (line, reach) = (self.lines.get(index)?, self.reach.as_ref()?);
         place

@@ -23,7 +23,7 @@ pub(crate) struct Approach {
 
 /// A circle and a height: outside of either a volume is not violated, unless time counts too.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Reach {
+pub(crate) struct Surroundings {
     /// Squared horizontal distance, m².
     pub(crate) square_m2: f64,
     /// Vertical distance, metres.
@@ -98,7 +98,7 @@ impl Approach {
     /// The margins exceed the rounding of the times at which the line leaves the reach: these come from the roots
     /// of the same squares, each rounded to 1e-16 of its size.
     #[inline]
-    pub(crate) fn is_over(&self, since_s: f64, reach: &Reach) -> bool {
+    pub(crate) fn is_over(&self, since_s: f64, reach: &Surroundings) -> bool {
         if self.passes_by(reach.square_m2) {
             return true;
         }
@@ -126,7 +126,7 @@ impl Approach {
     /// Both are violated where `s² + τ (s · v) ≤ D²`. The left side is a parabola in time: at that time it must still
     /// fall, and still exceed D². [`Approach::is_over`] explains the margin.
     #[inline]
-    pub(crate) fn is_later(&self, until_s: f64, reach: &Reach) -> bool {
+    pub(crate) fn is_later(&self, until_s: f64, reach: &Surroundings) -> bool {
         let Some(tau_s) = reach.tau_s else {
             return false;
         };
@@ -155,7 +155,7 @@ impl Approach {
 
     /// Whether the line surely violates a reach at a time and a little before and after it, by its distance or its
     /// modified tau; for a volume violated where both that and the height are.
-    pub(crate) fn is_within(&self, time_s: f64, around_s: f64, reach: &Reach) -> bool {
+    pub(crate) fn is_within(&self, time_s: f64, around_s: f64, reach: &Surroundings) -> bool {
         let height_m = (self.height_m + self.climb_mps * time_s).abs();
         let size_m = self.height_m.abs() + self.climb_mps.abs() * time_s;
         if height_m + self.climb_mps.abs() * around_s + LEAST_M + MARGIN * size_m > reach.height_m {
@@ -179,7 +179,7 @@ impl Approach {
     }
 
     /// Whether the line surely lies out of a reach, without its times, from a time on for a while.
-    pub(crate) fn is_beyond(&self, time_s: f64, lasts_s: f64, reach: &Reach) -> bool {
+    pub(crate) fn is_beyond(&self, time_s: f64, lasts_s: f64, reach: &Surroundings) -> bool {
         let (square_m2, size_m2) = self.square_at_m2(time_s);
         let speed_mps = libm::sqrt(self.speed2_m2ps2);
         let room_m = libm::sqrt(reach.square_m2) + speed_mps * lasts_s + LEAST_M;

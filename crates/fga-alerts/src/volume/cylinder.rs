@@ -4,7 +4,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, same_velocity};
-use crate::volume::approach::{Approach, Reach};
+use crate::volume::approach::{Approach, Surroundings};
 
 /// A cylinder, its flat sides level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +41,8 @@ impl Cylinder {
         s.length_squared() < self.radius_m * self.radius_m && height_m.abs() < self.half_height_m
     }
 
-    pub(super) const fn reach(&self) -> Reach {
-        Reach {
+    pub(super) const fn reach(&self) -> Surroundings {
+        Surroundings {
             square_m2: self.radius_m * self.radius_m,
             height_m: self.half_height_m,
             tau_s: Some(0.0),

@@ -9,7 +9,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossing_s, modified_tau_s, time_to_closest_s};
-use crate::volume::approach::{Approach, Reach};
+use crate::volume::approach::{Approach, Surroundings};
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
@@ -192,8 +192,8 @@ impl WellClear {
     }
 
     /// What must be crossed for a violation; `None` where a near miss is one too.
-    pub(super) fn reach(&self) -> Option<Reach> {
-        (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Reach {
+    pub(super) fn reach(&self) -> Option<Surroundings> {
+        (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Surroundings {
             square_m2: self.distance_m * self.distance_m,
             height_m: self.height_m,
             tau_s: (self.horizontal_time == HorizontalTime::ModifiedTau).then_some(self.tau_s),

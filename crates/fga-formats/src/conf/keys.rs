@@ -34,11 +34,11 @@ const ALIASES: [(&str, &str); 15] = [
 ];
 
 /// Reads keys under any of their names.
-struct Reader<'a> {
+struct KeyReader<'a> {
     entries: &'a mut Entries,
 }
 
-impl Reader<'_> {
+impl KeyReader<'_> {
     /// The name of a key in the file.
     fn name(&self, key: &'static str) -> &'static str {
         let alias = ALIASES.iter().find(|(name, _)| *name == key);
@@ -120,7 +120,7 @@ pub(super) fn read(
     entries: &mut Entries,
     configuration: &mut Configuration,
 ) -> Result<(), InputError> {
-    let mut reader = Reader { entries };
+    let mut reader = KeyReader { entries };
     scales(&mut reader, configuration)?;
     dynamics(&mut reader, configuration)?;
     recovery(&mut reader, configuration)?;
@@ -132,7 +132,7 @@ pub(super) fn read(
 use Allowed::{Any, NotNegative, Positive};
 
 /// Horizon and scales.
-fn scales(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn scales(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let Configuration { settings, units } = configuration;
     reader.quantity("lookahead_time", Time, Positive, &mut settings.lookahead_s)?;
     reader.quantity("left_hdir", Angle, Any, &mut settings.left_rad)?;
@@ -195,7 +195,7 @@ fn scales(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), 
 /// More steps only cost time.
 const MOST_STEPS: f64 = 20_000.0;
 
-fn dynamics(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn dynamics(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let settings = &mut configuration.settings;
     let acceleration = &mut settings.horizontal_acceleration_mps2;
     reader.quantity("horizontal_accel", Acceleration, NotNegative, acceleration)?;
@@ -208,7 +208,7 @@ fn dynamics(reader: &mut Reader, configuration: &mut Configuration) -> Result<()
     reader.quantity("vertical_rate", Speed, NotNegative, rate)
 }
 
-fn recovery(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn recovery(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let Configuration { settings, units } = configuration;
     reader.shown(
         "min_horizontal_recovery",
@@ -243,7 +243,7 @@ fn recovery(reader: &mut Reader, configuration: &mut Configuration) -> Result<()
     reader.quantity("vertical_nmac", Length, Positive, height)
 }
 
-fn memory(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn memory(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let settings = &mut configuration.settings;
     let stability = &mut settings.recovery_stability_s;
     reader.quantity("recovery_stability_time", Time, NotNegative, stability)?;
@@ -286,7 +286,7 @@ fn memory(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), 
 }
 
 /// Coordination, deviations, contours, regions.
-fn alerting(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn alerting(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let settings = &mut configuration.settings;
     reader.boolean("conflict_crit", &mut settings.coordinates_conflicts)?;
     reader.boolean("recovery_crit", &mut settings.coordinates_recovery)?;
@@ -325,7 +325,7 @@ fn alerting(reader: &mut Reader, configuration: &mut Configuration) -> Result<()
     Ok(())
 }
 
-fn terminal(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {
+fn terminal(reader: &mut KeyReader, configuration: &mut Configuration) -> Result<(), InputError> {
     let area = &mut configuration.settings.terminal;
     let guidances = [
         ("0", TerminalGuidance::Off),

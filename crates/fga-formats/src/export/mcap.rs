@@ -41,7 +41,7 @@ fn log(flight: &Flight) -> Result<Vec<u8>, McapError> {
     let options = WriteOptions::new()
         .compression(None)
         .library(concat!("fga ", env!("CARGO_PKG_VERSION")));
-    let mut log = Log {
+    let mut log = McapLog {
         writer: Writer::with_options(Cursor::new(Vec::new()), options)?,
         channels: BTreeMap::new(),
         sequence: 0,
@@ -96,14 +96,14 @@ fn log(flight: &Flight) -> Result<Vec<u8>, McapError> {
     Ok(log.writer.into_inner().into_inner())
 }
 
-struct Log<'a> {
+struct McapLog<'a> {
     writer: Writer<Cursor<Vec<u8>>>,
     channels: BTreeMap<&'static str, u16>,
     sequence: u32,
     flight: &'a Flight,
 }
 
-impl Log<'_> {
+impl McapLog<'_> {
     /// Nanoseconds since 1970; 0 for times before.
     fn nanoseconds(&self, time_s: f64) -> u64 {
         let microseconds = libm::rint(self.flight.unix_s(time_s) * 1e6).clamp(0.0, 1e16);

@@ -22,7 +22,7 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 
 /// One kind of message.
 #[derive(Debug)]
-struct Format {
+struct MessageFormat {
     length: usize,
     name: String,
     /// Names of the fields, the codes of their types, and where they begin after the head.
@@ -50,7 +50,7 @@ const fn width(code: u8) -> Option<usize> {
     })
 }
 
-impl Format {
+impl MessageFormat {
     fn of(message: &[u8]) -> Option<(u8, Self)> {
         let kind = *message.get(3)?;
         let length = usize::from(*message.get(4)?);
@@ -147,7 +147,7 @@ fn whole(value: f64) -> u32 {
 
 impl Choices {
     /// Takes a message; `None` if it lacks a field.
-    fn take(&mut self, format: &Format, message: &[u8]) -> Option<Result<(), LeftOut>> {
+    fn take(&mut self, format: &MessageFormat, message: &[u8]) -> Option<Result<(), LeftOut>> {
         let field = |name: &str| format.number(message, name);
         // Instance 0 of sensors and filters, where there are several.
         let is_first = ["I", "C", "Instance"]
@@ -210,10 +210,10 @@ impl Choices {
 }
 
 /// The message at the beginning of some bytes and its kind; `None` without a whole message of a known kind.
-fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, Format>) -> Option<(u8, &'a [u8])> {
+fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, MessageFormat>) -> Option<(u8, &'a [u8])> {
     let kind = *rest.get(2).filter(|_| rest.starts_with(&HEAD))?;
     let length = if kind == FORMAT_KIND {
-        Format::of(rest.get(..FORMAT_LENGTH)?)?;
+        MessageFormat::of(rest.get(..FORMAT_LENGTH)?)?;
         FORMAT_LENGTH
     } else {
         formats.get(&kind)?.length
@@ -224,7 +224,7 @@ fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, Format>) -> Option<(u8, 
 
 /// Reads the signals of a log and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
-    let mut formats: HashMap<u8, Format> = HashMap::new();
+    let mut formats: HashMap<u8, MessageFormat> = HashMap::new();
     let mut choices = Choices::default();
     let mut tally = Tally::default();
     let mut is_damaged = false;
@@ -233,7 +233,8 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         let taken = message_of(rest, &formats).map(|(kind, message)| {
             at += message.len();
             if kind == FORMAT_KIND {
-                let (described, format) = Format::of(message).ok_or(LeftOut::UnreadableField)?;
+                let (described, format) =
+                    MessageFormat::of(message).ok_or(LeftOut::UnreadableField)?;
                 formats.insert(described, format);
                 return Ok(());
             }

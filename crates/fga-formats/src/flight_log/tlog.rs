@@ -32,7 +32,7 @@ const SET_S: f64 = 2.0;
 const TRIED: usize = 8;
 
 /// A frame: which system sent what.
-struct Frame<'a> {
+struct LogFrame<'a> {
     system: u8,
     component: u8,
     message: u32,
@@ -69,7 +69,7 @@ const fn known(message: u32) -> Option<(u8, usize)> {
     }
 }
 
-impl<'a> Frame<'a> {
+impl<'a> LogFrame<'a> {
     /// The frame of a record; `None` without a frame, or with a wrong checksum.
     fn of(record: &'a [u8]) -> Option<Self> {
         let frame = record.get(STAMP..)?;
@@ -140,7 +140,7 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
         let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) else {
             return at > 0;
         };
-        let Some(frame) = Frame::of(rest) else {
+        let Some(frame) = LogFrame::of(rest) else {
             return false;
         };
         at += frame.length;
@@ -150,7 +150,7 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 
 /// The signals of one system.
 #[derive(Default)]
-struct Heard {
+struct SystemSignals {
     airspeed: Series,
     command: Series,
     bank: Series,
@@ -161,9 +161,9 @@ struct Heard {
     limits: Limits,
 }
 
-impl Heard {
+impl SystemSignals {
     /// What the aircraft says of itself beside its signals.
-    fn note(&mut self, frame: &Frame<'_>, time_s: f64, commands: &HashMap<u16, u16>) {
+    fn note(&mut self, frame: &LogFrame<'_>, time_s: f64, commands: &HashMap<u16, u16>) {
         match frame.message {
             HEARTBEAT if frame.byte(5) == ARDUPILOT => {
                 let mode = [0, 1, 2, 3].map(|at| frame.byte(at));
@@ -189,14 +189,14 @@ impl Heard {
 }
 
 /// Bank of a commanded attitude, radians, positive in a left turn.
-fn commanded_bank_rad(frame: &Frame<'_>) -> f64 {
+fn commanded_bank_rad(frame: &LogFrame<'_>) -> f64 {
     let [w, x, y, z] = [4, 8, 12, 16].map(|at| f64::from(frame.number(at)));
     -libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
 }
 
 /// Reads the signals of the aircraft that sent its attitude most often, and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
-    let mut systems: HashMap<(u8, u8), Heard> = HashMap::new();
+    let mut systems: HashMap<(u8, u8), SystemSignals> = HashMap::new();
     // What others command to a system, and the commands of its mission.
     let mut commanded: HashMap<u8, Series> = HashMap::new();
     let mut commands: HashMap<u16, u16> = HashMap::new();
@@ -206,7 +206,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut begin_s = None;
     let mut at = 0;
     while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
-        let Some(frame) = Frame::of(rest) else {
+        let Some(frame) = LogFrame::of(rest) else {
             is_damaged = true;
             at += 1;
             continue;

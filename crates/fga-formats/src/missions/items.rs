@@ -38,7 +38,7 @@ pub(super) struct Item {
 
 /// What the items have led to so far.
 #[derive(Debug)]
-pub(super) struct Reader<'a> {
+pub(super) struct ItemReader<'a> {
     path: &'a Path,
     file: MissionFile,
     /// The corners of an unfinished polygon, how many there will be, and whether it keeps in.
@@ -51,7 +51,7 @@ pub(super) struct Reader<'a> {
     repeated: usize,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ItemReader<'a> {
     pub(super) fn new(path: &'a Path, home: Option<Geodetic>) -> Self {
         Self {
             path,

@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::items::{Item, Reader};
+use super::items::{Item, ItemReader};
 use super::{Fence, MissionFile, Outline};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
@@ -139,7 +139,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         }
         Some(_) => return Err(InputError::in_file(path, HOME)),
     };
-    let mut reader = Reader::new(path, home);
+    let mut reader = ItemReader::new(path, home);
     let mut count = Counted::default();
     for value in &plan.mission.items {
         take(value, &mut count, &mut reader, true)?;
@@ -208,7 +208,7 @@ struct Counted {
 fn take(
     value: &Value,
     count: &mut Counted,
-    reader: &mut Reader<'_>,
+    reader: &mut ItemReader<'_>,
     complex: bool,
 ) -> Result<(), InputError> {
     count.items += 1;
@@ -223,7 +223,7 @@ fn take(
         }
         count.jump_id = number;
     }
-    let unusable = |reader: &Reader<'_>, error: &serde_json::Error| {
+    let unusable = |reader: &ItemReader<'_>, error: &serde_json::Error| {
         reader.error(&item, &format!("cannot be read: {error}"))
     };
     if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::MissionFile;
-use super::items::{Item, Reader};
+use super::items::{Item, ItemReader};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 
@@ -59,7 +59,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         }
         _ => (None, items.as_slice()),
     };
-    let mut reader = Reader::new(path, home);
+    let mut reader = ItemReader::new(path, home);
     for item in items {
         reader.take(item)?;
     }

@@ -40,7 +40,7 @@ pub struct Clearance {
 
 /// A point of a path with the ground below.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub struct GroundPoint {
     /// Distance from the beginning of the path, metres.
     pub along_m: f64,
     /// Altitude of the path, metres.
@@ -87,12 +87,12 @@ impl Terrain {
     }
 
     /// The ground below the straight path between two places of a frame, with a point at each crossing of a line of posts.
-    pub fn profile(&self, frame: &LocalFrame, from_m: DVec3, to_m: DVec3) -> Vec<Piece> {
+    pub fn profile(&self, frame: &LocalFrame, from_m: DVec3, to_m: DVec3) -> Vec<GroundPoint> {
         let length_m = across_m(from_m, to_m);
         let mut points = Vec::new();
         self.walk(frame, from_m, to_m, &mut |stretch| {
             let mut take = |share: f64, ground_m: Option<f64>| {
-                points.push(Piece {
+                points.push(GroundPoint {
                     along_m: share * length_m,
                     path_m: from_m.lerp(to_m, share).z + frame.origin().altitude_m,
                     ground_m,

@@ -17,9 +17,9 @@ const SENTINEL: u8 = 0xAA;
 const UNKNOWN: u16 = 0xFFFF;
 
 /// A field, its datum and its vertical error, if the file has one.
-pub(super) type Parsed = (HeightField, Stated<Datum>, Option<Stated<f64>>);
+pub(super) type ParsedField = (HeightField, Stated<Datum>, Option<Stated<f64>>);
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, String> {
+pub(super) fn parse(bytes: &[u8]) -> Result<ParsedField, String> {
     let text = |at: usize, length: usize| {
         let part = bytes.get(at..at + length).unwrap_or_default();
         String::from_utf8_lossy(part).into_owned()

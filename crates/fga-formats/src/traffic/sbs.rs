@@ -36,12 +36,12 @@ use message::{FIELDS, LONGEST_LINE};
 
 /// Takes the bytes of a connection as they come and gives reports.
 #[derive(Debug, Clone, Default)]
-pub struct Stream {
+pub struct LineStream {
     line: Vec<u8>,
     tally: Tally,
 }
 
-impl Stream {
+impl LineStream {
     /// A stream at its beginning.
     pub fn new() -> Self {
         Self::default()

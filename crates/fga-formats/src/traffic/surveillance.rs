@@ -21,7 +21,7 @@ const FASTEST_MPS: f64 = 1000.0;
 /// The memory of an aircraft.
 #[derive(Debug, Clone)]
 pub(super) struct Surveillance {
-    aircraft: Generations<Heard>,
+    aircraft: Generations<HeardAircraft>,
 }
 
 impl Default for Surveillance {
@@ -33,7 +33,7 @@ impl Default for Surveillance {
 }
 
 #[derive(Debug, Clone, Default)]
-struct Heard {
+struct HeardAircraft {
     supplement: Supplement,
     even: Option<(AirbornePosition, f64)>,
     odd: Option<(AirbornePosition, f64)>,

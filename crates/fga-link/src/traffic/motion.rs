@@ -54,7 +54,7 @@ pub(super) struct Contradictions {
 
 /// A straight line through places at times.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct StraightFit {
     slope_mps: Vec3,
     /// Σ (t − mean t)², s².
     squares_s2: f64,
@@ -63,7 +63,7 @@ struct Line {
 }
 
 /// The line of least squares; `None` for a single moment.
-fn line(points: &(impl Iterator<Item = (f64, Vec3)> + Clone)) -> Option<Line> {
+fn line(points: &(impl Iterator<Item = (f64, Vec3)> + Clone)) -> Option<StraightFit> {
     let (from_s, from_m) = points.clone().next()?;
     let (mut count, mut mean_s, mut mean_m) = (0.0, 0.0, Vec3::ZERO);
     for (at_s, at_m) in points.clone() {
@@ -89,7 +89,7 @@ fn line(points: &(impl Iterator<Item = (f64, Vec3)> + Clone)) -> Option<Line> {
         scatter_m2 += off_m * off_m / count;
     }
     let usable = slope_mps.is_finite() && squares_s2 >= 0.5 * SHOWN_FROM_S * SHOWN_FROM_S;
-    usable.then_some(Line {
+    usable.then_some(StraightFit {
         slope_mps,
         squares_s2,
         scatter_m2,
@@ -171,7 +171,7 @@ pub(super) fn contradictions<P: Iterator<Item = Place> + Clone>(
     found
 }
 
-impl Line {
+impl StraightFit {
     /// Whether positions that scatter by `sigma_m` cannot have a slope.
     fn exceeds(&self, slope_mps: f64, sigma_m: f64) -> bool {
         slope_mps > SIGMAS * sigma_m / libm::sqrt(self.squares_s2)

@@ -33,7 +33,7 @@ pub struct Flown {
 
 /// A report for the comparison with the flown way.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen {
+pub struct OwnReport {
     /// Its time of validity, seconds.
     pub valid_s: f64,
     /// Position, metres, local frame.
@@ -79,7 +79,7 @@ impl Flown {
     }
 
     /// Whether a report lies on the flown way.
-    fn holds(&self, seen: &Seen, place_m: f64, height_m: f64, velocity_mps: f64) -> bool {
+    fn holds(&self, seen: &OwnReport, place_m: f64, height_m: f64, velocity_mps: f64) -> bool {
         self.samples
             .iter()
             .filter(|(at_s, ..)| (-LATE_S..=EARLY_S).contains(&(at_s - seen.valid_s)))
@@ -99,7 +99,7 @@ impl Belief {
     }
 
     /// Checks it with a new report; `named` if the configuration names this aircraft as ours.
-    pub fn check(&mut self, seen: &Seen, flown: &Flown, named: bool, now_s: f64) {
+    pub fn check(&mut self, seen: &OwnReport, flown: &Flown, named: bool, now_s: f64) {
         if self.held {
             let kept = flown.holds(seen, KEPT_PLACE_M, KEPT_HEIGHT_M, KEPT_VELOCITY_MPS);
             self.misses = if kept { 0 } else { self.misses + 1 };
@@ -130,8 +130,8 @@ mod tests {
         flown
     }
 
-    fn seen(at_s: f64, north_m: f64, north_mps: f64) -> Seen {
-        Seen {
+    fn seen(at_s: f64, north_m: f64, north_mps: f64) -> OwnReport {
+        OwnReport {
             valid_s: at_s,
             position_m: Vec3::Y * north_m,
             velocity_mps: Vec3::Y * north_mps,

@@ -247,7 +247,7 @@ const COUNTS_EVERY_S: f64 = 10.0;
 
 /// The lines or frames of a receiver.
 struct Wire {
-    lines: sbs::Stream,
+    lines: sbs::LineStream,
     #[cfg(feature = "beast")]
     frames: beast::Stream,
     source: Source,
@@ -256,7 +256,7 @@ struct Wire {
 impl Wire {
     fn new(source: Source) -> Self {
         Self {
-            lines: sbs::Stream::new(),
+            lines: sbs::LineStream::new(),
             #[cfg(feature = "beast")]
             frames: beast::Stream::new(),
             source,

@@ -17,7 +17,7 @@ use super::class::Volumes;
 use super::own::{self, Flown};
 use super::remote_id::RemoteId;
 use super::report::{AltitudeReference, Key, Report, Sender, Source};
-use super::threat::{Ahead, Reach, Urgency};
+use super::threat::{Ahead, Urgency, VolumeReach};
 use super::track::{Seen, Track, bit};
 use super::vertical::{Levels, Shift, taller};
 use crate::config::{Config, TrafficConfig};
@@ -364,7 +364,7 @@ impl TrackTable {
         let shift = self.shift(track, position_m.z, now_s, claims);
         position_m.z -= shift.by_m;
         let volume = self.volumes.of(track.class);
-        let reach = Reach {
+        let reach = VolumeReach {
             radius_m: volume.radius_m() + 2.0 * track.sigma_m(now_s),
             half_height_m: volume.half_height_m() + shift.bound_m,
         };
@@ -514,7 +514,7 @@ fn check_own(track: &mut Track, flown: &Flown, shift: Shift, named: Option<bool>
     let last = track.last_seen();
     let mut position_m = last.position_m;
     position_m.z -= shift.by_m;
-    let seen = own::Seen {
+    let seen = own::OwnReport {
         valid_s: last.valid_s,
         position_m,
         velocity_mps: last

@@ -53,7 +53,7 @@ impl Urgency {
 
 /// A volume and the uncertainty of its centre, metres.
 #[derive(Debug, Clone, Copy)]
-pub struct Reach {
+pub struct VolumeReach {
     /// Horizontal, metres.
     pub radius_m: f64,
     /// Vertical, metres.
@@ -113,7 +113,7 @@ impl Ahead {
         position_m: Vec3,
         velocity_mps: Vec3,
         at_s: f64,
-        reach: Reach,
+        reach: VolumeReach,
     ) -> Urgency {
         let Some((own_m, own_mps)) = self.own else {
             return Urgency {
@@ -139,7 +139,7 @@ impl Ahead {
 
 impl Leg {
     /// When an aircraft that flies straight from `position_m` enters the volume, seconds.
-    fn entry_s(&self, position_m: Vec3, velocity_mps: Vec3, reach: Reach) -> Option<f64> {
+    fn entry_s(&self, position_m: Vec3, velocity_mps: Vec3, reach: VolumeReach) -> Option<f64> {
         let radius_m = reach.radius_m + NEAR_M;
         let half_height_m = reach.half_height_m + NEAR_M;
         let offset_m = position_m + velocity_mps * self.begins_s - self.from_m;
@@ -190,7 +190,7 @@ impl Leg {
 mod tests {
     use super::*;
 
-    const REACH: Reach = Reach {
+    const REACH: VolumeReach = VolumeReach {
         radius_m: 60.0,
         half_height_m: 60.0,
     };

@@ -14,7 +14,7 @@ use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::MotionState;
 use fga::situation::{ObstacleKind, Situation};
 
-use super::{Edition, PaperPilot, Plan, threat};
+use super::{Edition, PaperPilot, Planned, threat};
 use crate::classification::safety_score;
 use crate::conflict::{Relative, threatens};
 use crate::dubins::{ClimbLimits, DubinsPath, SegmentKind};
@@ -83,7 +83,7 @@ impl PaperPilot {
             self.plan = None;
             return self.decision(&nominal, Reason::Clear);
         };
-        let plan = Plan {
+        let plan = Planned {
             maneuver: nominal,
             decided_s: time_s,
             start_s,
@@ -205,7 +205,7 @@ impl PaperPilot {
         };
         let maneuver = Maneuver::turn(wait_s, now.course_rad + turn_rad, climb_rad);
         let time_s = situation.time_s;
-        let plan = Plan {
+        let plan = Planned {
             maneuver,
             decided_s: time_s,
             clears,
@@ -272,7 +272,7 @@ impl PaperPilot {
         if clear || !started || edition == Edition::AsPrinted {
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
-        self.plan = Some(Plan { against, ..plan });
+        self.plan = Some(Planned { against, ..plan });
         self.choose_direction(situation, now, edition, 0.0, Reason::ManeuverReplaced)
     }
 
@@ -308,8 +308,8 @@ impl PaperPilot {
         &mut self,
         situation: &Situation<'_>,
         edition: Edition,
-        plan: &Plan,
-    ) -> Option<Plan> {
+        plan: &Planned,
+    ) -> Option<Planned> {
         let own = situation.ownship;
         let radius_m = self.flyer.turn_radius_m();
         let mut points = [Vec3::ZERO; MAX_POINTS];
@@ -331,7 +331,7 @@ impl PaperPilot {
         };
         let next = next_waypoint(&reach, &own, points.get(..count)?, self.around.hazards())?;
         let duration_s = next.path.duration_s(own.airspeed_mps);
-        Some(Plan {
+        Some(Planned {
             maneuver: along(&next.path, own.course_rad, own.airspeed_mps, radius_m),
             decided_s: situation.time_s,
             joined_s: situation.time_s + duration_s,

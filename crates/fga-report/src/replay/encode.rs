@@ -27,9 +27,9 @@ pub(super) struct Run<'a> {
     name: &'a str,
     samples: Samples,
     mission: &'a [[f64; 3]],
-    obstacles: Vec<Obstacle<'a>>,
+    obstacles: Vec<EncodedObstacle<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    zones: Vec<Zone<'a>>,
+    zones: Vec<EncodedZone<'a>>,
     motion: String,
     decisions: Vec<Decision<'a>>,
     points: String,
@@ -53,7 +53,7 @@ const fn is_zero(levels: &usize) -> bool {
 
 /// A zone: `ring` is its outline, metres; the last place is the first one again.
 #[derive(Serialize)]
-struct Zone<'a> {
+struct EncodedZone<'a> {
     name: &'a str,
     #[serde(rename = "in")]
     keep_in: bool,
@@ -88,7 +88,7 @@ struct Samples {
 }
 
 #[derive(Serialize)]
-pub(super) struct Obstacle<'a> {
+pub(super) struct EncodedObstacle<'a> {
     id: u32,
     name: &'a str,
     /// Radius, metres.
@@ -192,9 +192,9 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
     }
 }
 
-fn zone(zone: &ReplayZone) -> Zone<'_> {
+fn zone(zone: &ReplayZone) -> EncodedZone<'_> {
     let [floor, ceiling] = zone.heights_m;
-    Zone {
+    EncodedZone {
         name: &zone.name,
         keep_in: zone.keep_in,
         ring: &zone.ring_m,
@@ -244,14 +244,17 @@ fn samples(samples: &[&ReplaySample]) -> Samples {
 }
 
 /// An obstacle without its motion, whose pieces (start, position, velocity) go to the pool.
-pub(super) fn obstacle<'a>(obstacle: &'a ReplayObstacle, pool: &mut Vec<f64>) -> Obstacle<'a> {
+pub(super) fn obstacle<'a>(
+    obstacle: &'a ReplayObstacle,
+    pool: &mut Vec<f64>,
+) -> EncodedObstacle<'a> {
     let pieces = thin::motion(&obstacle.motion);
     for piece in &pieces {
         pool.push(piece.start_s);
         pool.extend(piece.position_m);
         pool.extend(piece.velocity_mps);
     }
-    Obstacle {
+    EncodedObstacle {
         id: obstacle.id,
         name: &obstacle.name,
         r: obstacle.volume.radius_m(),

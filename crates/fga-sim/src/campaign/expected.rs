@@ -46,7 +46,7 @@ impl Expected {
 }
 
 /// The rows of flown encounters by their numbers.
-pub(super) type Sample = BTreeMap<u64, Vec<Flown>>;
+pub(super) type FlownSample = BTreeMap<u64, Vec<Flown>>;
 
 /// Flies a sample of the encounters in `blocks`, `left` altogether; says nothing where there are too few or where `go_on`
 /// ends it.
@@ -58,14 +58,14 @@ pub(super) fn expect(
     blocks: &[u64],
     left: u64,
     go_on: &(impl Fn() -> bool + Sync),
-) -> Result<(Option<Expected>, Sample), CampaignError> {
+) -> Result<(Option<Expected>, FlownSample), CampaignError> {
     let wanted = (left / ONE_IN).min(LARGEST_SAMPLE);
     let (next, begun) = (AtomicU64::new(0), Instant::now());
     // The flown encounters and the time in their flights.
-    let sum = Mutex::new(Ok((Sample::new(), Duration::ZERO)));
-    let fly = || -> Result<(Sample, Duration), CampaignError> {
+    let sum = Mutex::new(Ok((FlownSample::new(), Duration::ZERO)));
+    let fly = || -> Result<(FlownSample, Duration), CampaignError> {
         let mut flyer = Flyer::new(campaign)?;
-        let (mut flown, mut taken) = (Sample::new(), Duration::ZERO);
+        let (mut flown, mut taken) = (FlownSample::new(), Duration::ZERO);
         while begun.elapsed() < SAMPLING_TIME && go_on() {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let number = place(index, left);

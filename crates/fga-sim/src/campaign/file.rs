@@ -31,7 +31,7 @@
 use std::path::{Path, PathBuf};
 
 use fga_files::TomlText;
-use fga_files::campaign::{CampaignFile, Grid, Model};
+use fga_files::campaign::{CampaignFile, CellGrid, Model};
 use fga_files::sensors::SensorSource;
 use fga_formats::InputError;
 use fga_formats::error::{read_text, shown};
@@ -355,7 +355,7 @@ fn policies(
 }
 
 /// Whether each list of a grid holds values, and only usable ones.
-fn check_values(text: &TomlText<'_>, grid: &Grid) -> Result<(), InputError> {
+fn check_values(text: &TomlText<'_>, grid: &CellGrid) -> Result<(), InputError> {
     check_list(text, "count", &grid.count, |value| {
         parse::count(value).map(drop)
     })?;
@@ -393,7 +393,7 @@ fn check_list<T: core::fmt::Display>(
 
 /// Every combination of a grid as a cell's name.
 fn cells_of(
-    grid: &Grid,
+    grid: &CellGrid,
     cells: &mut Vec<(String, core::ops::Range<usize>)>,
     span: &core::ops::Range<usize>,
 ) {

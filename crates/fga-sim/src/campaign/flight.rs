@@ -8,7 +8,7 @@ use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 
 use super::configuration::{Drawn, Scene};
-use super::judge::{FlownPath, Judge};
+use super::judge::{FlownPath, WorldJudge};
 use super::metrics::{Metrics, kept};
 use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
@@ -44,7 +44,7 @@ pub struct Flyer<'a> {
     policies: Vec<(BatchSettings, Box<dyn PolicyPilot + Send>)>,
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
-    judge: Judge,
+    judge: WorldJudge,
     flown: FlownPath,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Flyer<'a> {
             engine: Engine::new(),
             world,
             campaign,
-            judge: Judge::new(),
+            judge: WorldJudge::new(),
             flown: FlownPath::default(),
         })
     }

@@ -54,7 +54,7 @@ impl Observer for FlownPath {
 /// The metrics of a flight of its own in a recorded world; `None` for a world without a recording.
 pub fn metrics_of(world: &World, flown: &FlownPath, outcome: &Flight) -> Option<Metrics> {
     world.recorded.as_ref()?;
-    let mut judge = Judge::new();
+    let mut judge = WorldJudge::new();
     let mut metrics = judge.nominal(world);
     judge.flown((world, false), flown, &mut metrics);
     metrics.work = outcome.work();
@@ -110,14 +110,14 @@ struct Losses {
 }
 
 /// Judges recorded worlds.
-pub(super) struct Judge {
+pub(super) struct WorldJudge {
     monitor: Monitor,
     pairs: Vec<PairSample>,
     recorded: Vec<(f64, Vec3)>,
     intruder: Vec<(f64, Vec3)>,
 }
 
-impl Judge {
+impl WorldJudge {
     pub(super) fn new() -> Self {
         Self {
             monitor: Monitor::new(schemes::do_365b()),

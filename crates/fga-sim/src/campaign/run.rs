@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::expected::{Expected, Sample, expect};
+use super::expected::{Expected, FlownSample, expect};
 use super::flight::Flyer;
 use super::folder::{Manifest, read_block};
 use super::{Campaign, CampaignError, Flown, Folder, Quantiles, Row, Shard, Stamp};
@@ -50,7 +50,7 @@ pub struct Progress {
 
 /// Durations of the decisions of one policy.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct DecisionTimes {
+pub struct PolicyTimes {
     /// Encounters flown.
     pub encounters: u64,
     /// Number of decisions.
@@ -63,7 +63,7 @@ pub struct DecisionTimes {
     pub flight_ns: u64,
 }
 
-impl DecisionTimes {
+impl PolicyTimes {
     fn take(&mut self, flown: &Flown) {
         self.encounters += 1;
         self.decisions += flown.decisions;
@@ -102,7 +102,7 @@ pub fn run(
     task: &Task<'_>,
     go_on: &(impl Fn() -> bool + Sync),
     show: &mut (dyn FnMut(&Progress) + Send),
-) -> Result<Vec<DecisionTimes>, CampaignError> {
+) -> Result<Vec<PolicyTimes>, CampaignError> {
     let campaign = task.campaign;
     let configuration = &campaign.configuration;
     task.folder.open(&task.manifest(), task.resume)?;
@@ -132,7 +132,7 @@ pub fn run(
         .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
         .collect();
     let begun = Instant::now();
-    let mut sample = Sample::new();
+    let mut sample = FlownSample::new();
     if task.is_expected {
         let left = progress.total - progress.done;
         (progress.expected, sample) = expect(campaign, &blocks, left, go_on)?;
@@ -146,7 +146,7 @@ pub fn run(
         begun,
         state: Mutex::new(WorkState {
             running: BTreeMap::new(),
-            times: vec![DecisionTimes::default(); campaign.policies.len()],
+            times: vec![PolicyTimes::default(); campaign.policies.len()],
             progress,
             show,
             error: None,
@@ -173,7 +173,7 @@ struct Work<'a> {
     /// Numbers of the blocks to be flown.
     blocks: Vec<u64>,
     /// What was flown for the expected duration.
-    sample: Sample,
+    sample: FlownSample,
     /// The next encounters to take, counted over these blocks in portions of [`TAKEN`].
     next: AtomicU64,
     begun: Instant,
@@ -183,7 +183,7 @@ struct Work<'a> {
 struct WorkState<'a> {
     /// Flown encounters of unfinished blocks.
     running: BTreeMap<u64, BTreeMap<u64, Vec<Flown>>>,
-    times: Vec<DecisionTimes>,
+    times: Vec<PolicyTimes>,
     progress: Progress,
     show: &'a mut (dyn FnMut(&Progress) + Send),
     /// The first error.

@@ -1,4 +1,4 @@
-//! Reads the tables that [`TableWriter`](super::TableWriter) writes, and those of others with their columns.
+//! Reads the tables that [`DrawnWriter`](super::TableWriter) writes, and those of others with their columns.
 
 use std::path::Path;
 

@@ -90,7 +90,7 @@ pub const ROW_COLUMNS: [(&str, &str); 10] = [
 const GROUP: usize = 100_000;
 
 /// Writes encounters of one kind.
-pub struct TableWriter<W: Write + Send> {
+pub struct DrawnWriter<W: Write + Send> {
     file: SerializedFileWriter<W>,
     wholes: Vec<Vec<i64>>,
     weights: Vec<f64>,
@@ -100,7 +100,7 @@ pub struct TableWriter<W: Write + Send> {
     content: Content,
 }
 
-impl<W: Write + Send> TableWriter<W> {
+impl<W: Write + Send> DrawnWriter<W> {
     /// Begins a file for encounters of this kind.
     ///
     /// # Errors
@@ -323,7 +323,7 @@ mod tests {
     }
 
     fn table(recordings: &[Recording]) -> Vec<u8> {
-        let mut writer = TableWriter::new(Vec::new(), Content::Tracks).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), Content::Tracks).unwrap();
         for recording in recordings {
             let origin = Origin::of(recording).unwrap();
             writer.push_tracks(recording, &origin).unwrap();
@@ -384,7 +384,7 @@ mod tests {
             id: 12,
             obstacles: vec![Obstacle::straight(4, place, Vec3::X * -0.7, volume)],
         };
-        let mut writer = TableWriter::new(Vec::new(), Content::Rows).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), Content::Rows).unwrap();
         writer.push_rows(&written).unwrap();
         let bytes = writer.finish().unwrap();
         let path = Path::new("e.parquet");
@@ -397,7 +397,7 @@ mod tests {
     #[test]
     fn l14_no_corrupt_table_makes_a_reader_panic() {
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        let mut writer = TableWriter::new(Vec::new(), Content::Rows).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), Content::Rows).unwrap();
         for id in 0..20 {
             let obstacle = Obstacle::straight(4, Vec3::X * 700.0, Vec3::X * -0.7, volume);
             let obstacles = vec![obstacle];

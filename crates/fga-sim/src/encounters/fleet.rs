@@ -19,20 +19,20 @@ const DURATION_S: u32 = 180;
 const ALTITUDE_M: f64 = 600.0;
 
 /// Place at the start and velocity of an aircraft.
-type Line = (Vec3, Vec3);
+type FleetLine = (Vec3, Vec3);
 
 /// The fleet with this number.
 pub fn fleet(seed: u64, number: u64) -> Recording {
     let mut random = Random::new(seed, number);
     let count = random.count(3, 6) as usize;
-    let mut lines: Vec<Line> = Vec::new();
+    let mut lines: Vec<FleetLine> = Vec::new();
     while lines.len() < count {
         let line = one(&mut random);
         if lines.iter().all(|other| begin_well_clear(other, &line)) {
             lines.push(line);
         }
     }
-    let track = |(place, (start_m, velocity_mps)): (usize, &Line)| Track {
+    let track = |(place, (start_m, velocity_mps)): (usize, &FleetLine)| Track {
         name: format!("aircraft {}", place + 1),
         samples: (0..=DURATION_S)
             .map(|second| {
@@ -49,7 +49,7 @@ pub fn fleet(seed: u64, number: u64) -> Recording {
     }
 }
 
-fn one(random: &mut Random) -> Line {
+fn one(random: &mut Random) -> FleetLine {
     let velocity_mps = random.direction(true) * random.within(Range(45.0, 65.0));
     let across_m = random.direction(true) * (600.0 * libm::sqrt(random.unit()));
     let up_m = Vec3::Z * (ALTITUDE_M + random.within(Range(-75.0, 75.0)));
@@ -57,7 +57,7 @@ fn one(random: &mut Random) -> Line {
     (across_m + up_m - velocity_mps * passes_s, velocity_mps)
 }
 
-fn begin_well_clear((a, _): &Line, (b, _): &Line) -> bool {
+fn begin_well_clear((a, _): &FleetLine, (b, _): &FleetLine) -> bool {
     let offset = *a - *b;
     libm::hypot(offset.x, offset.y) > WELL_CLEAR_M.0 || offset.z.abs() > WELL_CLEAR_M.1
 }

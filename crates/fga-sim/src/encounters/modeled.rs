@@ -177,7 +177,7 @@ pub struct ModelSource {
 }
 
 /// Positions and velocities of an aircraft, second by second.
-type Flight = Vec<ModelRow>;
+type ModeledPath = Vec<ModelRow>;
 
 impl ModelSource {
     /// A source of this model.
@@ -289,7 +289,7 @@ impl ModelSource {
     }
 
     /// An ownship and an intruder of an uncorrelated model.
-    fn each(&self, random: &mut Random) -> Option<(Flight, Flight, f64)> {
+    fn each(&self, random: &mut Random) -> Option<(ModeledPath, ModeledPath, f64)> {
         let duration_s = self.pairing.duration_s;
         let at = self.pairing.cpa_s as usize;
         let intruder = self.model.fly(duration_s, &mut || random.unit())?;
@@ -339,7 +339,7 @@ impl ModelSource {
     }
 
     /// Both aircraft of a correlated model.
-    fn both(&self, random: &mut Random) -> Option<(Flight, Flight, f64)> {
+    fn both(&self, random: &mut Random) -> Option<(ModeledPath, ModeledPath, f64)> {
         let pairing = &self.pairing;
         let at = pairing.cpa_s as usize;
         let inner = self.aimed_probability > 0.0 && random.unit() < pairing.aimed_share;
@@ -434,7 +434,7 @@ fn relative_at(own: &[ModelRow], intruder: &[ModelRow], second: usize) -> Option
 }
 
 /// A level flight along +x from the origin.
-fn straight(duration_s: u32, airspeed_mps: f64) -> Flight {
+fn straight(duration_s: u32, airspeed_mps: f64) -> ModeledPath {
     (0..=duration_s)
         .map(|second| ModelRow {
             time_s: f64::from(second),
@@ -445,7 +445,7 @@ fn straight(duration_s: u32, airspeed_mps: f64) -> Flight {
 }
 
 /// A flight rotated about the vertical through the origin, anticlockwise.
-fn turned(rows: &[ModelRow], angle_rad: f64) -> Flight {
+fn turned(rows: &[ModelRow], angle_rad: f64) -> ModeledPath {
     let (sin, cos) = libm::sincos(angle_rad);
     let turn = |v: Vec3| Vec3::new(v.x * cos - v.y * sin, v.x * sin + v.y * cos, v.z);
     rows.iter()

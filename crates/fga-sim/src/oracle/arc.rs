@@ -29,14 +29,14 @@ pub(super) struct ArcNode {
 }
 
 /// A left turn in the frame of its beginning, with a change of climb angle.
-pub(super) struct Arc {
+pub(super) struct TurnArc {
     pub(super) nodes: Vec<ArcNode>,
     pub(super) target: f64,
     pub(super) speed_along: f64,
     pub(super) speed_up: f64,
 }
 
-impl Arc {
+impl TurnArc {
     pub(super) fn new(vehicle: &OracleVehicle, from: f64, target: f64, turns: &[f64]) -> Self {
         let start = OracleStart {
             climb_rad: from,
@@ -127,7 +127,7 @@ impl ArcNode {
     }
 
     /// Distance along the course and height `after_s` after the turn ended here.
-    pub(super) fn after(&self, arc: &Arc, after_s: f64) -> (f64, f64) {
+    pub(super) fn after(&self, arc: &TurnArc, after_s: f64) -> (f64, f64) {
         let mut from = Rise::default();
         for rise in self.rises.iter().take(self.rise_count) {
             if after_s <= rise.time_s {

@@ -5,15 +5,15 @@
 //! program; the box grows while the prediction holds and shrinks where it does not.
 
 use super::flight::OracleFlight;
-use super::linear::{ROWS, Row, UNKNOWNS, largest_least};
-use super::separation::{Body, least_margin, leg_margins};
+use super::linear::{MarginRow, ROWS, UNKNOWNS, largest_least};
+use super::separation::{OracleBody, least_margin, leg_margins};
 use super::{OracleManeuver, OracleStart, OracleVehicle};
 
 /// Half the first box: wait, turn, climb, straight, turn, climb (s, rad, rad, s, rad, rad).
-const FIRST_BOX: Point = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
+const FIRST_BOX: AscentPoint = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
 /// Steps of the difference quotients: some decimetres of path, far above the half millimetre
 /// accuracy of a margin.
-const DIFFERENCE: Point = [0.02, 0.01, 0.01, 0.02, 0.01, 0.01];
+const DIFFERENCE: AscentPoint = [0.02, 0.01, 0.01, 0.02, 0.01, 0.01];
 /// Iterations for every seed, and for the few that stay in the race.
 const SHORT: usize = 6;
 const LONG: usize = 60;
@@ -24,12 +24,12 @@ const NO_GAIN_M: f64 = 1e-3;
 /// A box this small also ends it.
 const LEAST_SCALE: f64 = 2e-4;
 
-type Point = [f64; UNKNOWNS];
+type AscentPoint = [f64; UNKNOWNS];
 
 #[derive(Debug, Clone, Copy)]
 struct Climber {
     margin: f64,
-    point: Point,
+    point: AscentPoint,
     scale: f64,
     done: bool,
 }
@@ -37,13 +37,13 @@ struct Climber {
 pub(super) struct Ascent<'a> {
     start: &'a OracleStart,
     vehicle: &'a OracleVehicle,
-    bodies: &'a [Body],
+    bodies: &'a [OracleBody],
     horizon_s: f64,
     enough: f64,
     flight: OracleFlight,
     here: Vec<f64>,
     there: Vec<f64>,
-    slopes: Vec<Row>,
+    slopes: Vec<MarginRow>,
     /// The best manoeuvre so far and its exact margin.
     pub(super) best: (f64, OracleManeuver),
 }
@@ -52,7 +52,7 @@ impl<'a> Ascent<'a> {
     pub(super) fn new(
         start: &'a OracleStart,
         vehicle: &'a OracleVehicle,
-        bodies: &'a [Body],
+        bodies: &'a [OracleBody],
         horizon_s: f64,
         enough: f64,
     ) -> Self {
@@ -150,7 +150,7 @@ impl<'a> Ascent<'a> {
     }
 
     /// The box around a point: as large as trusted, within the flyable range.
-    fn limits(&self, climber: &Climber, two: bool) -> (Point, Point) {
+    fn limits(&self, climber: &Climber, two: bool) -> (AscentPoint, AscentPoint) {
         let (mut low, mut high) = ([0.0; UNKNOWNS], [0.0; UNKNOWNS]);
         let climbs = self.vehicle.can_climb();
         for (k, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
@@ -192,7 +192,7 @@ impl<'a> Ascent<'a> {
         let mut lowest: Vec<usize> = (0..here.len()).filter(|&j| here[j] < band).collect();
         lowest.sort_by(|&a, &b| here[a].total_cmp(&here[b]));
         lowest.truncate(ROWS);
-        self.slopes.extend(lowest.iter().map(|&j| Row {
+        self.slopes.extend(lowest.iter().map(|&j| MarginRow {
             value: here[j],
             gradient: [0.0; UNKNOWNS],
         }));

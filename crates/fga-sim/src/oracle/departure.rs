@@ -4,7 +4,7 @@
 use super::flight::OracleFlight;
 use super::pattern::Refiner;
 use super::search::hold_all_the_way;
-use super::separation::{Body, least_margin};
+use super::separation::{OracleBody, least_margin};
 use super::{OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleVehicle};
 
 /// A safe manoeuvre and its distance from the mission.
@@ -34,8 +34,8 @@ pub fn least_departure(
     settings: &OracleSettings,
     required_margin_m: f64,
 ) -> Option<DepartureAnswer> {
-    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
-    let mut judge = Judge {
+    let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
+    let mut judge = DepartureJudge {
         start,
         vehicle,
         bodies: &bodies,
@@ -85,7 +85,7 @@ pub fn least_departure(
 }
 
 /// The best safe lane change of every wait, side and climb angle.
-fn lane_changes(judge: &mut Judge<'_>, seeds: &mut Vec<(f64, OracleManeuver)>) {
+fn lane_changes(judge: &mut DepartureJudge<'_>, seeds: &mut Vec<(f64, OracleManeuver)>) {
     let (low, high) = (judge.vehicle.climb_min_rad, judge.vehicle.climb_max_rad);
     let climbs: &[f64] = if judge.vehicle.can_climb() {
         &[0.0, 1.0, -1.0, 0.4, -0.4]
@@ -128,10 +128,10 @@ fn lane_changes(judge: &mut Judge<'_>, seeds: &mut Vec<(f64, OracleManeuver)>) {
     }
 }
 
-struct Judge<'a> {
+struct DepartureJudge<'a> {
     start: &'a OracleStart,
     vehicle: &'a OracleVehicle,
-    bodies: &'a [Body],
+    bodies: &'a [OracleBody],
     obstacles: &'a [OracleObstacle],
     horizon_s: f64,
     required_margin_m: f64,
@@ -141,7 +141,7 @@ struct Judge<'a> {
 /// Value of an unsafe manoeuvre, before subtracting its lack of margin.
 const UNSAFE: f64 = -1e6;
 
-impl Judge<'_> {
+impl DepartureJudge<'_> {
     fn margin(&mut self, maneuver: &OracleManeuver, stop_below: f64) -> f64 {
         self.flight
             .fly(self.start, self.vehicle, maneuver, self.horizon_s);

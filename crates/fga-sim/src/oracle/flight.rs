@@ -53,7 +53,7 @@ pub struct OracleFlight {
 pub(super) const LEGS: usize = 5;
 
 /// One command: course rate sign and climb target for a time.
-struct Leg {
+struct OracleLeg {
     duration_s: f64,
     turn: f64,
     climb_rad: f64,
@@ -170,22 +170,22 @@ impl OracleFlight {
         }
         let legs = [
             hold(start, maneuver.wait_s.max(0.0)),
-            Leg {
+            OracleLeg {
                 duration_s: turn_s(maneuver.turn1_rad),
                 turn: maneuver.turn1_rad,
                 climb_rad: maneuver.climb1_rad,
             },
-            Leg {
+            OracleLeg {
                 duration_s: maneuver.straight_s.max(0.0),
                 turn: 0.0,
                 climb_rad: maneuver.climb1_rad,
             },
-            Leg {
+            OracleLeg {
                 duration_s: turn_s(maneuver.turn2_rad),
                 turn: maneuver.turn2_rad,
                 climb_rad: maneuver.climb2_rad,
             },
-            Leg {
+            OracleLeg {
                 duration_s: f64::INFINITY,
                 turn: 0.0,
                 climb_rad: maneuver.climb2_rad,
@@ -194,14 +194,14 @@ impl OracleFlight {
         for (k, (leg, end)) in legs.iter().zip(&mut self.leg_ends).enumerate() {
             match back_s {
                 Some(back_s) if k + 1 == LEGS => {
-                    let straight = Leg {
+                    let straight = OracleLeg {
                         duration_s: (back_s - pen.time_s).max(0.0),
                         ..*leg
                     };
                     pen.leg(&straight, &mut self.nodes);
                     let turn = libm::remainder(start.course_rad - pen.course_rad, TAU);
                     for (duration_s, turn) in [(turn_s(turn), turn), (f64::INFINITY, 0.0)] {
-                        let back = Leg {
+                        let back = OracleLeg {
                             duration_s,
                             turn,
                             climb_rad: 0.0,
@@ -216,8 +216,8 @@ impl OracleFlight {
     }
 }
 
-fn hold(start: &OracleStart, duration_s: f64) -> Leg {
-    Leg {
+fn hold(start: &OracleStart, duration_s: f64) -> OracleLeg {
+    OracleLeg {
         duration_s,
         turn: 0.0,
         climb_rad: start.climb_rad,
@@ -261,7 +261,7 @@ impl Pen<'_> {
     }
 
     /// Flies one command until its time, or the horizon, is over.
-    fn leg(&mut self, leg: &Leg, nodes: &mut Vec<FlightNode>) {
+    fn leg(&mut self, leg: &OracleLeg, nodes: &mut Vec<FlightNode>) {
         let mut left_s = leg.duration_s.min(self.horizon_s - self.time_s);
         let turn = if leg.turn > 0.0 {
             1.0

@@ -13,7 +13,7 @@ const EXCHANGES: usize = 200;
 
 /// One smooth function near the present point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Row {
+pub(super) struct MarginRow {
     pub(super) value: f64,
     pub(super) gradient: [f64; UNKNOWNS],
 }
@@ -27,12 +27,13 @@ pub(super) struct Row {
     reason = "a tableau is read by row and column"
 )]
 pub(super) fn largest_least(
-    rows: &[Row],
+    rows: &[MarginRow],
     low: &[f64; UNKNOWNS],
     high: &[f64; UNKNOWNS],
 ) -> ([f64; UNKNOWNS], f64) {
     let count = rows.len().min(ROWS);
-    let at_low = |row: &Row| (0..UNKNOWNS).fold(row.value, |sum, k| sum + row.gradient[k] * low[k]);
+    let at_low =
+        |row: &MarginRow| (0..UNKNOWNS).fold(row.value, |sum, k| sum + row.gradient[k] * low[k]);
     let floor = rows
         .iter()
         .take(count)
@@ -114,11 +115,11 @@ pub(super) fn largest_least(
 mod tests {
     use super::*;
 
-    fn row(value: f64, first: f64, second: f64) -> Row {
+    fn row(value: f64, first: f64, second: f64) -> MarginRow {
         let mut gradient = [0.0; UNKNOWNS];
         gradient[0] = first;
         gradient[1] = second;
-        Row { value, gradient }
+        MarginRow { value, gradient }
     }
 
     #[test]

@@ -15,7 +15,7 @@ const FINALISTS: usize = 4;
 /// Random directions at each step size.
 const RANDOM_DIRECTIONS: usize = 8;
 
-type Point = [f64; 6];
+type PatternPoint = [f64; 6];
 
 /// Climbs on a function of a manoeuvre. The function may return anything up to its second argument
 /// once it is sure not to exceed it.
@@ -57,7 +57,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
             (false, true) => &[1, 0, 2],
             (false, false) => &[1, 0],
         };
-        let mut race: Vec<(f64, Point)> = Vec::with_capacity(seeds.len());
+        let mut race: Vec<(f64, PatternPoint)> = Vec::with_capacity(seeds.len());
         for (_, seed) in seeds {
             let value = (self.value)(seed, f64::NEG_INFINITY);
             let point = seed.to_array();
@@ -84,13 +84,19 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         }
     }
 
-    fn keep(&mut self, value: f64, point: &Point) {
+    fn keep(&mut self, value: f64, point: &PatternPoint) {
         if value > self.best.0 {
             self.best = (value, OracleManeuver::from_array(*point));
         }
     }
 
-    fn climb(&mut self, entry: &mut (f64, Point), axes: &[usize], scale: f64, halvings: usize) {
+    fn climb(
+        &mut self,
+        entry: &mut (f64, PatternPoint),
+        axes: &[usize],
+        scale: f64,
+        halvings: usize,
+    ) {
         let mut scale = scale;
         let mut random = Lcg(0x9E37_79B9_7F4A_7C15);
         for _ in 0..halvings {
@@ -110,7 +116,13 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         }
     }
 
-    fn sweep(&mut self, entry: &mut (f64, Point), axes: &[usize], scale: f64, random: &mut Lcg) {
+    fn sweep(
+        &mut self,
+        entry: &mut (f64, PatternPoint),
+        axes: &[usize],
+        scale: f64,
+        random: &mut Lcg,
+    ) {
         for (k, &a) in axes.iter().enumerate() {
             self.try_both(entry, scale, &[(a, 1.0)]);
             for &b in axes.iter().skip(k + 1) {
@@ -130,7 +142,12 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         }
     }
 
-    fn try_both(&mut self, entry: &mut (f64, Point), scale: f64, direction: &[(usize, f64)]) {
+    fn try_both(
+        &mut self,
+        entry: &mut (f64, PatternPoint),
+        scale: f64,
+        direction: &[(usize, f64)],
+    ) {
         for sign in [1.0, -1.0] {
             let mut improved = false;
             // While it climbs, further.
@@ -159,7 +176,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         }
     }
 
-    fn confine(&self, point: &mut Point) {
+    fn confine(&self, point: &mut PatternPoint) {
         let [wait, _, climb1, straight, _, climb2] = point;
         *wait = wait.clamp(0.0, self.horizon_s);
         *straight = straight.clamp(0.0, self.horizon_s);

@@ -5,11 +5,11 @@
 
 use fga::Vec3;
 
-use super::arc::{Arc, ArcNode};
+use super::arc::{ArcNode, TurnArc};
 use super::ascent::Ascent;
 use super::flight::OracleFlight;
 use super::grid::Grid;
-use super::separation::{Body, least_margin};
+use super::separation::{OracleBody, least_margin};
 use super::tree::{Here, Tree};
 use super::{
     OracleAnswer, OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleTrack,
@@ -27,7 +27,7 @@ pub fn best_margin(
     obstacles: &[OracleObstacle],
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+    let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
     search(start, vehicle, &bodies, settings)
 }
 
@@ -41,7 +41,7 @@ pub fn best_margin_on_tracks(
     tracks: &[OracleTrack],
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bodies: Vec<Body> = tracks.iter().map(Body::on_track).collect();
+    let bodies: Vec<OracleBody> = tracks.iter().map(OracleBody::on_track).collect();
     search(start, vehicle, &bodies, settings)
 }
 
@@ -49,7 +49,7 @@ pub fn best_margin_on_tracks(
 struct Problem<'a> {
     start: &'a OracleStart,
     vehicle: &'a OracleVehicle,
-    bodies: &'a [Body],
+    bodies: &'a [OracleBody],
     horizon_s: f64,
     /// Delay of a manoeuvre by the vehicle's response, seconds.
     lead_s: f64,
@@ -77,10 +77,10 @@ impl Problem<'_> {
         }
     }
 
-    fn arcs(&self, from: f64, climbs: &[f64], turns: &[f64]) -> Vec<Arc> {
+    fn arcs(&self, from: f64, climbs: &[f64], turns: &[f64]) -> Vec<TurnArc> {
         climbs
             .iter()
-            .map(|&to| Arc::new(self.vehicle, from, to, turns))
+            .map(|&to| TurnArc::new(self.vehicle, from, to, turns))
             .collect()
     }
 
@@ -146,7 +146,7 @@ impl Problem<'_> {
         let kinds = grid.waits_s.len() * 2 * count * 3 * 2 * count;
         let mut tree = self.tree(grid, kinds, best, enough);
         let first = self.arcs(self.start.climb_rad, &grid.climbs, &grid.turns_rad);
-        let second: Vec<Vec<Arc>> = grid
+        let second: Vec<Vec<TurnArc>> = grid
             .climbs
             .iter()
             .map(|&from| self.arcs(from, &grid.climbs, &grid.turns_rad))
@@ -190,7 +190,7 @@ impl Problem<'_> {
         &self,
         tree: &mut Tree<'_>,
         grid: &Grid,
-        arcs: &[Vec<Arc>],
+        arcs: &[Vec<TurnArc>],
         prefix: &Prefix<'_>,
     ) {
         let exit = &prefix.exit;
@@ -250,7 +250,7 @@ impl Problem<'_> {
 /// A manoeuvre up to the end of its first turn.
 struct Prefix<'a> {
     wait_s: f64,
-    arc: &'a Arc,
+    arc: &'a TurnArc,
     node: &'a ArcNode,
     sign: f64,
     exit: Here,
@@ -305,7 +305,7 @@ pub(super) fn hold_all_the_way(start: &OracleStart, horizon_s: f64) -> OracleMan
 pub(super) fn search(
     start: &OracleStart,
     vehicle: &OracleVehicle,
-    bodies: &[Body],
+    bodies: &[OracleBody],
     settings: &OracleSettings,
 ) -> OracleAnswer {
     let nothing = hold_all_the_way(start, settings.horizon_s);
@@ -352,7 +352,7 @@ pub(super) fn search(
 
 /// Whether the obstacle that limits the best margin allows no more even when it is alone: then no
 /// second turn, which only helps to get past several obstacles, is worth a try.
-fn at_its_limit(problem: &Problem<'_>, bodies: &[Body], found: &Ascent<'_>) -> bool {
+fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &Ascent<'_>) -> bool {
     let (margin, maneuver) = found.best;
     let flight = OracleFlight::new(problem.start, problem.vehicle, &maneuver, problem.horizon_s);
     let Some(limiting) = bodies.iter().find(|body| {

@@ -16,7 +16,7 @@ const RESOLUTION_M: f64 = 5e-4;
 
 /// A straight piece of an obstacle's motion; it exists at no other time.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct StraightPiece {
     from_s: f64,
     to_s: f64,
     /// Its position at time 0, if it moved like this from there.
@@ -26,31 +26,31 @@ struct Piece {
 
 /// The motion of an obstacle.
 #[derive(Debug, Clone)]
-enum Motion {
-    Straight(Piece),
+enum BodyMotion {
+    Straight(StraightPiece),
     /// Pieces in the order of time.
-    Pieces(Vec<Piece>),
+    Pieces(Vec<StraightPiece>),
 }
 
 /// An obstacle with precomputed values for the loops.
 #[derive(Debug, Clone)]
-pub(super) struct Body {
-    motion: Motion,
+pub(super) struct OracleBody {
+    motion: BodyMotion,
     radius: f64,
     /// Half height of a cylinder; `None` for a sphere.
     half_height: Option<f64>,
     bounding: f64,
 }
 
-impl Body {
+impl OracleBody {
     pub(super) fn new(obstacle: &OracleObstacle) -> Self {
-        let always = Piece {
+        let always = StraightPiece {
             from_s: f64::NEG_INFINITY,
             to_s: f64::INFINITY,
             position: obstacle.position_m,
             velocity: obstacle.velocity_mps,
         };
-        Self::with(&obstacle.volume, Motion::Straight(always))
+        Self::with(&obstacle.volume, BodyMotion::Straight(always))
     }
 
     /// An aircraft on a track.
@@ -58,17 +58,17 @@ impl Body {
         let pieces = track.points_m.windows(2).map(|pair| {
             let ((from_s, from), (to_s, to)) = (pair[0], pair[1]);
             let velocity = (to - from) / (to_s - from_s);
-            Piece {
+            StraightPiece {
                 from_s,
                 to_s,
                 position: from - velocity * from_s,
                 velocity,
             }
         });
-        Self::with(&track.volume, Motion::Pieces(pieces.collect()))
+        Self::with(&track.volume, BodyMotion::Pieces(pieces.collect()))
     }
 
-    fn with(volume: &ProtectedVolume, motion: Motion) -> Self {
+    fn with(volume: &ProtectedVolume, motion: BodyMotion) -> Self {
         let (radius, half_height) = match *volume {
             ProtectedVolume::Sphere { radius_m } => (radius_m, None),
             ProtectedVolume::Cylinder {
@@ -91,10 +91,10 @@ impl Body {
 
     /// The pieces that begin by `to_s` and do not end before `from_s`.
     #[inline]
-    fn pieces(&self, from_s: f64, to_s: f64) -> &[Piece] {
+    fn pieces(&self, from_s: f64, to_s: f64) -> &[StraightPiece] {
         match &self.motion {
-            Motion::Straight(piece) => core::slice::from_ref(piece),
-            Motion::Pieces(pieces) => {
+            BodyMotion::Straight(piece) => core::slice::from_ref(piece),
+            BodyMotion::Pieces(pieces) => {
                 let first = pieces.partition_point(|piece| piece.to_s < from_s);
                 let after = pieces.partition_point(|piece| piece.from_s <= to_s);
                 pieces.get(first..after).unwrap_or_default()
@@ -127,7 +127,7 @@ impl Body {
     /// `p1` at `t1`.
     #[inline]
     pub(super) fn chord(&self, t0: f64, p0: Vec3, t1: f64, p1: Vec3, running: f64) -> f64 {
-        if let Motion::Straight(piece) = &self.motion {
+        if let BodyMotion::Straight(piece) = &self.motion {
             return self.beside(piece, (t0, p0), (t1, p1), running);
         }
         let mut running = running;
@@ -152,7 +152,7 @@ impl Body {
     #[inline]
     fn beside(
         &self,
-        piece: &Piece,
+        piece: &StraightPiece,
         (t0, p0): (f64, Vec3),
         (t1, p1): (f64, Vec3),
         running: f64,
@@ -205,7 +205,7 @@ impl Body {
         best
     }
 
-    /// As [`Body::chord`] for a curved piece between two nodes, never more than the truth and at
+    /// As [`OracleBody::chord`] for a curved piece between two nodes, never more than the truth and at
     /// most [`RESOLUTION_M`] below it.
     fn curve(&self, a: &FlightNode, b: &FlightNode, acceleration: f64, running: f64) -> f64 {
         let span = b.time_s - a.time_s;
@@ -240,14 +240,14 @@ impl OracleFlight {
     /// The least signed distance to any protected volume over the flight, metres: never above the
     /// truth and within a millimetre of it; infinite without obstacles.
     pub fn least_margin_m(&self, obstacles: &[OracleObstacle]) -> f64 {
-        let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+        let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
         least_margin(self, &bodies, f64::NEG_INFINITY)
     }
 }
 
 /// The least margin of a flight to all bodies, metres; infinite without bodies. Once it falls to
 /// `stop_below` or less the function stops.
-pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f64) -> f64 {
+pub(super) fn least_margin(flight: &OracleFlight, bodies: &[OracleBody], stop_below: f64) -> f64 {
     let mut running = f64::INFINITY;
     let nodes = flight.nodes();
     if let Some(first) = nodes.first() {
@@ -274,7 +274,7 @@ pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f
 /// The least margin of each leg to each body, leg by leg, capped at `cutoff`.
 pub(super) fn leg_margins(
     flight: &OracleFlight,
-    bodies: &[Body],
+    bodies: &[OracleBody],
     cutoff: f64,
     margins: &mut Vec<f64>,
 ) {

@@ -3,8 +3,8 @@
 use fga::Vec3;
 
 use super::OracleManeuver;
-use super::arc::{Arc, ArcNode};
-use super::separation::Body;
+use super::arc::{ArcNode, TurnArc};
+use super::separation::OracleBody;
 
 /// The start of a turn.
 #[derive(Clone, Copy)]
@@ -28,7 +28,7 @@ impl Here {
 }
 
 pub(super) struct Tree<'a> {
-    pub(super) bodies: &'a [Body],
+    pub(super) bodies: &'a [OracleBody],
     pub(super) horizon_s: f64,
     pub(super) slack_m: f64,
     pub(super) best: f64,
@@ -67,7 +67,7 @@ impl Tree<'_> {
     /// `running` so far; `None` when it cannot improve the result.
     pub(super) fn finish(
         &self,
-        arc: &Arc,
+        arc: &TurnArc,
         node: &ArcNode,
         here: &Here,
         sign: f64,
@@ -108,7 +108,7 @@ impl Tree<'_> {
     /// running minimum, and says whether to go on.
     pub(super) fn walk(
         &mut self,
-        arc: &Arc,
+        arc: &TurnArc,
         here: &Here,
         sign: f64,
         mut visit: impl FnMut(&mut Self, &ArcNode, Vec3, f64) -> bool,

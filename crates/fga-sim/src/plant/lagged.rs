@@ -28,13 +28,13 @@ const NEARLY_THERE_RAD: f64 = 0.1;
 
 /// The integrated state under the PI autopilot: position, course and bank.
 #[derive(Clone, Copy)]
-struct Flight {
+struct PiState {
     position_m: Vec3,
     course_rad: f64,
     bank_rad: f64,
 }
 
-impl Flight {
+impl PiState {
     fn plus(self, rate: Self, by_s: f64) -> Self {
         Self {
             position_m: self.position_m + rate.position_m * by_s,
@@ -340,11 +340,11 @@ impl Plant {
     }
 
     /// The flight after one Runge–Kutta step under a bank command.
-    fn stepped(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> Flight {
+    fn stepped(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> PiState {
         let response = self.vehicle.response;
         let (time_constant_s, factor) = (response.bank_time_constant_s, response.turn_rate_factor);
         let (speed, wind, climb) = (self.airspeed_mps, self.wind_mps, self.climb_rad);
-        let before = Flight {
+        let before = PiState {
             position_m: self.position_m,
             course_rad: self.course_rad,
             bank_rad: if time_constant_s > 0.0 {
@@ -363,7 +363,7 @@ impl Plant {
             let (sin_course, cos_course) = libm::sincos(course_rad);
             Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
         };
-        let rate = |state: Flight, after_s: f64| Flight {
+        let rate = |state: PiState, after_s: f64| PiState {
             position_m: heading(state.course_rad, after_s) * speed + wind,
             course_rad: factor * STANDARD_GRAVITY_MPS2 * libm::tan(state.bank_rad) / speed,
             bank_rad: if time_constant_s > 0.0 {

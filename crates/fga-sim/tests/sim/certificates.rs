@@ -8,7 +8,7 @@ use fga::Vec3;
 use fga::avoider::{Avoider, Settings, Start, Verdict};
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
 use fga::vehicle::Vehicle;
-use fga_sim::fine::{Body, FineFlight};
+use fga_sim::fine::{FineFlight, GrowingBody};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run;
 use fga_sim::scenario;
@@ -73,9 +73,9 @@ fn first_decision(
     if chosen.verdict != Verdict::Chosen {
         return None;
     }
-    let bodies: Vec<Body> = obstacles
+    let bodies: Vec<GrowingBody> = obstacles
         .iter()
-        .map(|obstacle| Body {
+        .map(|obstacle| GrowingBody {
             position_m: obstacle.position_m,
             velocity_mps: obstacle.velocity_mps,
             volume: obstacle.volume,
