@@ -2,7 +2,7 @@
 //! enters a protected volume.
 //!
 //! A flight is a point z of a standard normal distribution in as many dimensions as it has parameters ([`MOTION`] for each intruder, and
-//! [`GUST`]); each parameter is a quantile of a usual distribution, within the bounds that the policy knows ([`MovementBounds`], the
+//! [`GUST`]); each parameter is a quantile of a usual distribution, within the bounds that the policy knows ([`MovementBounds`](fga::situation::MovementBounds), the
 //! vehicle's drift). The cross-entropy
 //! method (Rubinstein 1999; Lee et al. 2015 for collision avoidance) flies batches, and draws the next batch near those
 //! that came nearest to a failure. One flight in ten is drawn from the usual distribution, so that the weights of the flights are

@@ -35,6 +35,7 @@ const RUNS: [Scope; 2] = [
         at: CRATE,
         options: &["--in-place"],
         files: &[
+            "crates/fga-link/src/authority.rs",
             "crates/fga-link/src/authority/*.rs",
             "crates/fga-link/src/clock.rs",
             "crates/fga-link/src/restart.rs",
