@@ -2,7 +2,7 @@
 
 use super::network::Network;
 
-/// A model from [`read`].
+/// A model from [`read`](super::read()).
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncounterModel {
     pub(super) variables: Vec<Variable>,

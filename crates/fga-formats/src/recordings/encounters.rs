@@ -25,7 +25,7 @@ pub struct Encounters {
 /// The content of a file of any kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
-    /// Lines of BaseStation, as text: [`sbs::Log`] reads them.
+    /// Lines of BaseStation, as text: [`sbs::Log`](crate::traffic::sbs::Log) reads them.
     Lines(String),
     /// State vectors.
     States(Received),

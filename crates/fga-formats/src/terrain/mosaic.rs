@@ -30,7 +30,7 @@ impl Terrain {
     /// Reads files of heights above one datum.
     ///
     /// # Errors
-    /// As [`read`]; no file; files above different datums.
+    /// As [`read`](super::read); no file; files above different datums.
     pub fn read(paths: &[PathBuf], given: &Given) -> Result<Self, InputError> {
         let files = paths.iter().map(|path| reader::read(path, given));
         Self::new(files.collect::<Result<_, _>>()?)

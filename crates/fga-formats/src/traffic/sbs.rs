@@ -8,7 +8,7 @@
 //! | what | who | meaning here |
 //! |---|---|---|
 //! | `H` after an altitude or a vertical rate | dump1090 and readsb with `--gnss` | height above the ellipsoid |
-//! | `~` before an address | readsb, tar1090 | no address of the ICAO: [`NON_ICAO`] |
+//! | `~` before an address | readsb, tar1090 | no address of the ICAO: [`NON_ICAO`](super::NON_ICAO) |
 //! | more fields at the end | readsb (signal, category), mlat-client (stations, error) | ignored; after `MLAT` the error is read |
 //! | `MLAT` or another word than `MSG` | mlat-client, Virtual Radar Server | read all the same |
 //! | a field in quotes | mlat-client | its content |
