@@ -12,9 +12,7 @@ use fga_formats::encounters::Encounter;
 use fga_sim::batch::BatchSettings;
 use fga_sim::encounters::{Random, Range};
 use fga_sim::engine::{DecisionMoment, Observer, Outcome};
-use fga_sim::oracle::{
-    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
-};
+use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_sim::wind::crab;
 use rayon::prelude::*;
 
@@ -253,25 +251,8 @@ fn fly(family: Family, number: u64, seed: u64) -> Result<FamilyFlight, String> {
         common::fly(&longer, &encounter, &mut last)?;
         late = Some(last);
     }
-    let oracle_m = (!outcome.separated() || !is_back).then(|| {
-        let start = OracleStart {
-            course_rad,
-            climb_rad,
-            ..OracleStart::ORIGIN
-        };
-        let obstacles: Vec<OracleObstacle> = encounter
-            .obstacles
-            .iter()
-            .map(|o| OracleObstacle::from(o).in_wind(settings.model.wind_mps))
-            .collect();
-        let oracle = OracleSettings {
-            horizon_s: ORACLE_S,
-            enough_m: Some(1.0),
-            ..OracleSettings::default()
-        };
-        let vehicle = OracleVehicle::from(&settings.model.vehicle);
-        best_margin(&start, &vehicle, &obstacles, &oracle).best_margin_m
-    });
+    let judge = Judge::new(&settings.model, ORACLE_S)?.until(1.0);
+    let oracle_m = (!outcome.separated() || !is_back).then(|| judge.best_margin_m(&encounter));
     Ok(FamilyFlight {
         number,
         outcome,

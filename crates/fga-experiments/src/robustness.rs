@@ -12,7 +12,7 @@ use fga_sim::batch::BatchSettings;
 use fga_sim::campaign::parse_policy;
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Observer, Outcome};
-use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use fga_sim::oracle::{Judge, OracleSettings};
 use fga_sim::wind::crab;
 use rayon::prelude::*;
 
@@ -132,26 +132,12 @@ fn fly(
     let encounter = drawn.encounter(number);
     let mut story = Story::default();
     let outcome = common::fly(&settings, &encounter, &mut story)?;
-    let start = OracleStart {
-        course_rad,
-        climb_rad,
-        ..OracleStart::ORIGIN
-    };
-    let obstacles: Vec<OracleObstacle> = encounter
-        .obstacles
-        .iter()
-        .map(|o| OracleObstacle::from(o).in_wind(model.wind_mps))
-        .collect();
     let oracle_m = if outcome.separated() {
         // Saved is saved: only losses need the oracle.
         f64::INFINITY
     } else {
-        let oracle_settings = OracleSettings {
-            enough_m: Some(1.0),
-            ..OracleSettings::default()
-        };
-        let vehicle = OracleVehicle::from(&model.vehicle);
-        best_margin(&start, &vehicle, &obstacles, &oracle_settings).best_margin_m
+        let judge = Judge::new(model, OracleSettings::default().horizon_s)?;
+        judge.until(1.0).best_margin_m(&encounter)
     };
     Ok(RobustFlight {
         number,

@@ -49,6 +49,13 @@ impl Judge {
         })
     }
 
+    /// The same, but a margin of `enough_m` ends the search.
+    #[must_use]
+    pub fn until(mut self, enough_m: f64) -> Self {
+        self.settings.enough_m = Some(enough_m);
+        self
+    }
+
     /// The largest margin found, metres, with six decimals, so that the written and the judged value never
     /// disagree.
     pub fn best_margin_m(&self, encounter: &Encounter) -> f64 {
