@@ -20,12 +20,12 @@ const TABLE: &str = "crates/xtask/house.csv";
 const FLYING: [&str; 5] = ["fga", "fga-index", "fga-mission", "fga-proof", "fga-search"];
 
 /// Numbers by crate and quantity.
-type Counts = BTreeMap<(String, String), usize>;
+type HouseCounts = BTreeMap<(String, String), usize>;
 
 /// Numbers, and what stands behind those that should be zero.
 #[derive(Default)]
 struct House {
-    counts: Counts,
+    counts: HouseCounts,
     faults: String,
 }
 
@@ -65,7 +65,7 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
 }
 
 /// Names the rows that differ.
-fn compare(now: &Counts, known: &Counts) -> Result<(), String> {
+fn compare(now: &HouseCounts, known: &HouseCounts) -> Result<(), String> {
     let mut off = String::new();
     let rows: BTreeSet<_> = now.keys().chain(known.keys()).collect();
     for row in rows {
@@ -89,7 +89,7 @@ fn compare(now: &Counts, known: &Counts) -> Result<(), String> {
     ))
 }
 
-fn read(text: &str) -> Result<Counts, String> {
+fn read(text: &str) -> Result<HouseCounts, String> {
     let rows = text.lines().skip(1).map(|line| {
         let mut cells = line.split(',');
         let row = (cells.next()?.to_owned(), cells.next()?.to_owned());
@@ -299,11 +299,12 @@ mod tests {
 
     #[test]
     fn a_row_that_differs_is_named() {
-        let row = |number: usize| Counts::from([(("a".to_owned(), "lines".to_owned()), number)]);
+        let row =
+            |number: usize| HouseCounts::from([(("a".to_owned(), "lines".to_owned()), number)]);
         assert_eq!(compare(&row(3), &row(3)), Ok(()));
         let off = compare(&row(4), &row(3)).expect_err("more");
         assert!(off.contains("a, lines: 4, the table has 3"), "{off}");
-        let off = compare(&row(3), &Counts::new()).expect_err("new");
+        let off = compare(&row(3), &HouseCounts::new()).expect_err("new");
         assert!(off.contains("a, lines: 3, the table has none"), "{off}");
         assert!(read("crate,quantity,number\na,lines\n").is_err());
     }

@@ -9,7 +9,7 @@ use super::source::{Names, Sources, below};
 type Arrows = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 /// Where a path ends: a module, or something that a module defines.
-enum End {
+enum PathEnd {
     Module(Names),
     Item(Names),
 }
@@ -66,7 +66,7 @@ fn reach<'a>(arrows: &'a Arrows, file: &'a String) -> BTreeSet<&'a String> {
 fn arrows(sources: &Sources) -> Arrows {
     let mut arrows = Arrows::new();
     for (module, path) in &sources.paths {
-        let Some(End::Item(owner)) = end_of(sources, module, path, 0) else {
+        let Some(PathEnd::Item(owner)) = end_of(sources, module, path, 0) else {
             continue;
         };
         let (from, to) = (&sources.modules[module], &sources.modules[&owner]);
@@ -80,7 +80,7 @@ fn arrows(sources: &Sources) -> Arrows {
 }
 
 /// Where a path that stands in a module ends; none outside of the crate.
-fn end_of(sources: &Sources, module: &Names, path: &[String], depth: usize) -> Option<End> {
+fn end_of(sources: &Sources, module: &Names, path: &[String], depth: usize) -> Option<PathEnd> {
     let first = path.first()?.as_str();
     let is_own = ["crate", "self", "super"].contains(&first)
         || sources.modules.contains_key(&below(module, first))
@@ -96,7 +96,7 @@ fn end_of(sources: &Sources, module: &Names, path: &[String], depth: usize) -> O
 }
 
 /// Follows a path of the crate from a module, through what modules hand on by `use`.
-fn follow(sources: &Sources, from: &Names, path: &[String], depth: usize) -> Option<End> {
+fn follow(sources: &Sources, from: &Names, path: &[String], depth: usize) -> Option<PathEnd> {
     let mut module = from.clone();
     for (name, rest) in path
         .iter()
@@ -122,14 +122,14 @@ fn follow(sources: &Sources, from: &Names, path: &[String], depth: usize) -> Opt
                 // `use name;` and names that hand each other on in a ring lead nowhere.
                 let Some(import) = import.filter(|path| path.as_slice() != [name] && depth < 8)
                 else {
-                    return Some(End::Item(module));
+                    return Some(PathEnd::Item(module));
                 };
                 return match end_of(sources, &module, import, depth + 1)? {
-                    End::Module(owner) => follow(sources, &owner, rest, depth + 1),
-                    item @ End::Item(_) => Some(item),
+                    PathEnd::Module(owner) => follow(sources, &owner, rest, depth + 1),
+                    item @ PathEnd::Item(_) => Some(item),
                 };
             }
         }
     }
-    Some(End::Module(module))
+    Some(PathEnd::Module(module))
 }

@@ -25,7 +25,7 @@ pub(crate) struct Sources {
 }
 
 /// Reads on from the tokens of a file or of a group in it.
-struct Reader<'a> {
+struct TokenReader<'a> {
     sources: &'a mut Sources,
     file: &'a str,
 }
@@ -36,7 +36,7 @@ impl Sources {
         let tokens = text.parse::<TokenStream>();
         let tokens = tokens.map_err(|error| format!("{file}: {error}"))?;
         self.modules.insert(module.clone(), file.to_owned());
-        let mut reader = Reader {
+        let mut reader = TokenReader {
             sources: self,
             file,
         };
@@ -45,7 +45,7 @@ impl Sources {
     }
 }
 
-impl Reader<'_> {
+impl TokenReader<'_> {
     /// Walks over tokens; `is_module` where items of a module stand.
     fn walk(&mut self, tokens: TokenStream, module: &Names, is_module: bool) {
         let tokens: Vec<TokenTree> = tokens.into_iter().collect();
