@@ -13,7 +13,7 @@ use crate::error::{InputError, read_text};
 
 /// A polygon of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Area {
+pub struct NamedArea {
     /// Its name.
     pub name: Option<String>,
     /// Latitude and longitude of each corner, degrees; the last is joined to the first.
@@ -24,7 +24,7 @@ pub struct Area {
 ///
 /// # Errors
 /// An unreadable file, one of neither kind, anything but polygons without holes, a ring that is not closed, a corner out of range.
-pub fn read(path: &Path) -> Result<Vec<Area>, InputError> {
+pub fn read(path: &Path) -> Result<Vec<NamedArea>, InputError> {
     parse(&read_text(path)?, path)
 }
 
@@ -32,7 +32,7 @@ pub fn read(path: &Path) -> Result<Vec<Area>, InputError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(text: &str, path: &Path) -> Result<Vec<Area>, InputError> {
+pub fn parse(text: &str, path: &Path) -> Result<Vec<NamedArea>, InputError> {
     let mut areas = Areas {
         path,
         all: Vec::new(),
@@ -83,7 +83,7 @@ enum GeoJson {
 
 struct Areas<'a> {
     path: &'a Path,
-    all: Vec<Area>,
+    all: Vec<NamedArea>,
 }
 
 impl Areas<'_> {
@@ -195,7 +195,7 @@ impl Areas<'_> {
             }
         }
         let name = name.filter(|name| !name.is_empty()).map(str::to_owned);
-        self.all.push(Area { name, corners_deg });
+        self.all.push(NamedArea { name, corners_deg });
         Ok(())
     }
 }
@@ -206,12 +206,12 @@ mod tests {
 
     const RING: &str = "[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]";
 
-    fn areas(text: &str) -> Result<Vec<Area>, String> {
+    fn areas(text: &str) -> Result<Vec<NamedArea>, String> {
         parse(text, Path::new("a")).map_err(|error| error.to_string())
     }
 
-    fn triangle(name: Option<&str>) -> Area {
-        Area {
+    fn triangle(name: Option<&str>) -> NamedArea {
+        NamedArea {
             name: name.map(str::to_owned),
             corners_deg: vec![[47.3, 8.5], [47.3, 8.6], [47.4, 8.6]],
         }

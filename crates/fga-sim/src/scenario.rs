@@ -36,6 +36,7 @@
 //! also bounds its existence. Optional: `seed`, `[start]`, `[limits] floor_m, ceiling_m`, `[wind]`, `[noise]`, `[sensor]`, with
 //! the keys of vehicle files. An unknown key is an error.
 
+mod places;
 mod zones;
 
 use std::path::Path;
@@ -50,6 +51,7 @@ use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use toml::Spanned;
 
+use self::places::Places;
 use crate::plan::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
@@ -206,72 +208,6 @@ fn limits_m(
         )));
     }
     Ok((floor_m, ceiling_m))
-}
-
-/// Places of a file, local or geodetic.
-struct Places<'a> {
-    text: TomlText<'a>,
-    frame: Option<LocalFrame>,
-}
-
-/// A place is at most this far from the origin, kilometres: a quarter of the earth away a plane folds back.
-const MOST_AWAY_KM: f64 = 9_000.0;
-
-impl Places<'_> {
-    fn local(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
-        let place = Vec3::from_array(*at.get_ref());
-        if place.is_finite() && place.abs().max_element() <= 1e7 {
-            Ok(place)
-        } else {
-            Err(self.text.error_at(
-                at,
-                format!("{key} is out of range, expected three numbers within 10,000 km"),
-            ))
-        }
-    }
-
-    fn geodetic(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
-        let Some(frame) = &self.frame else {
-            return Err(self.text.error_at(
-                at,
-                format!(
-                    "{key} is geodetic, expected an [origin] with latitude_deg and longitude_deg"
-                ),
-            ));
-        };
-        let [latitude_deg, longitude_deg, altitude_m] = *at.get_ref();
-        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
-            self.text.error_at(
-                at,
-                format!("{key} is out of range, expected [latitude, longitude, altitude_m]"),
-            )
-        })?;
-        let away_km = 1e-3 * frame.origin().distance_m(place);
-        if away_km > MOST_AWAY_KM {
-            let message = format!(
-                "{key} is {away_km:.0} km from the origin, expected at most {MOST_AWAY_KM} km"
-            );
-            return Err(self.text.error_at(at, message));
-        }
-        Ok(frame.to_local_m(place))
-    }
-
-    /// The given one of two keys.
-    fn either(
-        &self,
-        local: Option<&Spanned<[f64; 3]>>,
-        geodetic: Option<&Spanned<[f64; 3]>>,
-    ) -> Result<Option<Vec3>, InputError> {
-        match (local, geodetic) {
-            (Some(local), None) => self.local("position_m", local).map(Some),
-            (None, Some(geodetic)) => self.geodetic("position_deg", geodetic).map(Some),
-            (None, None) => Ok(None),
-            (Some(_), Some(geodetic)) => Err(self.text.error_at(
-                geodetic,
-                "both position_m and position_deg are given, expected one of them",
-            )),
-        }
-    }
 }
 
 /// How the aircraft passes each waypoint: where the file does not say, it flies by all but the last and over that.

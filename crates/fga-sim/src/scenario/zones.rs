@@ -8,7 +8,7 @@ use fga_files::vehicle::LimitsTable;
 use fga_formats::{InputError, areas, zones};
 use toml::Spanned;
 
-use super::Places;
+use super::places::Places;
 use crate::vehicle_file::checks::Checked;
 use crate::zone::{WorldOutline, WorldZone};
 
