@@ -1,7 +1,7 @@
-//! Obstacles with one slice per quantity.
+//! The obstacles of one step, as rows or with one slice per quantity.
 
-use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Uncertainty};
 use fga_proof::Vec3;
+use fga_proof::situation::{Movement, Obstacle, ProtectedVolume, Uncertainty};
 
 /// Obstacles with one slice per quantity, all of one length; units as in [`Obstacle`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,6 +133,15 @@ impl Columns<'_> {
         }
         Some(obstacle)
     }
+}
+
+/// The obstacles of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacles<'a> {
+    /// One record per obstacle: the natural form for a handful.
+    Rows(&'a [Obstacle]),
+    /// One slice per quantity: the fast form for thousands.
+    Columns(Columns<'a>),
 }
 
 impl<'a> Obstacles<'a> {

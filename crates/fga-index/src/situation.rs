@@ -2,19 +2,10 @@
 
 pub use fga_proof::situation::*;
 
-pub use crate::columns::{Columns, ColumnsError};
+pub use crate::columns::{Columns, ColumnsError, Obstacles};
 
 use fga_proof::Vec3;
 use fga_proof::limit::LARGEST;
-
-/// The obstacles of one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Obstacles<'a> {
-    /// One record per obstacle: the natural form for a handful.
-    Rows(&'a [Obstacle]),
-    /// One slice per quantity: the fast form for thousands.
-    Columns(Columns<'a>),
-}
 
 /// The input of one decision. Positions and velocities are over the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
