@@ -2,8 +2,7 @@
 //!
 //! The first turn ends on a straight line, on which the second one begins: both in closed form, with bank lag too.
 
-use crate::join::{NEAR_M, ON_LEG_M};
-use crate::leg::Leg;
+use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
 use fga_proof::angle::wrap_pi;
 use fga_proof::limit::Limit as _;

@@ -5,7 +5,7 @@
 //! levelling off.
 
 use crate::aim::aim;
-use crate::leg::Leg;
+use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::prediction::{MotionState, flown};
@@ -13,14 +13,8 @@ use fga_proof::prediction::{MotionState, flown};
 /// Most stages of a join: three turns, and the climb angle of the leg.
 const MOST_STAGES: usize = 4;
 
-/// Largest cross-track and height error on the leg, metres: far below the metres to which positions are known.
-pub(crate) const ON_LEG_M: f64 = 0.05;
-
 /// Largest course error on the leg, radians.
 const ON_COURSE_RAD: f64 = 1e-3;
-
-/// A join is corrected until no more than this is left, metres: well within [`ON_LEG_M`].
-pub(crate) const NEAR_M: f64 = 0.2 * ON_LEG_M;
 
 /// A join ends at most this far beside the leg, metres: in wind, half circles ended up to 60 m beside it where the corrections failed.
 const JOINED_WITHIN_M: f64 = 1.0;

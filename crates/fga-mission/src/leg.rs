@@ -11,6 +11,12 @@ use fga_proof::prediction::MotionState;
 /// A leg shorter over the ground than this has no direction of its own, metres.
 const SHORTEST_M: f64 = 1e-3;
 
+/// Largest cross-track and height error on the leg, metres: far below the metres to which positions are known.
+pub(crate) const ON_LEG_M: f64 = 0.05;
+
+/// A join is corrected until no more than this is left, metres: well within [`ON_LEG_M`].
+pub(crate) const NEAR_M: f64 = 0.2 * ON_LEG_M;
+
 /// A straight leg between two waypoints, and its flight in a wind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg {

@@ -12,6 +12,12 @@ use fga_proof::situation::{Mission, Passing};
 /// lag acts at either end of a turn, and as much again is room.
 const SETTLING: f64 = 4.0;
 
+/// Work of laying a leg and looking whether it is over.
+pub(crate) const LEG: usize = 4;
+
+/// Most legs of a search for a way onto the mission.
+pub(crate) const MOST_LEGS: usize = 96;
+
 /// A mission, who flies it, and in which wind.
 #[derive(Debug, Clone, Copy)]
 pub struct Route<'a> {

@@ -6,8 +6,8 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::join::{Join, NEAR_M};
-use crate::leg::Leg;
+use crate::join::Join;
+use crate::leg::{Leg, NEAR_M};
 use crate::route::Route;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;

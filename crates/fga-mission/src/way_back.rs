@@ -4,18 +4,12 @@ use crate::Progress;
 use crate::corner::{LONG_RADII, corner};
 use crate::join::{Join, join};
 use crate::leg::Leg;
-use crate::route::Route;
+use crate::route::{LEG, MOST_LEGS, Route};
 use crate::turn_round::turn_round;
 use fga_proof::prediction::MotionState;
 
-/// Work of laying a leg and looking whether it is over.
-pub(crate) const LEG: usize = 4;
-
 /// A search for a way onto the mission tries this many legs one by one; after them one in each half turn radius.
 const ONE_BY_ONE: usize = 8;
-
-/// Most legs of a search for a way onto the mission.
-pub(crate) const MOST_LEGS: usize = 96;
 
 impl Progress {
     /// A way onto the mission: onto the leg, or onto the first leg after it, at most `skipped` on, that the aircraft joins before
