@@ -10,8 +10,6 @@ mod reserve;
 mod threat;
 mod way_back;
 
-pub(super) use holding::{Basis, Outlook};
-
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
@@ -23,11 +21,9 @@ use crate::certificate::{Asked, Certificate, Certified, certify_set, prove};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
-use crate::prediction::MotionState;
+use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
-
-use self::way_back::LOOK_BACK_EVERY;
 
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
@@ -36,6 +32,12 @@ const GRID_WORK: u32 = 80_000;
 
 /// Cycles between two looks for something better than what is flown.
 pub(super) const LOOK_EVERY: u32 = 10;
+
+/// Cycles between two searches for a way back, each at one intercept angle.
+const LOOK_BACK_EVERY: u32 = 2;
+
+/// Time of the search for a way back with all of the wanted margin, seconds; as long again for half of it.
+const MORE_ROOM_S: f64 = 20.0;
 
 /// No way back during the time of this turn, unless the aircraft passes, radians.
 const BEGUN_RAD: f64 = 0.8;
@@ -85,6 +87,11 @@ impl Plan {
             is_small: false,
             ..*self
         }
+    }
+
+    /// How often the time of a search for a way back from it has passed.
+    fn given_up(&self, time_s: f64) -> usize {
+        whole((time_s - self.start_s) / MORE_ROOM_S, 4) - 1
     }
 }
 
@@ -262,8 +269,7 @@ impl Avoider {
     /// Flying the manoeuvre: returns, keeps it, or replaces it.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
         let time_s = situation.time_s;
-        let waits =
-            |plan: &Plan| self.tracks.has_obstacles() || way_back::given_up(plan, time_s) == 0;
+        let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
             self.state = State::Cruise;
             return self.watch(situation, now);

@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
-use crate::avoider::{Avoider, Plan};
+use crate::avoider::{Avoider, Basis, Outlook, Plan};
 use crate::certificate::Certified;
 use crate::prediction::MotionState;
 use crate::search::Proof;
@@ -18,41 +18,8 @@ const SPARE_SHARE: f64 = 0.1;
 /// A turn rate grows faster than the bank: at most so many times as fast below the largest bank.
 const BANKS: f64 = 4.0;
 
-/// Tolerance when comparing obstacles with how they were expected, m (velocities: a tenth of it, m/s).
-const SAME_M: f64 = 1e-6;
-
 /// A certificate is renewed after this long, so that its horizon moves on, seconds.
 const RENEWED_AFTER_S: f64 = 4.0;
-
-/// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
-/// holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::avoider) struct Basis {
-    /// When it is renewed at the latest, seconds from the plan's decision.
-    renewed_s: f64,
-    /// The aircraft as predicted for the last step, its time counted from the plan's decision.
-    own: MotionState,
-    /// Margin beyond what the certificate needs, metres.
-    spare_m: f64,
-}
-
-/// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(in crate::avoider) struct Outlook {
-    count: usize,
-    position_m: Vec3,
-    velocity_mps: Vec3,
-    size_m: f64,
-}
-
-impl Outlook {
-    pub(super) fn is(&self, other: &Self) -> bool {
-        self.count == other.count
-            && (self.position_m - other.position_m).abs().max_element() < SAME_M
-            && (self.velocity_mps - other.velocity_mps).abs().max_element() < 0.1 * SAME_M
-            && (self.size_m - other.size_m).abs() < SAME_M
-    }
-}
 
 impl Avoider {
     /// The highest rung whose demand the rest of a plan keeps, with its certificate in the plan; the longer horizon only where

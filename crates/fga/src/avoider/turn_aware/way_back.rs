@@ -10,7 +10,7 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::Join;
 use crate::mission::leg::Leg;
-use crate::prediction::{MotionState, whole};
+use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
@@ -53,15 +53,9 @@ const AWAY: [(f64, f64); 6] = [
 /// seconds.
 const TRIED_S: f64 = 60.0;
 
-/// Cycles between two searches for a way back, each at one intercept angle.
-pub(super) const LOOK_BACK_EVERY: u32 = 2;
-
 /// A way back withstands all motions of aircraft for this long, seconds: a turn of 60° at the standard
 /// rate takes as long.
 const BACK_WITHSTANDS_S: f64 = 20.0;
-
-/// Time of the search for a way back with all of the wanted margin, seconds; as long again for half of it.
-const MORE_ROOM_S: f64 = 20.0;
 
 /// The obstacles on a way back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,11 +83,6 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
     (offset.dot(relative) / square).limited(0.0, longest_s)
 }
 
-/// How often the time of a search for a way back from a plan has passed.
-pub(super) fn given_up(plan: &Plan, time_s: f64) -> usize {
-    whole((time_s - plan.start_s) / MORE_ROOM_S, 4) - 1
-}
-
 /// The place of the intercept angle of a look for a way back: each second look is at the preferred one.
 const fn place_of(look: usize) -> usize {
     if look.is_multiple_of(2) {
@@ -117,7 +106,7 @@ impl Avoider {
             return None;
         }
         // After a long search without room for the wanted margin less is enough.
-        let given_up = given_up(plan, situation.time_s);
+        let given_up = plan.given_up(situation.time_s);
         let rung = (WANTED + given_up).min(RUNGS - 2);
         let demand = &self.demand_of(rung);
         // Counted in looks, so that none of the angles is left out at any period.
