@@ -7,12 +7,12 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
+mod hazard;
 mod hazards;
 mod zones;
 
-pub use hazards::{
-    ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH, Obstruction, Rows,
-};
+pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
+pub use hazards::{HazardSet, Hazards, MAX_HAZARDS, Rows};
 pub use zones::{MAX_ZONES, Zones};
 
 use crate::Vec3;

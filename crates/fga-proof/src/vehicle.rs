@@ -4,10 +4,9 @@ mod turn;
 
 use crate::limit::SettingsError;
 
-pub use turn::{bank_for_radius_rad, course_rate_radps, turn_radius_m, turned};
-
-/// Standard acceleration of gravity, metres per second squared.
-pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
+pub use turn::{
+    STANDARD_GRAVITY_MPS2, bank_for_radius_rad, course_rate_radps, turn_radius_m, turned,
+};
 
 /// The vehicle's response: the difference between command and flight.
 #[derive(Debug, Clone, Copy, PartialEq)]

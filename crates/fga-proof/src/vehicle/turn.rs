@@ -5,8 +5,10 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use super::STANDARD_GRAVITY_MPS2;
 use crate::situation::Ownship;
+
+/// Standard acceleration of gravity, metres per second squared.
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
 fn positive(value: f64) -> Option<f64> {
     (value.is_finite() && value > 0.0).then_some(value)

@@ -1,0 +1,377 @@
+//! An obstacle for the certificate: how close a line comes to it.
+
+use crate::Vec3;
+use crate::meter::{LEAST_STEP, LOOK, Meter};
+use crate::situation::{Obstacle, ProtectedVolume};
+
+/// Most steps to the least margin of a cylinder on a line; six are usual.
+const MOST_STEPS: u32 = 40;
+
+/// Accuracy of a cylinder's least margin on a line, metres.
+const LEAST_KNOWN_M: f64 = 1e-9;
+
+/// An obstacle for the certificate: a volume that moves straight and grows, for a time.
+///
+/// A curved motion is several of these, one after the other, each valid only within its own window of
+/// time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hazard {
+    /// Index in the caller's list of hazards.
+    pub index: u32,
+    /// The obstacle's identifier.
+    pub id: u32,
+    /// Centre at time 0, metres, air-mass frame; where the window begins later, extended backwards.
+    pub position_m: Vec3,
+    /// Velocity in the air mass, metres per second.
+    pub velocity_mps: Vec3,
+    /// The volume at time 0, uncertainty included.
+    pub volume: ProtectedVolume,
+    /// Outward speed of its surface as the prediction ages, metres per second.
+    pub growth_mps: f64,
+    /// Stretch of the volume upwards and downwards, metres: at time 0, and the increase per
+    /// second; never negative within the window.
+    pub stretch_m: (f64, f64),
+    /// Its window of time: from and until, seconds from the decision.
+    pub window_s: (f64, f64),
+    /// How deep a flight may come into a cylinder, metres, or [`NO_DEPTH`]: the margin is this less the depth, or plus
+    /// the distance outside. The depth is s·w·f/(w + f), with the distances to wall and face as shares w and f of radius
+    /// and half height, and s the smaller of the two: at one height it grows towards the axis.
+    pub allowed_depth_m: f64,
+}
+
+/// The margin inside is minus the distance to the nearest surface.
+pub const NO_DEPTH: f64 = f64::NEG_INFINITY;
+
+/// The window of a permanent hazard, seconds.
+pub const ALWAYS: (f64, f64) = (0.0, f64::INFINITY);
+
+/// A point in straight motion for a while, in the air mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// Its first position, metres.
+    pub from_m: Vec3,
+    /// Its velocity, metres per second.
+    pub velocity_mps: Vec3,
+    /// Its start, seconds from the decision.
+    pub at_s: f64,
+    /// Its duration, seconds.
+    pub duration_s: f64,
+}
+
+impl Line {
+    /// From one place to another one in a second.
+    pub fn between(from_m: Vec3, to_m: Vec3) -> Self {
+        Self {
+            from_m,
+            velocity_mps: to_m - from_m,
+            at_s: 0.0,
+            duration_s: 1.0,
+        }
+    }
+
+    /// At a place.
+    pub fn at(place_m: Vec3) -> Self {
+        Self::between(place_m, place_m)
+    }
+}
+
+impl Hazard {
+    /// Zeros, which are written without a copy.
+    pub(super) const NONE: Self = Self {
+        window_s: (0.0, 0.0),
+        allowed_depth_m: 0.0,
+        ..Self::exact(
+            0,
+            Vec3::ZERO,
+            Vec3::ZERO,
+            ProtectedVolume::Sphere { radius_m: 0.0 },
+        )
+    };
+
+    /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
+    /// standard deviations of position now and of velocity over time.
+    pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
+        let uncertainty = obstacle.uncertainty;
+        let volume = obstacle.volume.grown(sigmas * uncertainty.position_m);
+        let velocity_mps = obstacle.velocity_mps - wind_mps;
+        Self {
+            index,
+            growth_mps: sigmas * uncertainty.velocity_mps,
+            ..Self::exact(obstacle.id, obstacle.position_m, velocity_mps, volume)
+        }
+    }
+
+    /// A hazard known exactly, by its motion in the air mass.
+    pub const fn exact(
+        id: u32,
+        position_m: Vec3,
+        velocity_mps: Vec3,
+        volume: ProtectedVolume,
+    ) -> Self {
+        Self {
+            index: 0,
+            id,
+            position_m,
+            velocity_mps,
+            volume,
+            growth_mps: 0.0,
+            stretch_m: (0.0, 0.0),
+            window_s: ALWAYS,
+            allowed_depth_m: NO_DEPTH,
+        }
+    }
+
+    /// Centre `after_s` seconds from now, metres.
+    #[inline]
+    pub fn position_after_m(&self, after_s: f64) -> Vec3 {
+        self.position_m + self.velocity_mps * after_s
+    }
+
+    /// Whether every number is finite and no length is negative.
+    pub fn is_valid(&self) -> bool {
+        let length_ok = |length: f64| length.is_finite() && length >= 0.0;
+        self.position_m.is_finite()
+            && self.velocity_mps.is_finite()
+            && self.growth_mps.is_finite()
+            && length_ok(self.volume.radius_m())
+            && length_ok(self.volume.half_height_m())
+    }
+
+    /// Whether its volume is a cylinder.
+    pub const fn is_cylinder(&self) -> bool {
+        matches!(self.volume, ProtectedVolume::Cylinder { .. })
+    }
+
+    fn offset_m(&self, position_m: Vec3, at_s: f64) -> Vec3 {
+        position_m - self.position_after_m(at_s)
+    }
+
+    /// Margin at a time, metres: signed distance from the volume's surface, negative inside, or by
+    /// [`Self::allowed_depth_m`].
+    pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
+        let offset = self.offset_m(position_m, at_s);
+        self.margin_and_slope(offset, Vec3::ZERO, at_s).0
+    }
+
+    fn is_stretched(&self) -> bool {
+        self.stretch_m != (0.0, 0.0)
+    }
+
+    /// The part of a line that lies in the hazard's window.
+    fn within_window(&self, line: &Line) -> Option<Line> {
+        let (from_s, until_s) = self.window_s;
+        let skipped_s = (from_s - line.at_s).max(0.0);
+        let end_s = line.duration_s.min(until_s - line.at_s);
+        (end_s >= skipped_s).then(|| Line {
+            from_m: line.from_m + line.velocity_mps * skipped_s,
+            at_s: line.at_s + skipped_s,
+            duration_s: end_s - skipped_s,
+            ..*line
+        })
+    }
+
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
+    /// the look.
+    #[inline]
+    pub fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        if self.window_s == ALWAYS {
+            self.least_within(line, below_m, meter)
+        } else {
+            self.least_within(&self.within_window(line)?, below_m, meter)
+        }
+    }
+
+    /// The same on a line within the hazard's window.
+    fn least_within(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        let (at_s, duration_s) = (line.at_s, line.duration_s);
+        let offset = self.offset_m(line.from_m, at_s);
+        let velocity = line.velocity_mps - self.velocity_mps;
+        // Squares only, until the sphere is close enough to matter.
+        let square = velocity.length_squared();
+        let along = -offset.dot(velocity);
+        let (nearest, nearest_s) = if along <= 0.0 {
+            (offset, 0.0)
+        } else {
+            let nearest_s = if along >= square * duration_s {
+                duration_s
+            } else {
+                along / square
+            };
+            (offset + velocity * nearest_s, nearest_s)
+        };
+        let (stretch_m, stretch_mps) = self.stretch_m;
+        let radius = self.volume.bounding_radius_m();
+        let grown = (self.growth_mps + stretch_mps) * (at_s + duration_s) + stretch_m;
+        let reach = radius + grown + below_m;
+        let nearest_square = nearest.length_squared();
+        if reach < 0.0 || nearest_square >= reach * reach {
+            return None;
+        }
+        if !meter.take(LOOK) {
+            return Some((f64::NEG_INFINITY, at_s));
+        }
+        if self.is_cylinder() || self.growth_mps != 0.0 || self.is_stretched() {
+            return self.least_without_form(line, below_m, meter);
+        }
+        let margin = libm::sqrt(nearest_square) - radius;
+        (margin < below_m).then_some((margin, at_s + nearest_s))
+    }
+
+    /// The same for all but a sphere that neither grows nor stretches.
+    #[inline(never)]
+    fn least_without_form(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        let (at_s, duration_s, growth) = (line.at_s, line.duration_s, self.growth_mps);
+        let offset = self.offset_m(line.from_m, at_s);
+        let velocity = line.velocity_mps - self.velocity_mps;
+        let (margin, when) = if self.is_cylinder() || self.is_stretched() {
+            let margin = |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
+            least_of_convex(margin, duration_s, below_m, meter)?
+        } else {
+            let when = growing_nearest_s(offset, velocity, growth, duration_s);
+            let distance = (offset + velocity * when).length();
+            let radius = self.volume.radius_m() + growth * at_s;
+            (distance - radius - growth * when, when)
+        };
+        (margin < below_m).then_some((margin, at_s + when))
+    }
+
+    /// Margin at an offset from the centre, metres, and its slope for a moving offset, metres per
+    /// second.
+    fn margin_and_slope(&self, offset: Vec3, velocity: Vec3, at_s: f64) -> (f64, f64) {
+        let (now_m, more_mps) = self.stretch_m;
+        let mut height = offset.z.abs() - (now_m + more_mps * at_s);
+        let mut rise = libm::copysign(velocity.z, velocity.z * offset.z) - more_mps;
+        if self.is_stretched() && height < 0.0 {
+            (height, rise) = (0.0, 0.0);
+        }
+        let aside = libm::sqrt(offset.x * offset.x + offset.y * offset.y);
+        let departs = if aside > 0.0 {
+            (offset.x * velocity.x + offset.y * velocity.y) / aside
+        } else {
+            0.0
+        };
+        let (wall, face, room) = match self.volume {
+            ProtectedVolume::Sphere { radius_m } => (aside, height, radius_m),
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            } => (aside - radius_m, height - half_height_m, 0.0),
+        };
+        let is_sphere = !self.is_cylinder();
+        let (margin, slope) = if is_sphere || (wall > 0.0 && face > 0.0) {
+            let distance = libm::sqrt(wall * wall + face * face);
+            let slope = (wall * departs + face * rise) / distance.max(f64::MIN_POSITIVE);
+            (distance - room, slope)
+        } else if self.allowed_depth_m >= 0.0 && wall < 0.0 && face < 0.0 {
+            let (radius_m, half_m) = (self.volume.radius_m(), self.volume.half_height_m());
+            let (w, f) = (wall / radius_m, face / half_m);
+            let least_m = radius_m.min(half_m);
+            let of_wall = w / (w + f).min(-f64::MIN_POSITIVE);
+            let of_face = 1.0 - of_wall;
+            let slope = of_face * of_face * departs / radius_m + of_wall * of_wall * rise / half_m;
+            (least_m * of_wall * f, least_m * slope)
+        } else if wall > face {
+            (wall, departs)
+        } else {
+            (face, rise)
+        };
+        let allowed_m = self.allowed_depth_m.max(0.0) - self.growth_mps * at_s;
+        (margin + allowed_m, slope - self.growth_mps)
+    }
+}
+
+/// The time of the least |q + w t| − g t on [0, duration]: where the closing speed falls to the growth.
+fn growing_nearest_s(offset: Vec3, velocity: Vec3, growth: f64, duration_s: f64) -> f64 {
+    let square = velocity.length_squared();
+    let faster = square - growth * growth;
+    if faster <= 0.0 {
+        // The volume grows faster than the aircraft can leave: the end is worst.
+        return duration_s;
+    }
+    let foot_s = -offset.dot(velocity) / square;
+    let miss = (offset + velocity * foot_s).length();
+    let beyond_s = growth * miss / libm::sqrt(square * faster);
+    let when = foot_s + beyond_s;
+    if when > duration_s {
+        duration_s
+    } else if when > 0.0 {
+        when
+    } else {
+        0.0
+    }
+}
+
+/// Minimum of a convex function on [0, duration], from below, and its time, from its values and
+/// slopes: `None` if it is not below `below`.
+///
+/// The tangents at two points with the minimum between them meet below it.
+fn least_of_convex(
+    function: impl Fn(f64) -> (f64, f64),
+    duration: f64,
+    below: f64,
+    meter: &Meter,
+) -> Option<(f64, f64)> {
+    if !meter.take(LEAST_STEP) {
+        return Some((f64::NEG_INFINITY, 0.0));
+    }
+    let mut low = (0.0, function(0.0));
+    if low.1.1 >= 0.0 || duration <= 0.0 {
+        return Some((low.1.0, low.0));
+    }
+    let mut high = (duration, function(duration));
+    if high.1.1 <= 0.0 {
+        return Some((high.1.0, high.0));
+    }
+    let mut bound = f64::NEG_INFINITY;
+    let mut at = 0.0;
+    for step in 0..MOST_STEPS {
+        let ((a, (at_a, slope_a)), (b, (at_b, slope_b))) = (low, high);
+        let meet = a + (at_b - at_a - slope_b * (b - a)) / (slope_a - slope_b);
+        at = meet.max(a).min(b);
+        bound = (at_a + slope_a * (at - a)).min(at_b + slope_b * (at - b));
+        if bound >= below {
+            return None;
+        }
+        if at_a.min(at_b) - bound < LEAST_KNOWN_M {
+            break;
+        }
+        // Where the tangents meet for a kink, where the slope is zero for a smooth minimum.
+        let next = if step % 2 == 0 {
+            at
+        } else {
+            a - slope_a * (b - a) / (slope_b - slope_a)
+        };
+        if next <= a || next >= b || !meter.take(LEAST_STEP) {
+            break;
+        }
+        let there = (next, function(next));
+        if there.1.1 < 0.0 {
+            low = there;
+        } else {
+            high = there;
+        }
+    }
+    Some((bound, at))
+}
+
+/// What a flight keeps a margin from.
+pub trait Obstruction {
+    /// Its index in the caller's list.
+    fn index(&self) -> u32;
+
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
+    /// the look.
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)>;
+}
+
+impl Obstruction for Hazard {
+    #[inline]
+    fn index(&self) -> u32 {
+        self.index
+    }
+
+    #[inline]
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        Self::least_on_line(self, line, below_m, meter)
+    }
+}
