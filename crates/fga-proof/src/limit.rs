@@ -18,6 +18,17 @@ impl Limit for f64 {
     }
 }
 
+/// The least whole number of steps that is at least `steps`, from 1 to `most`.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to 1..=most before the cast"
+)]
+#[inline]
+pub fn whole(steps: f64, most: usize) -> usize {
+    libm::ceil(steps).limited(1.0, most as f64) as usize
+}
+
 /// An unusable setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettingsError {

@@ -10,7 +10,8 @@ mod motion;
 mod path;
 mod roll;
 
-pub use bend::{Bend, Exit};
-pub use motion::{ArcSteps, Flyer, MotionState, Piece, Target};
-pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node};
-pub use path::{chords, flown, whole};
+pub use crate::limit::whole;
+pub use bend::Exit;
+pub use motion::arc::ArcSteps;
+pub use motion::{Bend, Flyer, MotionState, Piece, Target};
+pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, chords, flown};

@@ -12,8 +12,7 @@ const LEAST_KNOWN_M: f64 = 1e-9;
 
 /// An obstacle for the certificate: a volume that moves straight and grows, for a time.
 ///
-/// A curved motion is several of these, one after the other, each valid only within its own window of
-/// time.
+/// A curved motion is several of these, one after the other, each valid only within its own window of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {
     /// Index in the caller's list of hazards.
@@ -28,8 +27,7 @@ pub struct Hazard {
     pub volume: ProtectedVolume,
     /// Outward speed of its surface as the prediction ages, metres per second.
     pub growth_mps: f64,
-    /// Stretch of the volume upwards and downwards, metres: at time 0, and the increase per
-    /// second; never negative within the window.
+    /// Stretch of the volume up and down, metres: at time 0, and per second; never negative within the window.
     pub stretch_m: (f64, f64),
     /// Its window of time: from and until, seconds from the decision.
     pub window_s: (f64, f64),

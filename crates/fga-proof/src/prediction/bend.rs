@@ -5,15 +5,10 @@
 //! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
 
 use crate::Vec3;
-use crate::prediction::motion::{Flyer, MotionState, Target, unit};
+use crate::prediction::motion::arc::unit;
+use crate::prediction::motion::{Bend, End, Ends, Flyer, MotionState, NODES, Target};
 
-/// Most pieces of a roll-in that are tabulated. A longer roll-in counts as over after them: less than 1e-5 rad of bank is left.
-const NODES: usize = 48;
-
-/// Most of them from beyond the largest banks.
-const FIRST: usize = 8;
-
-/// Most turn between two of them, radians.
+/// Most turn between two pieces of a roll-in, radians.
 const NODE_RAD: f64 = 0.35;
 
 /// Ends nearer than this to each other tell nothing of how the turns between them bend, radians.
@@ -24,22 +19,6 @@ const ROLLS_OUT: f64 = 4.0;
 
 /// How far the line at the end of a turn may be from the true one, between the ends of the pieces too, turn radii.
 const INEXACT: f64 = 0.005;
-
-/// A turn whose roll-out begins at a moment.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct End {
-    /// The turn once rolled out, radians.
-    turn_rad: f64,
-    /// When the roll-out begins, seconds.
-    time_s: f64,
-    /// Where the aircraft is then, in the frame of the course at the beginning, metres: forward and to the side of the
-    /// turn.
-    at_m: (f64, f64),
-    /// From where it seems to have flown straight since then, once it has rolled out.
-    from_m: (f64, f64),
-    /// Its bank then, radians, positive towards the side of the turn.
-    bank_rad: f64,
-}
 
 impl End {
     /// Of a turn that begins to roll out now.
@@ -81,26 +60,7 @@ pub struct Exit {
     pub path_m: f64,
 }
 
-/// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ends<const MOST: usize> {
-    kept: [End; MOST],
-    len: usize,
-    rolled_in: MotionState,
-}
-
-/// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
-pub(super) type RollIn = Ends<NODES>;
-
 impl<const MOST: usize> Ends<MOST> {
-    pub(super) fn none() -> Self {
-        Self {
-            kept: [End::default(); MOST],
-            len: 0,
-            rolled_in: MotionState::ahead(0.0),
-        }
-    }
-
     fn all(&self) -> &[End] {
         self.kept.get(..self.len).unwrap_or(&[])
     }
@@ -144,26 +104,6 @@ impl<const MOST: usize> Ends<MOST> {
         let here = flyer.advance(&state, &piece, after_s.min(piece.duration_s));
         Some((next, here))
     }
-}
-
-/// Turns to one side from a bank, in level flight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend {
-    /// Bank at the beginning, radians, positive towards the side of the turn.
-    bank_rad: f64,
-    /// Its first ends. Where it has come to a bank between the largest ones, the others are those of the flyer's roll-in.
-    first: Ends<FIRST>,
-    /// The place of the next one there.
-    next: usize,
-    /// The aircraft at that bank, there and here, each with the cosine and sine of its course.
-    joins: [(MotionState, (f64, f64)); 2],
-    last: End,
-    /// Cosine and sine of the course at the end of the roll-in.
-    rolled_in: (f64, f64),
-    /// Cosine and sine of the turn that ends there.
-    least_full: (f64, f64),
-    /// What rolling out from the bank of the end moves the aircraft by, forward and to the side, metres.
-    roll_out_m: (f64, f64),
 }
 
 impl Bend {

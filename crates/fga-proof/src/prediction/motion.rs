@@ -12,25 +12,27 @@ use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
-use crate::prediction::Bend;
-use crate::prediction::bend::RollIn;
-use crate::prediction::roll::Roll;
+use crate::prediction::roll::{Roll, Rolls};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
-mod arc;
+pub(super) mod arc;
 mod lagged;
-
-pub use arc::ArcSteps;
-pub(super) use arc::unit;
-
-use self::lagged::{ROLL_OUTS, Rolls};
 
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
 
 /// A smaller bank counts as wings level for callers, radians.
 const LEVEL_BANK_RAD: f64 = 1e-3;
+
+/// Banks with a tabulated roll-out, from level to the widest.
+const ROLL_OUTS: usize = 65;
+
+/// Most pieces of a roll-in that are tabulated. A longer roll-in counts as over after them: less than 1e-5 rad of bank is left.
+pub(super) const NODES: usize = 48;
+
+/// Most of them from beyond the largest banks.
+const FIRST: usize = 8;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,6 +152,62 @@ impl Piece {
     pub fn is_rolling(&self) -> bool {
         self.course_growth_radps2 != 0.0 || self.course_curve_radps3 != 0.0
     }
+}
+
+/// A turn whose roll-out begins at a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct End {
+    /// The turn once rolled out, radians.
+    pub(super) turn_rad: f64,
+    /// When the roll-out begins, seconds.
+    pub(super) time_s: f64,
+    /// Where the aircraft is then in the frame of the course at the beginning, metres forward and to the turn's side.
+    pub(super) at_m: (f64, f64),
+    /// From where it seems to have flown straight since then, once it has rolled out.
+    pub(super) from_m: (f64, f64),
+    /// Its bank then, radians, positive towards the side of the turn.
+    pub(super) bank_rad: f64,
+}
+
+/// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ends<const MOST: usize> {
+    pub(super) kept: [End; MOST],
+    pub(super) len: usize,
+    pub(super) rolled_in: MotionState,
+}
+
+/// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
+pub(super) type RollIn = Ends<NODES>;
+
+impl<const MOST: usize> Ends<MOST> {
+    pub(super) fn none() -> Self {
+        Self {
+            kept: [End::default(); MOST],
+            len: 0,
+            rolled_in: MotionState::ahead(0.0),
+        }
+    }
+}
+
+/// Turns to one side from a bank, in level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Bank at the beginning, radians, positive towards the side of the turn.
+    pub(super) bank_rad: f64,
+    /// Its first ends. Where it has come to a bank between the largest ones, the others are those of the flyer's roll-in.
+    pub(super) first: Ends<FIRST>,
+    /// The place of the next one there.
+    pub(super) next: usize,
+    /// The aircraft at that bank, there and here, each with the cosine and sine of its course.
+    pub(super) joins: [(MotionState, (f64, f64)); 2],
+    pub(super) last: End,
+    /// Cosine and sine of the course at the end of the roll-in.
+    pub(super) rolled_in: (f64, f64),
+    /// Cosine and sine of the turn that ends there.
+    pub(super) least_full: (f64, f64),
+    /// What rolling out from the bank of the end moves the aircraft by, forward and to the side, metres.
+    pub(super) roll_out_m: (f64, f64),
 }
 
 /// The vehicle's motion under commands.

@@ -4,11 +4,10 @@ use core::iter::Peekable;
 use core::slice::Iter;
 
 use crate::Vec3;
-use crate::limit::Limit as _;
+use crate::limit::whole;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
-use crate::prediction::motion::{ArcSteps, Piece};
-use crate::prediction::{Flyer, MotionState, Target};
+use crate::prediction::{ArcSteps, Flyer, MotionState, Piece, Target};
 
 /// Most nodes of a path.
 pub const MAX_NODES: usize = 320;
@@ -72,17 +71,6 @@ impl Node {
             acceleration_mps2: flyer.acceleration_mps2(piece),
         }
     }
-}
-
-/// The least whole number of steps that is at least `steps`, from 1 to `most`.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to 1..=most before the cast"
-)]
-#[inline]
-pub fn whole(steps: f64, most: usize) -> usize {
-    libm::ceil(steps).limited(1.0, most as f64) as usize
 }
 
 /// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
@@ -366,6 +354,7 @@ impl FlightPath {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limit::Limit as _;
     use crate::vehicle::{Response, Vehicle};
 
     fn paper() -> Vehicle {

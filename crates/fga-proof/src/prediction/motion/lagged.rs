@@ -2,11 +2,11 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::limit::Limit as _;
-use crate::prediction::bend::RollIn;
-use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
-use crate::prediction::roll::{Roll, roll_out, tan_share};
-use crate::prediction::{Bend, whole};
+use crate::limit::{Limit as _, whole};
+use crate::prediction::motion::{
+    Bend, Flyer, MotionState, Piece, REACHED_RAD, ROLL_OUTS, RollIn, Target,
+};
+use crate::prediction::roll::{Roll, Rolls, roll_out, tan_share};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
@@ -23,12 +23,6 @@ const LEVEL_TURN: f64 = 0.1;
 /// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
 const USUAL_SCALE_M: f64 = 1.5;
 
-/// Most pieces of a roll that a [`Flyer`] keeps.
-const KEPT_ROLLS: usize = 24;
-
-/// Banks with a tabulated roll-out, from level to the widest.
-pub(super) const ROLL_OUTS: usize = 65;
-
 /// The widest bank with a tabulated roll-out, radians: a gust or another pilot may bank beyond the vehicle's largest. The roll-out
 /// of a wider one is taken for that of this one.
 const WIDEST_RAD: f64 = 1.25;
@@ -38,78 +32,6 @@ const SETTLED_AFTER: f64 = 6.0;
 
 /// Most pieces of a roll-out.
 const MOST_PIECES: usize = 64;
-
-/// A first piece of a roll to a kept bank is at least this long, time constants.
-const SHORTEST: f64 = 0.02;
-
-/// The pieces of a common roll.
-///
-/// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Rolls {
-    /// How far their banks at the beginning are from the command, radians.
-    off_rad: [f64; KEPT_ROLLS],
-    pieces: [Roll; KEPT_ROLLS],
-    len: usize,
-}
-
-impl Rolls {
-    fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
-        let mut kept = Self::default();
-        let mut bank_rad = from_rad;
-        for (slot, off_rad) in kept.pieces.iter_mut().zip(&mut kept.off_rad) {
-            if bank_rad == to_rad {
-                break;
-            }
-            *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
-            *off_rad = (bank_rad - to_rad).abs();
-            bank_rad = slot.to_rad;
-            kept.len += 1;
-        }
-        kept
-    }
-
-    /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
-    /// outside of the roll.
-    fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
-        let first = self.pieces.first()?;
-        let command_rad = first.command_rad;
-        let off_rad = bank_rad - command_rad;
-        if off_rad * (first.from_rad - command_rad) <= 0.0 {
-            return None;
-        }
-        let off_rad = off_rad.abs();
-        let kept_rad = self.off_rad.get(..self.len)?;
-        let next = kept_rad.iter().position(|kept_rad| *kept_rad <= off_rad)?;
-        let piece = self.pieces.get(next)?;
-        if piece.from_rad == bank_rad {
-            return Some(if piece.lasts <= most {
-                *piece
-            } else {
-                Roll::part(bank_rad, command_rad, most)
-            });
-        }
-        if next == 0 {
-            return None;
-        }
-        let rest = self.pieces.get(next..self.len)?;
-        let (to_rad, lasts) = rest
-            .iter()
-            .zip(kept_rad.get(next..)?)
-            .find_map(|(to, off)| {
-                let lasts = libm::log(off_rad / off);
-                (lasts >= SHORTEST).then_some((to.from_rad, lasts))
-            })?;
-        Some(if lasts <= most {
-            Roll {
-                to_rad,
-                ..Roll::part(bank_rad, command_rad, lasts)
-            }
-        } else {
-            Roll::part(bank_rad, command_rad, most)
-        })
-    }
-}
 
 impl Flyer {
     /// Computes what all rolls share.
