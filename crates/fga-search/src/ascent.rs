@@ -7,25 +7,15 @@
 mod linear;
 mod moves;
 
-use fga_proof::Vec3;
 use fga_proof::certificate::{Hazard, Line};
-use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{Flyer, MotionState};
+use fga_proof::prediction::MotionState;
 
-use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
+use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Vector};
+use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
 use moves::moves;
-
-/// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
-const PARAMETERS: usize = 6;
-
-/// Natural steps of the parameters, times as the angles turned in them.
-const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
-
-/// Most obstacles of a step: the closest ones.
-const CLOSEST: usize = 12;
 
 /// Obstacles farther than the closest one by this do not matter to a climb, turn radii.
 const NEAR: f64 = 1.3;
@@ -48,137 +38,8 @@ const LEAST_GAIN_M: f64 = 2e-3;
 /// So is one with a smaller gain than this share of what is missing.
 const LEAST_SHARE: f64 = 0.005;
 
-/// Climbs that are this close have met, in units of the natural steps.
-const SAME: f64 = 0.2;
-
-type Vector = [f64; PARAMETERS];
-
-/// The closest approach to an obstacle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Approach {
-    place: usize,
-    position_m: Vec3,
-    margin_m: f64,
-    at_s: f64,
-}
-
-/// The closest approaches to the closest obstacles, in no order.
-#[derive(Debug, Clone, Copy)]
-struct Approaches {
-    all: [Approach; CLOSEST],
-    len: usize,
-}
-
-impl Approaches {
-    const NONE: Self = Self {
-        all: [Approach {
-            place: 0,
-            position_m: Vec3::ZERO,
-            margin_m: 0.0,
-            at_s: 0.0,
-        }; CLOSEST],
-        len: 0,
-    };
-
-    fn iter(&self) -> impl Iterator<Item = &Approach> {
-        self.all.iter().take(self.len)
-    }
-
-    fn least_m(&self) -> f64 {
-        self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
-    }
-
-    /// Adds one, or replaces the farthest if full.
-    fn take(&mut self, new: Approach) {
-        if let Some(slot) = self.all.get_mut(self.len) {
-            *slot = new;
-            self.len += 1;
-            return;
-        }
-        let farthest = self
-            .all
-            .iter_mut()
-            .max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
-        if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
-            *farthest = new;
-        }
-    }
-}
-
-/// A climb in progress.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ascent {
-    seed: Found,
-    at: Vector,
-    used: usize,
-    approaches: Approaches,
-    /// Natural steps of the parameters.
-    scales: Vector,
-    /// Half the width of the box of the next step, in units of the natural steps.
-    size: f64,
-    done: bool,
-}
-
 impl Ascent {
-    pub(super) const NONE: Self = Self {
-        seed: Found::NONE,
-        at: [0.0; PARAMETERS],
-        used: 0,
-        approaches: Approaches::NONE,
-        scales: [0.0; PARAMETERS],
-        size: 0.0,
-        done: false,
-    };
-
-    /// Whether it climbs from any manoeuvre.
-    pub(super) const fn is_some(&self) -> bool {
-        self.used > 0
-    }
-
-    /// From a manoeuvre.
-    pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
-        let [wait, turn, climb, after, second_turn, second_climb] = STEPS_RAD;
-        let rate = flyer.course_rate_radps();
-        let two = seed.turns.second.is_some();
-        Self {
-            seed: *seed,
-            at: to_vector(&seed.turns),
-            used: if two { PARAMETERS } else { 3 },
-            scales: [
-                wait / rate,
-                turn,
-                climb,
-                after / rate,
-                second_turn,
-                second_climb,
-            ],
-            size: 1.0,
-            ..Self::NONE
-        }
-    }
-
-    /// The least margin so far, metres, not yet certified; without a manoeuvre the least number.
-    pub(super) fn least_m(&self) -> f64 {
-        if !self.is_some() {
-            f64::MIN
-        } else if self.approaches.len == 0 {
-            self.seed.margin_m
-        } else {
-            self.approaches.least_m()
-        }
-    }
-
-    /// Whether another climb has come to the same manoeuvre.
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        let places = self.at.iter().zip(&other.at).zip(&self.scales);
-        self.used == other.used
-            && places
-                .take(self.used)
-                .all(|((a, b), scale)| (a - b).abs() < SAME * scale)
-    }
-
-    /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of
-    /// work.
+    /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
         if self.approaches.len < search.scene.hazards.rows().len() {
             self.find_closest(search);
@@ -250,18 +111,11 @@ impl Ascent {
     }
 
     fn turns(&self, at: &Vector) -> Turns {
-        let [
-            wait_s,
-            turn_rad,
-            climb_rad,
-            after_s,
-            second_turn,
-            second_climb,
-        ] = *at;
+        let [wait_s, turn_rad, climb_rad, after_s, turn2_rad, climb2_rad] = *at;
         let second = (self.used == PARAMETERS).then_some(SecondTurn {
             after_s,
-            turn_rad: second_turn,
-            climb_rad: second_climb,
+            turn_rad: turn2_rad,
+            climb_rad: climb2_rad,
         });
         Turns {
             wait_s,
@@ -295,8 +149,7 @@ impl Ascent {
         }
     }
 
-    /// The approaches of the noted obstacles with other parameters; `None` if the path has no prediction
-    /// to its end.
+    /// The approaches of the noted obstacles with other parameters; `None` if the path is not predicted to its end.
     fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
         search.evaluated += 1;
         if !predict(search, &self.turns(at)) {
@@ -315,8 +168,7 @@ impl Ascent {
         Some(approaches)
     }
 
-    /// The slope of each margin in each parameter, per natural step: the slope of the distance at
-    /// the moment of the closest approach.
+    /// The slope of each margin in each parameter, per natural step: that of the distance at the closest approach.
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.hazards.rows();
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
@@ -387,13 +239,9 @@ impl Ascent {
     }
 }
 
-fn maneuver(search: &Search<'_>, turns: &Turns) -> Maneuver {
-    search.maneuver(turns, &search.departure(turns.wait_s))
-}
-
 /// Predicts a manoeuvre into the search's path; returns whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
-    let maneuver = maneuver(search, turns);
+    let maneuver = search.maneuver(turns, &search.departure(turns.wait_s));
     search.predict(&maneuver);
     search.path.is_complete()
 }
@@ -446,20 +294,4 @@ fn bounds(climb: (f64, f64)) -> [(f64, f64); PARAMETERS] {
     let turn = (-MAX_TURN_RAD, MAX_TURN_RAD);
     let time = (0.0, 1e3);
     [time, turn, climb, time, turn, climb]
-}
-
-fn to_vector(turns: &Turns) -> Vector {
-    let second = turns.second.unwrap_or(SecondTurn {
-        after_s: 0.0,
-        turn_rad: 0.0,
-        climb_rad: 0.0,
-    });
-    [
-        turns.wait_s,
-        turns.turn_rad,
-        turns.climb_rad,
-        second.after_s,
-        second.turn_rad,
-        second.climb_rad,
-    ]
 }

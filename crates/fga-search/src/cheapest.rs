@@ -8,12 +8,10 @@ use fga_proof::angle::Side;
 use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
-use super::departure::Departure;
-use super::lattice::{Lattice, ROWS};
-use super::line::{Tangent, Way};
-use super::rows::{Prefix, Row};
+use super::lattice::{Lattice, Prefix, ROWS, Row, Way};
+use super::line::Tangent;
 use super::tuned::{ASIDE_RAD, BEYOND_RAD, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
-use super::{Found, MAX_TURN_RAD, Objective, Search, Turns};
+use super::{Departure, Found, MAX_TURN_RAD, Objective, Search, Turns};
 
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
 const IMPROVES: u32 = 32;
@@ -343,8 +341,7 @@ impl Search<'_> {
         None
     }
 
-    /// The certified member of a row that is nearest to the last one that failed. A climb without a turn becomes less
-    /// steep.
+    /// The certified member of a row nearest to the last one that failed. A climb without a turn becomes less steep.
     fn nearer(&mut self, prefix: &Prefix, row: &mut Row, found: Found) -> Found {
         let Row {
             way,

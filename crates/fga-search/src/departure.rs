@@ -1,74 +1,14 @@
 //! How far a manoeuvre departs from the mission.
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Asked, MAX_HAZARDS, certify_set, mark_close};
+use fga_proof::certificate::{Asked, certify_set, mark_close};
 use fga_proof::prediction::{MotionState, flown};
 
 use super::tuned::LONGEST_PASS_S;
-use super::{Objective, Search, Turns};
+use super::{Departure, Search, Turns};
 
 /// Conflicts of which one unit of work tells when they have passed.
 const PASSED: usize = 4;
-
-/// The departure of a manoeuvre from the mission.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Departure {
-    /// Distance from the mission when the last threatening obstacle has passed, metres.
-    pub aside_m: f64,
-    /// Its lag behind the mission at that time, metres.
-    pub behind_m: f64,
-}
-
-impl Departure {
-    /// Without work left to measure it: farther than any measured one.
-    const UNKNOWN: Self = Self {
-        aside_m: f64::MAX,
-        behind_m: 0.0,
-    };
-
-    /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
-    /// intercept angle adds about a quarter of the distance.
-    pub fn extra_path_m(&self) -> f64 {
-        self.behind_m + 0.27 * self.aside_m
-    }
-}
-
-impl Departure {
-    /// Between where the aircraft is and where the mission would have brought it, on a mission's direction.
-    fn between(offset_m: Vec3, along: Vec3) -> Self {
-        let behind_m = -offset_m.dot(along);
-        Self {
-            aside_m: (offset_m + along * behind_m).length(),
-            behind_m,
-        }
-    }
-
-    /// What an objective counts, metres.
-    pub(super) fn length_m(&self, objective: Objective) -> f64 {
-        match objective {
-            Objective::PaperCost => self.aside_m + self.extra_path_m(),
-            Objective::LeastDeviation => self.aside_m,
-            Objective::ShortestPath => self.extra_path_m(),
-        }
-    }
-}
-
-/// The hazards that come too close on the mission, and when each is closest, seconds.
-#[derive(Debug, Clone)]
-pub(super) struct Conflicts {
-    all: [(usize, f64); MAX_HAZARDS],
-    pub(super) count: usize,
-    pub(super) is_known: bool,
-}
-
-impl Conflicts {
-    /// Nothing known yet.
-    pub(super) const UNKNOWN: Self = Self {
-        all: [(0, 0.0); MAX_HAZARDS],
-        count: 0,
-        is_known: false,
-    };
-}
 
 impl Search<'_> {
     /// How far the line on which a turn ends departs from the mission until the obstacles have passed.

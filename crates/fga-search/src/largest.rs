@@ -8,39 +8,19 @@ use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::COMPARED;
 
-use super::ascent::Ascent;
-use super::rows::{Prefix, Row};
+use super::climbs::{Ascent, CLIMBERS, Climbs, SEEDS};
+use super::lattice::{Prefix, Row};
 use super::tuned::{FAR, FLOWN, GAPS, LEVEL_AFTER, PARTS, ROUNDS, STEP_RAD, WORTH_A_CLIMB};
-use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
+use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
 
-/// Most seeds.
-const SEEDS: usize = 64;
-
-/// The work of filling them.
+/// The work of filling the seeds.
 const SEEDS_WORK: usize = 8;
-
-/// Most seeds that climb.
-const CLIMBERS: usize = ROUNDS[0].0;
 
 /// The largest first turn of two, in steps: a little more than half a turn.
 const FIRST_STEPS: u32 = 17;
 
 /// The same, radians.
 const MOST_FIRST_RAD: f64 = FIRST_STEPS as f64 * STEP_RAD;
-
-/// The effort for the largest margin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
-    /// Single turns, and the surroundings of the present manoeuvre.
-    Quick,
-    /// Also two turns, in some parts of their rows, at least one.
-    Grids(u32),
-}
-
-impl Effort {
-    /// A whole search.
-    pub const WHOLE: Self = Self::Grids(PARTS);
-}
 
 /// A manoeuvre to climb from, and about its margin, metres; a place without one has the margin `f64::MIN`.
 fn seed(turns: Turns, margin_m: f64) -> Found {
@@ -54,57 +34,6 @@ fn seed(turns: Turns, margin_m: f64) -> Found {
 /// The margin of a seed, metres; without a seed the least number.
 fn margin_m(slot: Option<&Found>) -> f64 {
     slot.map_or(f64::MIN, |seed| seed.margin_m)
-}
-
-/// The best seeds, one of each row, and what climbs from them.
-#[derive(Debug, Clone)]
-pub(super) struct Climbs {
-    seeds: [Found; SEEDS],
-    climbers: [Ascent; CLIMBERS],
-}
-
-impl Climbs {
-    pub(super) const NONE: Self = Self {
-        seeds: [Found::NONE; SEEDS],
-        climbers: [Ascent::NONE; CLIMBERS],
-    };
-
-    /// Forgets all from a place on.
-    fn clear(&mut self, from: usize) {
-        for seed in self.seeds.iter_mut().skip(from) {
-            seed.margin_m = f64::MIN;
-        }
-    }
-
-    /// Replaces the least one if it is less.
-    fn take(&mut self, seed: Found) {
-        let least = self
-            .seeds
-            .iter_mut()
-            .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
-        if let Some(slot) = least.filter(|least| least.margin_m < seed.margin_m) {
-            *slot = seed;
-        }
-    }
-
-    /// The margin of the least one, which others have to exceed, metres.
-    fn floor_m(&self) -> f64 {
-        self.seeds
-            .iter()
-            .fold(f64::INFINITY, |least, seed| least.min(seed.margin_m))
-    }
-
-    /// Moves the best one from a place on to there.
-    fn best_at(&mut self, place: usize) -> Option<&mut Found> {
-        let rest = self.seeds.get_mut(place..)?;
-        let best = (rest.iter().enumerate()).max_by(|a, b| a.1.margin_m.total_cmp(&b.1.margin_m));
-        let (from, best) = best.filter(|(_, best)| best.margin_m > f64::MIN)?;
-        let mut moved = *best;
-        for slot in rest.iter_mut().take(from + 1) {
-            core::mem::swap(slot, &mut moved);
-        }
-        rest.first_mut()
-    }
 }
 
 impl Search<'_> {

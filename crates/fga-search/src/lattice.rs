@@ -1,7 +1,10 @@
 //! The rows of a search, their prefixes, and which row is next.
 
-use super::rows::{Prefix, Row};
+use fga_proof::angle::Side;
+use fga_proof::prediction::MotionState;
+
 use super::tuned::{ASIDE_RAD, CLIMBS, LEVEL_AFTER, STARTS};
+use super::{SecondTurn, Turns};
 
 /// Most prefixes: starts, first turns to either side, and climbs and descents that level off.
 const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len();
@@ -9,6 +12,178 @@ const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len
 /// Most rows: a start has one for each side and climb target, twice where turns may also lead less far than back to the
 /// mission's direction.
 pub(super) const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
+
+/// Where a turn begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub from: MotionState,
+    /// Cosine and sine of the course and of the climb angle.
+    pub course: (f64, f64),
+    pub climb: (f64, f64),
+}
+
+impl Entry {
+    pub(super) const NONE: Self = Self {
+        from: MotionState::ahead(0.0),
+        course: (0.0, 0.0),
+        climb: (0.0, 0.0),
+    };
+
+    /// The state at which turns begin.
+    pub(super) fn at(from: &MotionState) -> Self {
+        let unit = |angle_rad| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            (cos, sin)
+        };
+        Self {
+            from: *from,
+            course: unit(from.course_rad),
+            climb: unit(from.climb_rad),
+        }
+    }
+}
+
+/// A change of climb angle, and what it moves the aircraft by beyond flying at its target at once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Climbing {
+    /// The target, radians.
+    pub climb_rad: f64,
+    /// Sine and cosine of the target.
+    pub up: f64,
+    pub level: f64,
+    /// How long it takes, seconds.
+    pub climbs_s: f64,
+    /// Along the course and up, metres.
+    pub along_m: f64,
+    pub up_m: f64,
+}
+
+impl Climbing {
+    pub(super) const NONE: Self = Self {
+        climb_rad: 0.0,
+        up: 0.0,
+        level: 0.0,
+        climbs_s: 0.0,
+        along_m: 0.0,
+        up_m: 0.0,
+    };
+}
+
+/// The side of turns and the climb target taken up during them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub side: Side,
+    pub climbing: Climbing,
+}
+
+/// What precedes the last turn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prefix {
+    /// The aircraft when it departs from the mission.
+    pub leaves: MotionState,
+    /// First turn and climb, radians, if the last turn is the second one.
+    pub first: Option<(f64, f64)>,
+    /// Where the last turn begins.
+    pub entry: Entry,
+}
+
+impl Prefix {
+    pub(super) const NONE: Self = Self {
+        leaves: MotionState::ahead(0.0),
+        first: None,
+        entry: Entry::NONE,
+    };
+
+    /// The member of a row with this last turn, radians towards its side.
+    pub(super) fn turns(&self, way: &Way, turn_rad: f64) -> Turns {
+        let Self {
+            leaves,
+            first,
+            entry,
+        } = self;
+        let to_rad = entry.from.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
+        let climb_rad = way.climbing.climb_rad;
+        let wait_s = leaves.time_s;
+        let Some((first_rad, first_climb)) = *first else {
+            return Turns {
+                wait_s,
+                turn_rad: to_rad,
+                climb_rad,
+                second: None,
+            };
+        };
+        Turns {
+            wait_s,
+            turn_rad: first_rad,
+            climb_rad: first_climb,
+            second: Some(SecondTurn {
+                after_s: entry.from.time_s - wait_s,
+                turn_rad: to_rad - first_rad,
+                climb_rad,
+            }),
+        }
+    }
+}
+
+/// A row, and how much of it is ruled out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    /// Its prefix, by number.
+    pub prefix: usize,
+    /// The side of its first turn.
+    pub first: Side,
+    pub way: Way,
+    /// The next turn, radians towards the side: all from the beginning of the row to here are ruled out.
+    pub at_rad: f64,
+    /// The last turn of the row, radians.
+    pub to_rad: f64,
+    /// The last turn that failed, radians.
+    pub fails_rad: Option<f64>,
+    /// Whether the line of the next turn stays clear.
+    pub is_ready: bool,
+    /// The least step after a turn that fails, radians; each flight doubles it.
+    pub least_step_rad: f64,
+    /// Lower bound of the cost of its members; once the next one is ready, about its cost.
+    pub cost: f64,
+}
+
+impl Row {
+    pub(super) const NONE: Self = Self {
+        prefix: 0,
+        first: Side::Left,
+        way: Way {
+            side: Side::Left,
+            climbing: Climbing::NONE,
+        },
+        at_rad: 0.0,
+        to_rad: 0.0,
+        fails_rad: None,
+        is_ready: false,
+        least_step_rad: 0.0,
+        cost: 0.0,
+    };
+
+    /// +1 if its turns grow, −1 if they shrink.
+    pub(super) fn direction(&self) -> f64 {
+        libm::copysign(1.0, self.to_rad - self.at_rad)
+    }
+
+    /// Advances by some radians; beyond its end the row is empty.
+    pub(super) fn step(&mut self, by_rad: f64) {
+        let direction = self.direction();
+        self.fails_rad = Some(self.at_rad);
+        self.is_ready = false;
+        self.at_rad += direction * by_rad;
+        if direction * (self.to_rad - self.at_rad) < 0.0 {
+            self.close();
+        }
+    }
+
+    /// Removes the row from the search.
+    pub(super) const fn close(&mut self) {
+        self.cost = f64::INFINITY;
+    }
+}
 
 /// Rows and their prefixes.
 #[derive(Debug, Clone)]

@@ -17,24 +17,27 @@ extern crate std;
 
 mod ascent;
 mod cheapest;
+mod climbs;
 mod departure;
 mod largest;
 mod lattice;
 mod line;
 mod rows;
+mod terms;
 mod tuned;
 
-pub use departure::Departure;
-pub use largest::Effort;
+pub use terms::{Departure, Effort, Found, MAX_TURN_RAD, Objective, Proof, SecondTurn, Turns};
 pub use tuned::PARTS as GRIDS_A_SEARCH;
 
-use departure::Conflicts;
-use largest::Climbs;
+use climbs::Climbs;
 use lattice::Lattice;
+use terms::ENOUGH_M;
 
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
-use fga_proof::certificate::{Asked, Certificate, Certified, Hazards, certify_set, prove};
+use fga_proof::certificate::{
+    Asked, Certificate, Certified, Hazards, MAX_HAZARDS, certify_set, prove,
+};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -42,107 +45,8 @@ use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
 
 use tuned::{CLIMBS, CLIMBS_A_SIDE};
 
-/// Largest single turn of a search, radians: short of a full circle.
-pub const MAX_TURN_RAD: f64 = 6.0;
-
-/// A search for the largest margin caps margins at this value, m.
-const ENOUGH_M: f64 = 1e3;
-
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
-
-/// A manoeuvre in the terms of the search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turns {
-    /// Wait on the mission, seconds.
-    pub wait_s: f64,
-    /// First turn, radians, left positive.
-    pub turn_rad: f64,
-    /// Climb angle of the first turn, radians.
-    pub climb_rad: f64,
-    /// The second turn, if any.
-    pub second: Option<SecondTurn>,
-}
-
-/// The second stage of a manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondTurn {
-    /// Seconds from the start of the first turn to that of the second.
-    pub after_s: f64,
-    /// Turn from the first course, radians, left positive.
-    pub turn_rad: f64,
-    /// Climb angle, radians.
-    pub climb_rad: f64,
-}
-
-/// A manoeuvre with its certificate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
-    /// The manoeuvre.
-    pub turns: Turns,
-    /// Lower bound of its separation beyond the volumes, metres.
-    pub margin_m: f64,
-    /// Its cost by the scene's objective.
-    pub cost: f64,
-}
-
-impl Found {
-    /// No turn.
-    const NONE: Self = Self {
-        turns: Turns {
-            wait_s: 0.0,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        },
-        margin_m: 0.0,
-        cost: 0.0,
-    };
-}
-
-/// The status of the best manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Proof {
-    /// It keeps the requested separation: this proves it.
-    Certified(Certified),
-    /// It does not, and another search may find one that does.
-    Open,
-    /// It does not, and hardly another one will.
-    Hopeless,
-}
-
-impl Proof {
-    /// Whether the manoeuvre keeps the requested separation.
-    pub const fn is_certified(&self) -> bool {
-        matches!(self, Self::Certified(_))
-    }
-
-    /// The certificate, if there is one.
-    pub const fn certified(&self) -> Option<Certified> {
-        match self {
-            Self::Certified(certified) => Some(*certified),
-            Self::Open | Self::Hopeless => None,
-        }
-    }
-}
-
-impl From<Option<Certified>> for Proof {
-    fn from(certified: Option<Certified>) -> Self {
-        certified.map_or(Self::Open, Self::Certified)
-    }
-}
-
-/// The measure of the cheapest manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Objective {
-    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
-    #[default]
-    PaperCost,
-    /// Least largest distance from the mission (§3.3).
-    LeastDeviation,
-    /// Least extra path (§3.3).
-    ShortestPath,
-}
 
 /// The input of a search.
 #[derive(Debug, Clone, Copy)]
@@ -208,6 +112,23 @@ impl Scene<'_> {
             .chain((high > original).then_some(high))
             .chain((low < original).then_some(low))
     }
+}
+
+/// The hazards that come too close on the mission, and when each is closest, seconds.
+#[derive(Debug, Clone)]
+struct Conflicts {
+    all: [(usize, f64); MAX_HAZARDS],
+    count: usize,
+    is_known: bool,
+}
+
+impl Conflicts {
+    /// Nothing known yet.
+    const UNKNOWN: Self = Self {
+        all: [(0, 0.0); MAX_HAZARDS],
+        count: 0,
+        is_known: false,
+    };
 }
 
 /// The tables of searches: large, and zeros, so keep and reuse them.

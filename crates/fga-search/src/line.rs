@@ -11,72 +11,10 @@ use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};
 
 use super::Search;
+use super::lattice::{Climbing, Entry, Way};
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
-
-/// Where a turn begins.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
-    pub from: MotionState,
-    /// Cosine and sine of the course and of the climb angle.
-    course: (f64, f64),
-    climb: (f64, f64),
-}
-
-impl Entry {
-    pub(super) const NONE: Self = Self {
-        from: MotionState::ahead(0.0),
-        course: (0.0, 0.0),
-        climb: (0.0, 0.0),
-    };
-
-    /// The state at which turns begin.
-    pub(super) fn at(from: &MotionState) -> Self {
-        let unit = |angle_rad| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            (cos, sin)
-        };
-        Self {
-            from: *from,
-            course: unit(from.course_rad),
-            climb: unit(from.climb_rad),
-        }
-    }
-}
-
-/// A change of climb angle, and what it moves the aircraft by beyond flying at its target at once.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Climbing {
-    /// The target, radians.
-    pub climb_rad: f64,
-    /// Sine and cosine of the target.
-    up: f64,
-    level: f64,
-    /// How long it takes, seconds.
-    pub climbs_s: f64,
-    /// Along the course and up, metres.
-    along_m: f64,
-    up_m: f64,
-}
-
-impl Climbing {
-    pub(super) const NONE: Self = Self {
-        climb_rad: 0.0,
-        up: 0.0,
-        level: 0.0,
-        climbs_s: 0.0,
-        along_m: 0.0,
-        up_m: 0.0,
-    };
-}
-
-/// The side of turns and the climb target taken up during them.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
-    pub side: Side,
-    pub climbing: Climbing,
-}
 
 /// The straight line on which a turn ends.
 #[derive(Debug, Clone, Copy)]

@@ -7,11 +7,12 @@
 use fga_proof::angle::Side;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Maneuver;
-use fga_proof::prediction::{MotionState, flown};
+use fga_proof::prediction::flown;
 
-use super::line::{Climbing, Entry, Tangent, Way};
+use super::lattice::{Climbing, Entry, Prefix, Row, Way};
+use super::line::Tangent;
 use super::tuned::{STEP_RAD, USUAL};
-use super::{MAX_TURN_RAD, Search, SecondTurn, Turns};
+use super::{MAX_TURN_RAD, Search};
 
 /// Most lines on the way to a turn that may stay clear.
 const LINES: usize = 24;
@@ -21,115 +22,6 @@ const LEAST_STEP_RAD: f64 = 1e-2;
 
 /// Most steps towards the least turn that may stay clear.
 const NEARER: usize = 3;
-
-/// What precedes the last turn.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Prefix {
-    /// The aircraft when it departs from the mission.
-    pub leaves: MotionState,
-    /// First turn and climb, radians, if the last turn is the second one.
-    pub first: Option<(f64, f64)>,
-    /// Where the last turn begins.
-    pub entry: Entry,
-}
-
-impl Prefix {
-    pub(super) const NONE: Self = Self {
-        leaves: MotionState::ahead(0.0),
-        first: None,
-        entry: Entry::NONE,
-    };
-
-    /// The member of a row with this last turn, radians towards its side.
-    pub(super) fn turns(&self, way: &Way, turn_rad: f64) -> Turns {
-        let Self {
-            leaves,
-            first,
-            entry,
-        } = self;
-        let to_rad = entry.from.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
-        let climb_rad = way.climbing.climb_rad;
-        let wait_s = leaves.time_s;
-        let Some((first_rad, first_climb)) = *first else {
-            return Turns {
-                wait_s,
-                turn_rad: to_rad,
-                climb_rad,
-                second: None,
-            };
-        };
-        Turns {
-            wait_s,
-            turn_rad: first_rad,
-            climb_rad: first_climb,
-            second: Some(SecondTurn {
-                after_s: entry.from.time_s - wait_s,
-                turn_rad: to_rad - first_rad,
-                climb_rad,
-            }),
-        }
-    }
-}
-
-/// A row, and how much of it is ruled out.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Row {
-    /// Its prefix, by number.
-    pub prefix: usize,
-    /// The side of its first turn.
-    pub first: Side,
-    pub way: Way,
-    /// The next turn, radians towards the side: all from the beginning of the row to here are ruled out.
-    pub at_rad: f64,
-    /// The last turn of the row, radians.
-    pub to_rad: f64,
-    /// The last turn that failed, radians.
-    pub fails_rad: Option<f64>,
-    /// Whether the line of the next turn stays clear.
-    pub is_ready: bool,
-    /// The least step after a turn that fails, radians; each flight doubles it.
-    pub least_step_rad: f64,
-    /// Lower bound of the cost of its members; once the next one is ready, about its cost.
-    pub cost: f64,
-}
-
-impl Row {
-    pub(super) const NONE: Self = Self {
-        prefix: 0,
-        first: Side::Left,
-        way: Way {
-            side: Side::Left,
-            climbing: Climbing::NONE,
-        },
-        at_rad: 0.0,
-        to_rad: 0.0,
-        fails_rad: None,
-        is_ready: false,
-        least_step_rad: 0.0,
-        cost: 0.0,
-    };
-
-    /// +1 if its turns grow, −1 if they shrink.
-    pub(super) fn direction(&self) -> f64 {
-        libm::copysign(1.0, self.to_rad - self.at_rad)
-    }
-
-    /// Advances by some radians; beyond its end the row is empty.
-    fn step(&mut self, by_rad: f64) {
-        let direction = self.direction();
-        self.fails_rad = Some(self.at_rad);
-        self.is_ready = false;
-        self.at_rad += direction * by_rad;
-        if direction * (self.to_rad - self.at_rad) < 0.0 {
-            self.close();
-        }
-    }
-
-    /// Removes the row from the search.
-    pub(super) const fn close(&mut self) {
-        self.cost = f64::INFINITY;
-    }
-}
 
 impl Search<'_> {
     /// Turns that begin after a wait on the mission.

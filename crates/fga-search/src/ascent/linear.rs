@@ -3,7 +3,7 @@
 //! In x = step − lowest corner and t = least margin − its least value in the box, all of them ≥ 0, it is: largest t with
 //! t − sᵢ·x ≤ bᵢ and x ≤ the width of the box. No bᵢ is negative, so the simplex method begins at the origin.
 
-use super::{CLOSEST, PARAMETERS, Vector};
+use crate::climbs::{CLOSEST, PARAMETERS, Vector};
 
 /// Unknowns: the step and the least margin.
 const UNKNOWNS: usize = PARAMETERS + 1;

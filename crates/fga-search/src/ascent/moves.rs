@@ -5,10 +5,9 @@
 //! good enough for a slope, because each step is flown before it counts.
 
 use crate::Turns;
+use crate::climbs::PARAMETERS;
 use fga_proof::Vec3;
 use fga_proof::prediction::{Flyer, MotionState, Piece};
-
-use super::PARAMETERS;
 
 /// Displacements of the aircraft, metres per unit of each parameter.
 pub(super) type Moves = [Vec3; PARAMETERS];

@@ -1,0 +1,212 @@
+//! What climbs towards the largest margin, and from which seeds.
+
+use fga_proof::Vec3;
+use fga_proof::prediction::Flyer;
+
+use super::terms::{ENOUGH_M, Found, SecondTurn, Turns};
+use super::tuned::ROUNDS;
+
+/// Most seeds of a search for the largest margin.
+pub(super) const SEEDS: usize = 64;
+
+/// Most seeds that climb.
+pub(super) const CLIMBERS: usize = ROUNDS[0].0;
+
+/// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
+pub(super) const PARAMETERS: usize = 6;
+
+/// Natural steps of the parameters, times as the angles turned in them.
+const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
+
+/// Most obstacles of a step: the closest ones.
+pub(super) const CLOSEST: usize = 12;
+
+/// Climbs that are this close have met, in units of the natural steps.
+const SAME: f64 = 0.2;
+
+pub(super) type Vector = [f64; PARAMETERS];
+
+/// The closest approach to an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Approach {
+    pub place: usize,
+    pub position_m: Vec3,
+    pub margin_m: f64,
+    pub at_s: f64,
+}
+
+/// The closest approaches to the closest obstacles, in no order.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Approaches {
+    all: [Approach; CLOSEST],
+    pub len: usize,
+}
+
+impl Approaches {
+    pub(super) const NONE: Self = Self {
+        all: [Approach {
+            place: 0,
+            position_m: Vec3::ZERO,
+            margin_m: 0.0,
+            at_s: 0.0,
+        }; CLOSEST],
+        len: 0,
+    };
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Approach> {
+        self.all.iter().take(self.len)
+    }
+
+    pub(super) fn least_m(&self) -> f64 {
+        self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
+    }
+
+    /// Adds one, or replaces the farthest if full.
+    pub(super) fn take(&mut self, new: Approach) {
+        if let Some(slot) = self.all.get_mut(self.len) {
+            *slot = new;
+            self.len += 1;
+            return;
+        }
+        let farthest = self
+            .all
+            .iter_mut()
+            .max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+        if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
+            *farthest = new;
+        }
+    }
+}
+
+/// A climb in progress.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ascent {
+    pub seed: Found,
+    pub at: Vector,
+    pub used: usize,
+    pub approaches: Approaches,
+    /// Natural steps of the parameters.
+    pub scales: Vector,
+    /// Half the width of the box of the next step, in units of the natural steps.
+    pub size: f64,
+    pub done: bool,
+}
+
+impl Ascent {
+    pub(super) const NONE: Self = Self {
+        seed: Found::NONE,
+        at: [0.0; PARAMETERS],
+        used: 0,
+        approaches: Approaches::NONE,
+        scales: [0.0; PARAMETERS],
+        size: 0.0,
+        done: false,
+    };
+
+    /// Whether it climbs from any manoeuvre.
+    pub(super) const fn is_some(&self) -> bool {
+        self.used > 0
+    }
+
+    /// From a manoeuvre.
+    pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
+        let [wait, turn, climb, after, turn2, climb2] = STEPS_RAD;
+        let rate = flyer.course_rate_radps();
+        let two = seed.turns.second.is_some();
+        Self {
+            seed: *seed,
+            at: to_vector(&seed.turns),
+            used: if two { PARAMETERS } else { 3 },
+            scales: [wait / rate, turn, climb, after / rate, turn2, climb2],
+            size: 1.0,
+            ..Self::NONE
+        }
+    }
+
+    /// The least margin so far, metres, not yet certified; without a manoeuvre the least number.
+    pub(super) fn least_m(&self) -> f64 {
+        if !self.is_some() {
+            f64::MIN
+        } else if self.approaches.len == 0 {
+            self.seed.margin_m
+        } else {
+            self.approaches.least_m()
+        }
+    }
+
+    /// Whether another climb has come to the same manoeuvre.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let places = self.at.iter().zip(&other.at).zip(&self.scales);
+        self.used == other.used
+            && places
+                .take(self.used)
+                .all(|((a, b), scale)| (a - b).abs() < SAME * scale)
+    }
+}
+
+fn to_vector(turns: &Turns) -> Vector {
+    let second = turns.second.unwrap_or(SecondTurn {
+        after_s: 0.0,
+        turn_rad: 0.0,
+        climb_rad: 0.0,
+    });
+    [
+        turns.wait_s,
+        turns.turn_rad,
+        turns.climb_rad,
+        second.after_s,
+        second.turn_rad,
+        second.climb_rad,
+    ]
+}
+
+/// The best seeds, one of each row, and what climbs from them.
+#[derive(Debug, Clone)]
+pub(super) struct Climbs {
+    seeds: [Found; SEEDS],
+    pub climbers: [Ascent; CLIMBERS],
+}
+
+impl Climbs {
+    pub(super) const NONE: Self = Self {
+        seeds: [Found::NONE; SEEDS],
+        climbers: [Ascent::NONE; CLIMBERS],
+    };
+
+    /// Forgets all from a place on.
+    pub(super) fn clear(&mut self, from: usize) {
+        for seed in self.seeds.iter_mut().skip(from) {
+            seed.margin_m = f64::MIN;
+        }
+    }
+
+    /// Replaces the least one if it is less.
+    pub(super) fn take(&mut self, seed: Found) {
+        let least = self
+            .seeds
+            .iter_mut()
+            .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+        if let Some(slot) = least.filter(|least| least.margin_m < seed.margin_m) {
+            *slot = seed;
+        }
+    }
+
+    /// The margin of the least one, which others have to exceed, metres.
+    pub(super) fn floor_m(&self) -> f64 {
+        self.seeds
+            .iter()
+            .fold(f64::INFINITY, |least, seed| least.min(seed.margin_m))
+    }
+
+    /// Moves the best one from a place on to there.
+    pub(super) fn best_at(&mut self, place: usize) -> Option<&mut Found> {
+        let rest = self.seeds.get_mut(place..)?;
+        let best = (rest.iter().enumerate()).max_by(|a, b| a.1.margin_m.total_cmp(&b.1.margin_m));
+        let (from, best) = best.filter(|(_, best)| best.margin_m > f64::MIN)?;
+        let mut moved = *best;
+        for slot in rest.iter_mut().take(from + 1) {
+            core::mem::swap(slot, &mut moved);
+        }
+        rest.first_mut()
+    }
+}

@@ -1,0 +1,160 @@
+//! The terms of a search: what is asked of it, and what it answers.
+
+use fga_proof::Vec3;
+use fga_proof::certificate::Certified;
+
+use super::tuned::PARTS;
+
+/// Largest single turn of a search, radians: short of a full circle.
+pub const MAX_TURN_RAD: f64 = 6.0;
+
+/// A search for the largest margin caps margins at this value, m.
+pub(super) const ENOUGH_M: f64 = 1e3;
+
+/// A manoeuvre in the terms of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turns {
+    /// Wait on the mission, seconds.
+    pub wait_s: f64,
+    /// First turn, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle of the first turn, radians.
+    pub climb_rad: f64,
+    /// The second turn, if any.
+    pub second: Option<SecondTurn>,
+}
+
+/// The second stage of a manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondTurn {
+    /// Seconds from the start of the first turn to that of the second.
+    pub after_s: f64,
+    /// Turn from the first course, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle, radians.
+    pub climb_rad: f64,
+}
+
+/// A manoeuvre with its certificate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The manoeuvre.
+    pub turns: Turns,
+    /// Lower bound of its separation beyond the volumes, metres.
+    pub margin_m: f64,
+    /// Its cost by the scene's objective.
+    pub cost: f64,
+}
+
+impl Found {
+    /// No turn.
+    pub(super) const NONE: Self = Self {
+        turns: Turns {
+            wait_s: 0.0,
+            turn_rad: 0.0,
+            climb_rad: 0.0,
+            second: None,
+        },
+        margin_m: 0.0,
+        cost: 0.0,
+    };
+}
+
+/// The status of the best manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Proof {
+    /// It keeps the requested separation: this proves it.
+    Certified(Certified),
+    /// It does not, and another search may find one that does.
+    Open,
+    /// It does not, and hardly another one will.
+    Hopeless,
+}
+
+impl Proof {
+    /// Whether the manoeuvre keeps the requested separation.
+    pub const fn is_certified(&self) -> bool {
+        matches!(self, Self::Certified(_))
+    }
+
+    /// The certificate, if there is one.
+    pub const fn certified(&self) -> Option<Certified> {
+        match self {
+            Self::Certified(certified) => Some(*certified),
+            Self::Open | Self::Hopeless => None,
+        }
+    }
+}
+
+impl From<Option<Certified>> for Proof {
+    fn from(certified: Option<Certified>) -> Self {
+        certified.map_or(Self::Open, Self::Certified)
+    }
+}
+
+/// The measure of the cheapest manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Objective {
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
+    #[default]
+    PaperCost,
+    /// Least largest distance from the mission (§3.3).
+    LeastDeviation,
+    /// Least extra path (§3.3).
+    ShortestPath,
+}
+
+/// The effort for the largest margin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Single turns, and the surroundings of the present manoeuvre.
+    Quick,
+    /// Also two turns, in some parts of their rows, at least one.
+    Grids(u32),
+}
+
+impl Effort {
+    /// A whole search.
+    pub const WHOLE: Self = Self::Grids(PARTS);
+}
+
+/// The departure of a manoeuvre from the mission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Distance from the mission when the last threatening obstacle has passed, metres.
+    pub aside_m: f64,
+    /// Its lag behind the mission at that time, metres.
+    pub behind_m: f64,
+}
+
+impl Departure {
+    /// Without work left to measure it: farther than any measured one.
+    pub(super) const UNKNOWN: Self = Self {
+        aside_m: f64::MAX,
+        behind_m: 0.0,
+    };
+
+    /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
+    /// intercept angle adds about a quarter of the distance.
+    pub fn extra_path_m(&self) -> f64 {
+        self.behind_m + 0.27 * self.aside_m
+    }
+
+    /// Between where the aircraft is and where the mission would have brought it, on a mission's direction.
+    pub(super) fn between(offset_m: Vec3, along: Vec3) -> Self {
+        let behind_m = -offset_m.dot(along);
+        Self {
+            aside_m: (offset_m + along * behind_m).length(),
+            behind_m,
+        }
+    }
+
+    /// What an objective counts, metres.
+    pub(super) fn length_m(&self, objective: Objective) -> f64 {
+        match objective {
+            Objective::PaperCost => self.aside_m + self.extra_path_m(),
+            Objective::LeastDeviation => self.aside_m,
+            Objective::ShortestPath => self.extra_path_m(),
+        }
+    }
+}
