@@ -1,13 +1,10 @@
 //! The configuration file of `fga fly`.
 //!
-//! Every key has a default, so that an empty file is valid; an unknown key is an
-//! error. Angles are in degrees and speeds in metres per second, as the names say; this module
-//! converts them to the core's units.
+//! Every key has a default, so that an empty file is valid; an unknown key is an error. Angles are in degrees and
+//! speeds in metres per second, as the names say; this module converts them to the core's units.
 
 mod check;
 mod volumes;
-
-pub use volumes::{NMAC, VolumeConfig, VolumesConfig};
 
 use serde::Deserialize;
 
@@ -108,6 +105,63 @@ impl Default for ProtectionConfig {
             horizon_s: 60.0,
             safety_score: None,
         }
+    }
+}
+
+/// An upright cylinder about an aircraft.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeConfig {
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// Half of its height, metres.
+    pub half_height_m: f64,
+}
+
+/// A near mid-air collision: 500 ft and 100 ft (RTCA DO-365).
+pub const NMAC: VolumeConfig = VolumeConfig {
+    radius_m: 152.4,
+    half_height_m: 30.48,
+};
+
+/// The protected volumes about other aircraft, by class. `docs/how-to-choose-volumes.md` gives the sources.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VolumesConfig {
+    /// Crewed aircraft, and those of unknown class.
+    pub crewed: VolumeConfig,
+    /// Small unmanned aircraft.
+    pub small_unmanned: VolumeConfig,
+    /// Gliders, balloons, airships, parachutes.
+    pub glider_balloon: VolumeConfig,
+}
+
+impl Default for VolumesConfig {
+    fn default() -> Self {
+        Self {
+            crewed: NMAC,
+            // Four times the near mid-air collision of small unmanned aircraft, 50 ft and 15 ft.
+            small_unmanned: VolumeConfig {
+                radius_m: 60.96,
+                half_height_m: 18.288,
+            },
+            // A balloon's envelope reaches 30 m above the basket that reports.
+            glider_balloon: VolumeConfig {
+                half_height_m: 60.96,
+                ..NMAC
+            },
+        }
+    }
+}
+
+impl VolumesConfig {
+    /// The classes with their keys.
+    const fn each(&self) -> [(&'static str, VolumeConfig); 3] {
+        [
+            ("crewed", self.crewed),
+            ("small_unmanned", self.small_unmanned),
+            ("glider_balloon", self.glider_balloon),
+        ]
     }
 }
 

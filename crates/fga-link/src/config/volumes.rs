@@ -3,10 +3,9 @@
 use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
-use serde::Deserialize;
 
-use super::{CommandMode, Config, ConfigError};
-use crate::traffic::Class;
+use super::{CommandMode, Config, ConfigError, NMAC, VolumeConfig, VolumesConfig};
+use crate::traffic::{Class, Volumes};
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
 const CRUISE_MPS: f64 = 22.0;
@@ -14,63 +13,6 @@ const CRUISE_MPS: f64 = 22.0;
 const CLIMB_RATE_RADPS: f64 = 0.2;
 /// Time between two reports of ADS-B, seconds.
 const REPORT_PERIOD_S: f64 = 1.0;
-
-/// An upright cylinder about an aircraft.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct VolumeConfig {
-    /// Radius, metres.
-    pub radius_m: f64,
-    /// Half of its height, metres.
-    pub half_height_m: f64,
-}
-
-/// A near mid-air collision: 500 ft and 100 ft (RTCA DO-365).
-pub const NMAC: VolumeConfig = VolumeConfig {
-    radius_m: 152.4,
-    half_height_m: 30.48,
-};
-
-/// The protected volumes about other aircraft, by class. `docs/how-to-choose-volumes.md` gives the sources.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VolumesConfig {
-    /// Crewed aircraft, and those of unknown class.
-    pub crewed: VolumeConfig,
-    /// Small unmanned aircraft.
-    pub small_unmanned: VolumeConfig,
-    /// Gliders, balloons, airships, parachutes.
-    pub glider_balloon: VolumeConfig,
-}
-
-impl Default for VolumesConfig {
-    fn default() -> Self {
-        Self {
-            crewed: NMAC,
-            // Four times the near mid-air collision of small unmanned aircraft, 50 ft and 15 ft.
-            small_unmanned: VolumeConfig {
-                radius_m: 60.96,
-                half_height_m: 18.288,
-            },
-            // A balloon's envelope reaches 30 m above the basket that reports.
-            glider_balloon: VolumeConfig {
-                half_height_m: 60.96,
-                ..NMAC
-            },
-        }
-    }
-}
-
-impl VolumesConfig {
-    /// The classes with their keys.
-    pub(super) const fn each(&self) -> [(&'static str, VolumeConfig); 3] {
-        [
-            ("crewed", self.crewed),
-            ("small_unmanned", self.small_unmanned),
-            ("glider_balloon", self.glider_balloon),
-        ]
-    }
-}
 
 impl Config {
     /// Keys that are usable one by one and not together.
@@ -189,6 +131,19 @@ impl Config {
                 .filter_map(|evasion| evasion.shortfall(seen, horizon_s, closing_mps, &whom)),
         );
         warnings
+    }
+}
+
+impl Volumes {
+    /// Those of a configuration.
+    pub fn new(config: &Config) -> Self {
+        let classes = [Class::Crewed, Class::SmallUnmanned, Class::GliderBalloon];
+        let [crewed, small_unmanned, glider_balloon] = classes.map(|class| config.volume(class));
+        Self {
+            crewed,
+            small_unmanned,
+            glider_balloon,
+        }
     }
 }
 

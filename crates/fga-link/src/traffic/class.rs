@@ -3,8 +3,6 @@
 use fga::situation::{Movement, ProtectedVolume};
 use mavlink::dialects::ardupilotmega::AdsbEmitterType;
 
-use crate::config::Config;
-
 /// A class of aircraft; one that does not say what it is counts as crewed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Class {
@@ -50,17 +48,6 @@ pub struct Volumes {
 }
 
 impl Volumes {
-    /// Those of a configuration.
-    pub fn new(config: &Config) -> Self {
-        let classes = [Class::Crewed, Class::SmallUnmanned, Class::GliderBalloon];
-        let [crewed, small_unmanned, glider_balloon] = classes.map(|class| config.volume(class));
-        Self {
-            crewed,
-            small_unmanned,
-            glider_balloon,
-        }
-    }
-
     /// The volume about an aircraft of a class.
     pub const fn of(&self, class: Class) -> &ProtectedVolume {
         match class {
