@@ -1,9 +1,8 @@
 //! The mode that the vehicle itself reports, and whether the program may command another one now.
 //!
-//! Only this code decides it. The companion, the watchdog and the thread that sends each ask
-//! [`Hearing::permits`]: a command of a mode is only an answer to a heartbeat that has just reported
-//! the mode which the command leaves. So a mode that the pilot chose meanwhile stays, whichever thread
-//! sends the command and after whatever pause.
+//! Only this code decides it. The companion, the watchdog and the thread that sends each ask [`Hearing::permits`]: a
+//! command of a mode is only an answer to a heartbeat that has just reported the mode which the command leaves. So a
+//! mode that the pilot chose meanwhile stays, whichever thread sends the command and after whatever pause.
 //!
 //! Heartbeats of one system may contradict each other: somebody else sends under its id. Then the mode that
 //! differs from the believed one counts, because it may be the pilot's, and the program commands nothing

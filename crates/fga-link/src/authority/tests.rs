@@ -4,6 +4,7 @@ mod late;
 mod limits;
 
 use super::*;
+use crate::mode::Mode;
 use crate::mode::ModeChange;
 
 const ALL: [Fault; 15] = [
