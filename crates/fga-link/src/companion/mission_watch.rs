@@ -36,17 +36,15 @@ const MODE_SETTLES_S: f64 = 0.7;
 const TARGET_LIFETIME_S: f64 = 2.5;
 /// Least distance between the target and the item's position that shows another item, metres.
 const OTHER_TARGET_M: f64 = 15.0;
-/// Accuracy of a target from distance and bearing in whole metres and degrees, metres and as a share
-/// of the distance.
+/// Accuracy of a target from distance and bearing in whole metres and degrees, metres and as a share of the distance.
 const BEARING_TARGET_M: f64 = 60.0;
 const BEARING_TARGET_SHARE: f64 = 0.03;
-/// The target disagrees only after this time: item and target arrive at different moments,
-/// seconds.
+/// The target disagrees only after this time: item and target arrive at different moments, seconds.
 const DISAGREES_S: f64 = 1.2;
 
 /// The vehicle's own target.
 #[derive(Debug, Clone, Copy)]
-struct Target {
+struct VehicleTarget {
     position_m: Vec3,
     heard_s: f64,
     /// Its accuracy, metres.
@@ -56,7 +54,7 @@ struct Target {
 /// Observations of the vehicle's lists.
 #[derive(Debug, Clone)]
 pub(super) struct MissionWatch {
-    target: Option<Target>,
+    target: Option<VehicleTarget>,
     mode_since_s: f64,
     disagrees_since_s: Option<f64>,
     hinted: bool,
@@ -121,8 +119,7 @@ impl Companion {
         (now_s - target.heard_s <= TARGET_LIFETIME_S).then_some(target.position_m)
     }
 
-    /// Whether the mission cannot give the way: the companion is reading it again, or the vehicle flies
-    /// elsewhere.
+    /// Whether the mission cannot give the way: the companion is reading it again, or the vehicle flies elsewhere.
     pub(super) fn mission_in_doubt(&self, now_s: f64) -> bool {
         self.mission.is_busy() || self.watch.disagrees(now_s) || self.item_place_m().is_none()
     }
@@ -173,7 +170,7 @@ impl Companion {
         if now_s - self.watch.mode_since_s < MODE_SETTLES_S {
             return;
         }
-        self.watch.target = Some(Target {
+        self.watch.target = Some(VehicleTarget {
             position_m,
             heard_s: now_s,
             within_m,

@@ -35,8 +35,7 @@ pub struct AttitudeCommand {
 
 /// The target of a manoeuvre some time after its decision.
 ///
-/// Full bank until the remaining turn equals the turn made while rolling out; then bank proportional
-/// to what remains.
+/// Full bank until the remaining turn equals the turn made while rolling out; then bank proportional to what remains.
 pub fn attitude_for(
     maneuver: &Maneuver,
     elapsed_s: f64,
@@ -67,8 +66,7 @@ pub fn attitude_for(
     }
 }
 
-/// Keeps the altitude in level stages once it commands the pitch, and remembers the pitch angle
-/// of level flight.
+/// Keeps the altitude in level stages once it commands the pitch, and remembers the pitch angle of level flight.
 #[derive(Debug, Default)]
 pub struct PitchKeeper {
     level_pitch_rad: Option<f64>,

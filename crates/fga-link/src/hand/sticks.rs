@@ -73,8 +73,7 @@ impl Hand for StickHand {
     }
 }
 
-/// The bank of a manoeuvre, radians, positive to the left: the stage's bank until rolling out ends on its
-/// course.
+/// The bank of a manoeuvre, radians, positive to the left: the stage's bank until rolling out ends on its course.
 fn bank_for(maneuver: &Maneuver, elapsed_s: f64, own: &Ownship, vehicle: &Vehicle) -> f64 {
     let Some(stage) = maneuver.stage_at(elapsed_s) else {
         return 0.0;
