@@ -3,6 +3,7 @@
 //! | module | question |
 //! |---|---|
 //! | [`report`] | what did one message say? |
+//! | [`identity`] | who sent a report, and of which aircraft is it? |
 //! | [`class`] | what kind of aircraft is it, so how much room does it get? |
 //! | [`defect`] | what do reports lack, and what does the operator read? |
 //! | [`receiver`] | what do the receivers on the network say? |
@@ -18,6 +19,7 @@
 pub mod class;
 pub mod defect;
 pub mod fence;
+pub mod identity;
 pub(crate) mod motion;
 pub mod own;
 pub mod receiver;

@@ -2,7 +2,7 @@
 
 use alloc::collections::BTreeSet;
 
-use super::report::Key;
+use super::identity::Key;
 
 /// Most aircraft counted for each defect; more of them change no text.
 const MOST_AIRCRAFT: usize = 256;

@@ -10,8 +10,7 @@ use fga::Vec3;
 /// Memory of the flown way, seconds, and its resolution.
 const KEPT_S: f64 = 8.0;
 const SPACING_S: f64 = 0.2;
-/// A report of our transponder is at most this late, and this early by the prediction of our own
-/// state, seconds.
+/// A report of our transponder is at most this late, and this early by the prediction of our own state, seconds.
 const LATE_S: f64 = 4.0;
 const EARLY_S: f64 = 0.6;
 /// The belief begins when reports lie this near for this long.

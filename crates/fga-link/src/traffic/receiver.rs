@@ -71,8 +71,7 @@ const WITHOUT_INTEGRITY: f64 = 2.0;
 const WITHOUT_INTEGRITY_M: f64 = 30.0;
 /// σ is at most this, metres: an aircraft that knows nothing would fill the sky.
 const MOST_SIGMA_M: f64 = 300.0;
-/// σ of a velocity without quality figures, and of one with a known lack of quality, metres per
-/// second.
+/// σ of a velocity without quality figures, and of one with a known lack of quality, metres per second.
 const UNKNOWN_VELOCITY_MPS: f64 = 1.0;
 const POOR_VELOCITY_MPS: f64 = 8.0;
 /// A velocity ages by this, metres per second squared.

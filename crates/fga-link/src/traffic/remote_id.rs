@@ -11,13 +11,12 @@ use mavlink::dialects::ardupilotmega::{
     OPEN_DRONE_ID_MESSAGE_PACK_DATA,
 };
 
+pub use super::identity::Transmitter;
+
 use super::class::Class;
 use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
 use super::vertical::Levels;
 use crate::number::degrees_from_e7;
-
-/// The identity of a transmitter: its hardware address or its identifier.
-pub type Transmitter = [u8; 20];
 
 /// Most aircraft with a remembered name and clock.
 const MOST_AIRCRAFT: usize = 1024;

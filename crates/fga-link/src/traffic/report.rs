@@ -5,85 +5,11 @@ use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
+pub use super::identity::{Key, LONGEST_CALLSIGN, Sender, Source, tidy_callsign};
+
 use super::class::Class;
 use super::defect::Defect;
 use crate::number::degrees_from_e7;
-
-/// The source of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Source {
-    /// A receiver or a player on the MAVLink network.
-    Mavlink,
-    /// The autopilot's own list, sent about once a second and late.
-    AutopilotList,
-    /// A BaseStation stream.
-    Sbs,
-    /// A Beast stream.
-    Beast,
-    /// A radar or a camera on board.
-    Sensor,
-    /// A receiver of Remote ID.
-    RemoteId,
-    /// The configuration.
-    Virtual,
-}
-
-impl Source {
-    /// Name in logs.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Mavlink => "mavlink",
-            Self::AutopilotList => "autopilot",
-            Self::Sbs => "sbs",
-            Self::Beast => "beast",
-            Self::Sensor => "sensor",
-            Self::RemoteId => "remote-id",
-            Self::Virtual => "virtual",
-        }
-    }
-}
-
-/// The sender of a report. Each sender has its share of the table of tracks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Sender {
-    /// Kind of source.
-    pub source: Source,
-    /// System and component of a MAVLink message, or a number of the receiver.
-    pub number: u16,
-}
-
-impl Sender {
-    /// The sender of a MAVLink message.
-    pub const fn mavlink(source: Source, system: u8, component: u8) -> Self {
-        Self {
-            source,
-            number: u16::from_be_bytes([system, component]),
-        }
-    }
-
-    /// A receiver on the network at an address.
-    pub fn receiver(source: Source, address: &str) -> Self {
-        let number = address.bytes().fold(0x811C_u16, |number, byte| {
-            (number ^ u16::from(byte)).wrapping_mul(0x0193)
-        });
-        Self { source, number }
-    }
-}
-
-/// The identity of an aircraft. Several tracks can have one key: an address is a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Key {
-    /// A 24-bit ICAO address.
-    Address(u32),
-    /// A call sign without an address, of one sender.
-    Callsign(Sender, [u8; LONGEST_CALLSIGN]),
-    /// A transmitter of Remote ID.
-    Transmitter(super::remote_id::Transmitter),
-    /// A sensor's detection, with the sensor's number.
-    Seen(Sender, u16),
-    /// Neither: only the position identifies it.
-    Unnamed(Sender),
-}
 
 /// The datum of an altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,17 +71,6 @@ pub struct Report {
 
 /// σ of a velocity along an axis without quality figures, metres per second.
 const VELOCITY_SIGMA_MPS: f64 = 1.0;
-/// Longest stored call sign.
-pub const LONGEST_CALLSIGN: usize = 9;
-
-/// A call sign without blanks and control characters, of bounded length.
-pub fn tidy_callsign(text: &str) -> String {
-    text.chars()
-        .filter(char::is_ascii_graphic)
-        .take(LONGEST_CALLSIGN)
-        .collect()
-}
-
 impl Report {
     /// The claimed identity.
     pub fn key(&self) -> Key {
@@ -227,8 +142,7 @@ impl Report {
                 velocity_mps: VELOCITY_SIGMA_MPS,
                 velocity_sigma_is_known: false,
                 height_m: 0.0,
-                // Receivers fill in the transponder's pressure altitude, whatever the type's name
-                // says of QNH.
+                // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
                 altitude: if !has_altitude {
                     AltitudeReference::Unknown
                 } else if geometric {

@@ -9,8 +9,7 @@ use fga::Vec3;
 const MOST_LEGS: usize = 8;
 /// A later conflict does not count yet, seconds.
 const HORIZON_S: f64 = 90.0;
-/// Added to a protected volume: an aircraft that passes this near counts as in conflict,
-/// metres.
+/// Added to a protected volume: an aircraft that passes this near counts as in conflict, metres.
 const NEAR_M: f64 = 40.0;
 /// Closing speed of any two aircraft, metres per second.
 const CLOSING_MPS: f64 = 10.0;

@@ -23,8 +23,7 @@ const QNH_HPA: [f64; 2] = [950.0, 1050.0];
 const ALTIMETERS_M: f64 = 25.0;
 /// Share of a height by which air of a non-standard temperature misleads.
 const TEMPERATURE: f64 = 0.1;
-/// Validity of a comparison with the vehicle's pressure, seconds: the weather changes by at most
-/// 3 hPa in an hour.
+/// Validity of a comparison with the vehicle's pressure, seconds: the weather changes by at most 3 hPa in an hour.
 const LIFETIME_S: f64 = 600.0;
 /// Share of the difference between two comparisons that counts.
 const SMOOTHING: f64 = 0.2;
@@ -44,8 +43,7 @@ pub fn pressure_altitude_m(pressure_hpa: f64) -> Option<f64> {
         .then(|| SCALE_M * (1.0 - libm::pow(pressure_hpa / STANDARD_HPA, EXPONENT)))
 }
 
-/// The difference between an altitude and the one above mean sea level, metres, and its possible
-/// error.
+/// The difference between an altitude and the one above mean sea level, metres, and its possible error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shift {
     /// Subtracted, metres.
