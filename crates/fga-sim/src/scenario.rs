@@ -121,9 +121,8 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     )?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
-    let zones = zones::all(&file.zone, &places)?;
-    let mut names = Vec::new();
-    let mut obstacles: Vec<WorldObstacle> = Vec::new();
+    let (zones, notes) = zones::all(&file.zone, &places)?;
+    let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;
         if obstacles.iter().any(|other| other.id == obstacle.id) {
@@ -157,6 +156,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         name: file.name,
         description: file.description,
         names,
+        notes,
         frame: places.frame,
         time_offset_s: 0.0,
         world: World {

@@ -27,6 +27,7 @@ impl Plan {
         let world = &self.world;
         let mut warnings = Vec::new();
         warnings.extend(self.exchanged());
+        warnings.extend(self.notes.iter().cloned());
         // A recorded aircraft flew what it flew.
         if world.recorded.is_none() {
             warnings.extend(unflyable(world));
@@ -49,13 +50,18 @@ impl Plan {
             let begins_s = each.track.presence_s().0.max(0.0);
             Some((name.clone(), each.track.at(begins_s)?.0))
         });
-        waypoints.chain(obstacles).find_map(|(name, at_m)| {
+        let zones = self.world.zones.iter().filter_map(|zone| {
+            let corner_m = zone.ring_m().first()?.extend(0.0);
+            Some((zone.name().to_owned(), corner_m))
+        });
+        let mut places = waypoints.chain(obstacles).chain(zones);
+        places.find_map(|(name, at_m)| {
             let away_m = at_m.truncate().length();
             let exchanged_m = exchanged_m(frame, frame.to_geodetic(at_m))?;
             (away_m > NEAR_M && exchanged_m * MUCH_NEARER < away_m).then(|| {
                 format!(
                     "{name} is {:.0} km from the origin, with latitude and longitude exchanged it would be {:.1} km: \
-                     expected [latitude, longitude, altitude_m]",
+                     expected the latitude first here, the longitude first in a file of areas",
                     away_m / 1e3,
                     exchanged_m / 1e3
                 )

@@ -5,52 +5,186 @@ use std::path::{Path, PathBuf};
 use fga::Vec2;
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_files::vehicle::LimitsTable;
-use fga_formats::{InputError, areas, zones};
+use fga_formats::areas::{self, Altitude, AreaOutline, Reference};
+use fga_formats::words::counted;
+use fga_formats::{InputError, zones};
 use toml::Spanned;
 
 use super::Places;
 use crate::vehicle_file::checks::Checked;
 use crate::zone::{WorldOutline, WorldZone};
 
-/// The zones of a file.
+/// The zones of a file, and what of their files counts otherwise than it is written.
 pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
     places: &Places<'_>,
-) -> Result<Vec<WorldZone>, InputError> {
-    let mut zones = Vec::new();
+) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
+    let (mut zones, mut notes) = (Vec::new(), Vec::new());
     for (entry, number) in tables.iter().zip(1..) {
         match &entry.get_ref().file {
-            Some(file) => zones.extend(of_file(entry, (file, number), places)?),
+            Some(file) => {
+                let (found, told) = of_file(entry, (file, number), places)?;
+                zones.extend(found);
+                notes.extend(told);
+            }
             None => zones.push(zone(entry, number, places)?),
         }
     }
-    Ok(zones)
+    Ok((zones, notes))
 }
 
-/// The zones of a file of polygons, each with what else its table says.
+/// The zones of a file of areas, each with what else its table says, and what counts otherwise than it is written.
 fn of_file(
     entry: &Spanned<ZoneTable>,
     (file, number): (&Spanned<PathBuf>, usize),
     places: &Places<'_>,
-) -> Result<Vec<WorldZone>, InputError> {
-    let folder = places.text.path().parent().unwrap_or(Path::new(""));
-    let path = folder.join(file.get_ref());
-    let areas = areas::read(&path)?;
-    let zones = areas.into_iter().map(|area| {
-        let span = file.span();
-        let mut table = ZoneTable {
-            file: None,
-            ..entry.get_ref().clone()
-        };
-        if table.polygon_deg.is_some() || table.polygon_m.is_some() || table.radius_m.is_some() {
-            let message = "a zone has a file and an outline of its own, expected one of these";
-            return Err(places.text.error_at(entry, message));
+) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
+    let (table, text) = (entry.get_ref(), &places.text);
+    let shapes = [
+        table.polygon_deg.is_some(),
+        table.polygon_m.is_some(),
+        table.radius_m.is_some(),
+    ];
+    if shapes.contains(&true) {
+        let message = "a zone has a file and an outline of its own, expected one of these";
+        return Err(text.error_at(entry, message));
+    }
+    let folder = text.path().parent().unwrap_or(Path::new(""));
+    let areas = areas::read(&folder.join(file.get_ref()))?;
+    let keep_in = table.kind == ZoneKindName::KeepIn;
+    let otherwise = table
+        .name
+        .clone()
+        .unwrap_or_else(|| format!("zone {number}"));
+    let (mut zones, mut free, mut timed, mut open) = (Vec::new(), 0, 0, 0);
+    for area in areas {
+        if area.is_free && !keep_in {
+            free += 1;
+            continue;
         }
-        table.name = area.name.or(table.name);
-        table.polygon_deg = Some(Spanned::new(span, area.corners_deg));
-        zone(&Spanned::new(entry.span(), table), number, places)
-    });
-    zones.collect()
+        timed += usize::from(area.is_timed);
+        let name = area.name.as_deref().unwrap_or(&otherwise);
+        let (heights_m, is_open) = heights_m(entry, name, area.limits, places)?;
+        open += usize::from(is_open);
+        let local = |at: &[f64; 2]| {
+            let what = format!("a corner of {name}");
+            Ok(level(places, file, &what, at)?.truncate())
+        };
+        let mut push = |name: String, keep_in, outline| {
+            let zone = WorldZone::new(name.clone(), keep_in, outline, heights_m);
+            zones.push(zone.map_err(|error| text.error_at(file, format!("{name}: {error}")))?);
+            Ok(())
+        };
+        let rings = match area.outline {
+            AreaOutline::Circle {
+                center_deg,
+                radius_m,
+            } => {
+                let center_m = local(&center_deg)?;
+                push(
+                    name.to_owned(),
+                    keep_in,
+                    WorldOutline::Circle { center_m, radius_m },
+                )?;
+                continue;
+            }
+            AreaOutline::Polygon(rings) => rings,
+        };
+        let rings = rings.iter().map(|ring| ring.iter().map(local).collect());
+        let rings: Vec<Vec<Vec2>> = rings.collect::<Result<_, InputError>>()?;
+        let mut holes = rings.into_iter();
+        let outline = holes.next().unwrap_or_default();
+        let holes: Vec<_> = holes.collect();
+        let polygon = zones::with_holes(outline.clone(), holes.clone())
+            .map_err(|error| text.error_at(file, format!("{name}: {error}")))?;
+        if keep_in && !holes.is_empty() {
+            push(name.to_owned(), true, WorldOutline::Polygon(outline))?;
+            for (hole, number) in holes.into_iter().zip(1..) {
+                push(
+                    format!("{name}, hole {number}"),
+                    false,
+                    WorldOutline::Polygon(hole),
+                )?;
+            }
+        } else {
+            push(name.to_owned(), keep_in, WorldOutline::Polygon(polygon))?;
+        }
+    }
+    let notes = [
+        (free, "that restricts nothing (NO_RESTRICTION): left out"),
+        (timed, "with times of its own: counted at all times"),
+        (
+            open,
+            "with a ceiling above the ground or the ellipsoid, whose height is not known here: counted without a ceiling",
+        ),
+    ];
+    let notes = notes.into_iter().filter(|(count, _)| *count > 0);
+    let file = file.get_ref().display();
+    let notes = notes.map(|(count, what)| format!("{file}: {} {what}", counted(count, "zone")));
+    Ok((zones, notes.collect()))
+}
+
+/// A limit beyond these altitudes is none, metres.
+const ALTITUDES_M: (f64, f64) = (-1e3, 5e4);
+
+/// Floor and ceiling of a zone of a file, metres, with those of its table for what the file does not state or nothing can place, and
+/// whether it has none instead of a ceiling that nothing can place: it keeps out of more, then.
+fn heights_m(
+    entry: &Spanned<ZoneTable>,
+    name: &str,
+    limits: [Option<Altitude>; 2],
+    places: &Places<'_>,
+) -> Result<((f64, f64), bool), InputError> {
+    let (table, text) = (entry.get_ref(), &places.text);
+    let own = LimitsTable {
+        floor_m: table.floor_m.clone(),
+        ceiling_m: table.ceiling_m.clone(),
+    };
+    let (own_floor_m, own_ceiling_m) = own.checked(text)?;
+    let origin_m = places
+        .frame
+        .as_ref()
+        .map_or(0.0, |frame| frame.origin().altitude_m);
+    let unknown = |limit: Altitude, does: &str, key: &str| {
+        let above = match limit.above {
+            Reference::Ground => "ground",
+            Reference::Ellipsoid => "ellipsoid",
+            Reference::Sea => "sea",
+        };
+        let message = format!(
+            "{name} {does} {} m above the {above}, whose height is not known here, expected an altitude above the sea (AMSL), or {key} in its [[zone]]",
+            limit.height_m
+        );
+        Err(text.error_at(entry, message))
+    };
+    let (lowest_m, highest_m) = ALTITUDES_M;
+    let z_m = |altitude_m: f64| altitude_m.clamp(lowest_m, highest_m) - origin_m;
+    let [floor, ceiling] = limits;
+    let floor_m = match floor {
+        None => own_floor_m,
+        Some(Altitude {
+            height_m,
+            above: Reference::Sea,
+        }) => z_m(height_m),
+        Some(Altitude {
+            height_m,
+            above: Reference::Ground,
+        }) if height_m <= 0.0 => f64::NEG_INFINITY,
+        Some(_) if own_floor_m.is_finite() => own_floor_m,
+        Some(limit) => return unknown(limit, "begins", "floor_m"),
+    };
+    let (ceiling_m, is_open) = match ceiling {
+        None => (own_ceiling_m, false),
+        Some(limit) if limit.height_m >= highest_m => (f64::INFINITY, false),
+        Some(Altitude {
+            height_m,
+            above: Reference::Sea,
+        }) => (z_m(height_m), false),
+        Some(_) if own_ceiling_m.is_finite() => (own_ceiling_m, false),
+        Some(_) if table.kind == ZoneKindName::KeepOut => (f64::INFINITY, true),
+        Some(limit) => return unknown(limit, "ends", "ceiling_m"),
+    };
+    Ok(((floor_m, ceiling_m), is_open))
 }
 
 /// The zone of a table, which is the file's `number`th.
