@@ -124,6 +124,7 @@ impl Areas<'_> {
             let line = u64::try_from(error.line()).unwrap_or(1);
             let told = error.to_string();
             let told = told.split(" at line ").next().unwrap_or_default();
+            let told = told.replace(char::is_control, " ");
             InputError::at_line(self.path, line, format!("is no {kind}: {told}"))
         })
     }
@@ -150,7 +151,13 @@ impl Areas<'_> {
             let corners = corners.iter().zip(1..);
             let corners =
                 corners.map(|(at, number)| self.place(at, format_args!("corner {number}")));
-            rings_deg.push(corners.collect::<Result<_, _>>()?);
+            let mut corners_deg = corners.collect::<Result<Vec<_>, _>>()?;
+            // Published outlines repeat a corner.
+            corners_deg.dedup();
+            if corners_deg.len() > 1 && corners_deg.first() == corners_deg.last() {
+                corners_deg.pop();
+            }
+            rings_deg.push(corners_deg);
         }
         if rings_deg.is_empty() {
             return self.refuse("has no corners, expected a ring");
@@ -171,6 +178,13 @@ impl Areas<'_> {
             radius_m,
         });
         Ok(())
+    }
+
+    /// A name as one line, unless it is empty.
+    fn name(text: &str) -> Option<String> {
+        let words = text.split(|each: char| each.is_whitespace() || each.is_control());
+        let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
+        (!words.is_empty()).then(|| words.join(" "))
     }
 
     fn push(&mut self, outline: AreaOutline) {
@@ -313,6 +327,16 @@ mod tests {
             8.5,47.3,0 8.6,47.3,0
             8.6,47.4 8.5,47.3,90</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>";
         assert_eq!(areas(kml).unwrap(), [triangle(Some("yard"))]);
+    }
+
+    #[test]
+    fn repeated_corners_are_one_and_names_are_one_line() {
+        let ring = "[[8.5,47.3],[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3,9],[8.5,47.3]]";
+        let polygon = polygon(&format!("[{ring}]"));
+        let file = format!(
+            r#"{{"type":"Feature","properties":{{"name":" the\n yard\u001b "}},"geometry":{polygon}}}"#
+        );
+        assert_eq!(areas(&file).unwrap(), [triangle(Some("the yard"))]);
     }
 
     #[test]
@@ -553,7 +577,10 @@ mod tests {
                 round(r#"{"type":"Circle","center":[47.3,108.5],"radius":3}"#),
                 "look exchanged",
             ),
-            (round(r#"{"type":"Ellipse"}"#), "unknown variant `Ellipse`"),
+            (
+                round(r#"{"type":"El\nlipse"}"#),
+                "unknown variant `El lipse`",
+            ),
             (
                 point(r#""subType":"Circle","radius":0"#),
                 "has a radius of 0 m",

@@ -48,11 +48,9 @@ enum Projection {
 impl Areas<'_> {
     pub(super) fn take_ed269(&mut self, file: File) -> Result<(), InputError> {
         for zone in file.features {
-            let names = [zone.name, zone.identifier].into_iter().flatten();
+            let names = [zone.name, zone.identifier].into_iter();
             self.like = Area {
-                name: names
-                    .map(|name| name.trim().to_owned())
-                    .find(|name| !name.is_empty()),
+                name: names.flatten().find_map(|name| Self::name(&name)),
                 is_free: zone.restriction.as_deref() == Some("NO_RESTRICTION"),
                 is_timed: is_timed(&zone.applicability),
                 ..Area::default()

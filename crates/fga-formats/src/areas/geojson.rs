@@ -120,10 +120,7 @@ impl Areas<'_> {
             .chain(text("identifier"));
         let times = properties.get("limitedApplicability");
         self.like = Area {
-            name: names
-                .map(str::trim)
-                .find(|name| !name.is_empty())
-                .map(str::to_owned),
+            name: names.into_iter().find_map(Self::name),
             is_free: text("type") == Some("NO_RESTRICTION"),
             is_timed: times
                 .and_then(Value::as_array)

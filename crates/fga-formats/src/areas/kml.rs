@@ -29,9 +29,8 @@ impl Areas<'_> {
                 let mut inner = outer.children();
                 inner.find(|child| is(child, "name"))?.text()
             });
-            let name = name.map(str::trim).filter(|name| !name.is_empty());
             self.like = Area {
-                name: name.map(str::to_owned),
+                name: name.and_then(Self::name),
                 ..Area::default()
             };
             let mut rings = Vec::new();
