@@ -122,11 +122,14 @@ impl Areas<'_> {
     fn json<T: DeserializeOwned>(&self, text: &str, kind: &str) -> Result<T, InputError> {
         serde_json::from_str(text).map_err(|error| {
             let line = u64::try_from(error.line()).unwrap_or(1);
-            let told = error.to_string();
-            let told = told.split(" at line ").next().unwrap_or_default();
-            let told = told.replace(char::is_control, " ");
-            InputError::at_line(self.path, line, format!("is no {kind}: {told}"))
+            self.unreadable(line, kind, error.to_string().split(" at line ").next())
         })
+    }
+
+    /// What is wrong with the text of a kind, as one line whatever it quotes.
+    fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
+        let told = told.unwrap_or_default().replace(char::is_control, " ");
+        InputError::at_line(self.path, line, format!("is no {kind}: {told}"))
     }
 
     fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {
@@ -501,6 +504,7 @@ mod tests {
                 "without a place",
             ),
             ("<kml><Polygon>".into(), "is no KML"),
+            ("<kml><a/\n></kml>".into(), "line 1: is no KML"),
             ("<kml></kml>".into(), "has no area"),
             ("<kml><Point/></kml>".into(), "area 1 is no area"),
             (

@@ -9,9 +9,7 @@ impl Areas<'_> {
     pub(super) fn take_kml(&mut self, text: &str) -> Result<(), InputError> {
         let document = Document::parse(text).map_err(|error| {
             let line = u64::from(error.pos().row);
-            let told = error.to_string();
-            let told = told.split(" at ").next().unwrap_or_default();
-            InputError::at_line(self.path, line, format!("is no KML: {told}"))
+            self.unreadable(line, "KML", error.to_string().split(" at ").next())
         })?;
         let is = |node: &Node<'_, '_>, name: &str| node.tag_name().name() == name;
         for node in document.descendants() {
