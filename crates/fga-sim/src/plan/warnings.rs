@@ -9,6 +9,7 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
 use fga_files::surveillance::{CREWED_MPS, Evasion};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::words::counted;
 
 use super::Plan;
 use crate::sensor::SensorSettings;
@@ -108,7 +109,7 @@ impl Plan {
     }
 
     /// The zones that no flight comes near, as with the wrong hemisphere.
-    fn distant(&self) -> impl Iterator<Item = String> {
+    fn distant(&self) -> Option<String> {
         let World {
             zones,
             vehicle,
@@ -119,13 +120,17 @@ impl Plan {
         } = &self.world;
         let flies_m = (vehicle.airspeed_mps + wind_mps.length()) * horizon_s;
         let zones = zones.iter().filter(|zone| !zone.keep_in());
-        zones.filter_map(move |zone| {
-            let away_m = zone.margin_m(start.position_m);
-            (away_m > NEAR_M.max(flies_m)).then(|| {
-                let (name, away_km) = (zone.name(), away_m / 1e3);
-                format!("{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to")
-            })
-        })
+        let zones = zones.map(|zone| (zone.name(), zone.margin_m(start.position_m)));
+        let mut zones = zones.filter(|(_, away_m)| *away_m > NEAR_M.max(flies_m));
+        let (name, away_m) = zones.next()?;
+        let more = match zones.count() {
+            0 => String::new(),
+            more => format!(", and {} with it", counted(more, "more zone")),
+        };
+        let away_km = away_m / 1e3;
+        Some(format!(
+            "{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to{more}"
+        ))
     }
 
     /// An obstacle that is there or known only after the flight.

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use fga::Vec2;
+use fga::zone::ALL_HEIGHTS_M;
+use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_files::vehicle::LimitsTable;
-use fga_formats::areas::{self, Altitude, AreaOutline, Reference};
+use fga_formats::areas::{self, Altitude, Area, AreaOutline, Reference};
 use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
 use toml::Spanned;
@@ -14,114 +15,155 @@ use super::Places;
 use crate::vehicle_file::checks::Checked;
 use crate::zone::{WorldOutline, WorldZone};
 
-/// The zones of a file, and what of their files counts otherwise than it is written.
+/// Of a file, some zones of which are nearer, those are left out that are farther from the start than this many times the way flown.
+const BEYOND: f64 = 2.0;
+
+/// The zones of a file, for a start and the length of the flight, metres, and what of their files counts otherwise than it is written.
 pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
     places: &Places<'_>,
+    (start_m, flies_m): (Vec3, f64),
 ) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
     let (mut zones, mut notes) = (Vec::new(), Vec::new());
     for (entry, number) in tables.iter().zip(1..) {
-        match &entry.get_ref().file {
-            Some(file) => {
-                let (found, told) = of_file(entry, (file, number), places)?;
-                zones.extend(found);
-                notes.extend(told);
-            }
-            None => zones.push(zone(entry, number, places)?),
-        }
+        let Some(path) = &entry.get_ref().file else {
+            zones.push(zone(entry, number, places)?);
+            continue;
+        };
+        let mut file = File {
+            entry,
+            path,
+            places,
+            keep_in: entry.get_ref().kind == ZoneKindName::KeepIn,
+            zones: Vec::new(),
+            open: 0,
+        };
+        notes.extend(file.take(number, (start_m, BEYOND * flies_m))?);
+        zones.extend(file.zones);
     }
     Ok((zones, notes))
 }
 
-/// The zones of a file of areas, each with what else its table says, and what counts otherwise than it is written.
-fn of_file(
-    entry: &Spanned<ZoneTable>,
-    (file, number): (&Spanned<PathBuf>, usize),
-    places: &Places<'_>,
-) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
-    let (table, text) = (entry.get_ref(), &places.text);
-    let shapes = [
-        table.polygon_deg.is_some(),
-        table.polygon_m.is_some(),
-        table.radius_m.is_some(),
-    ];
-    if shapes.contains(&true) {
-        let message = "a zone has a file and an outline of its own, expected one of these";
-        return Err(text.error_at(entry, message));
-    }
-    let folder = text.path().parent().unwrap_or(Path::new(""));
-    let areas = areas::read(&folder.join(file.get_ref()))?;
-    let keep_in = table.kind == ZoneKindName::KeepIn;
-    let otherwise = table
-        .name
-        .clone()
-        .unwrap_or_else(|| format!("zone {number}"));
-    let (mut zones, mut free, mut timed, mut open) = (Vec::new(), 0, 0, 0);
-    for area in areas {
-        if area.is_free && !keep_in {
-            free += 1;
-            continue;
+/// The zones of a file of areas, each with what else its table says.
+struct File<'a> {
+    entry: &'a Spanned<ZoneTable>,
+    path: &'a Spanned<PathBuf>,
+    places: &'a Places<'a>,
+    keep_in: bool,
+    zones: Vec<WorldZone>,
+    /// How many count without a ceiling, because nothing can place theirs.
+    open: usize,
+}
+
+impl File<'_> {
+    /// Takes all zones, and says what counts otherwise than it is written.
+    fn take(
+        &mut self,
+        number: usize,
+        (start_m, beyond_m): (Vec3, f64),
+    ) -> Result<impl Iterator<Item = String> + use<>, InputError> {
+        let (table, text) = (self.entry.get_ref(), &self.places.text);
+        let (polygon, other) = (&table.polygon_deg, &table.polygon_m);
+        if polygon.is_some() || other.is_some() || table.radius_m.is_some() {
+            let message = "a zone has a file and an outline of its own, expected one of these";
+            return Err(text.error_at(self.entry, message));
         }
-        timed += usize::from(area.is_timed);
-        let name = area.name.as_deref().unwrap_or(&otherwise);
-        let (heights_m, is_open) = heights_m(entry, name, area.limits, places)?;
-        open += usize::from(is_open);
-        let local = |at: &[f64; 2]| {
-            let what = format!("a corner of {name}");
-            Ok(level(places, file, &what, at)?.truncate())
-        };
-        let mut push = |name: String, keep_in, outline| {
-            let zone = WorldZone::new(name.clone(), keep_in, outline, heights_m);
-            zones.push(zone.map_err(|error| text.error_at(file, format!("{name}: {error}")))?);
-            Ok(())
-        };
-        let rings = match area.outline {
+        let folder = text.path().parent().unwrap_or(Path::new(""));
+        let mut areas = areas::read(&folder.join(self.path.get_ref()))?;
+        let count = areas.len();
+        areas.retain(|area| self.keep_in || !area.is_free);
+        let free = count - areas.len();
+        let otherwise = table.name.clone();
+        let otherwise = otherwise.unwrap_or_else(|| format!("zone {number}"));
+        let mut all = Vec::new();
+        for mut area in areas {
+            let name = area.name.take().unwrap_or_else(|| otherwise.clone());
+            let (outline, holes) = self.outline(&name, &area.outline)?;
+            let whole = WorldZone::new(name, false, outline, ALL_HEIGHTS_M);
+            let whole = whole.map_err(|error| text.error_at(self.path, error.to_string()))?;
+            let is_near = self.keep_in || whole.margin_m(start_m) <= beyond_m;
+            all.push((area, whole, holes, is_near));
+        }
+        // A file without any near one is for another place: it is read as a whole, and told as such.
+        let count = all.len();
+        if all.iter().any(|(.., is_near)| *is_near) {
+            all.retain(|(.., is_near)| *is_near);
+        }
+        let far = count - all.len();
+        let timed = all.iter().filter(|(area, ..)| area.is_timed).count();
+        for (area, whole, holes, _) in all {
+            self.add(&area, &whole, holes)?;
+        }
+        let notes = [
+            (free, "that restricts nothing (NO_RESTRICTION): left out"),
+            (far, "beyond all that the aircraft flies to: left out"),
+            (timed, "with times of its own: counted at all times"),
+            (
+                self.open,
+                "with a ceiling above the ground or the ellipsoid, whose height is not known here: counted without a ceiling",
+            ),
+        ];
+        let file = self.path.get_ref().display().to_string();
+        let notes = notes.into_iter().filter(|(count, _)| *count > 0);
+        Ok(notes.map(move |(count, what)| format!("{file}: {} {what}", counted(count, "zone"))))
+    }
+
+    /// The outline of an area and its holes.
+    fn outline(
+        &self,
+        name: &str,
+        outline: &AreaOutline,
+    ) -> Result<(WorldOutline, Vec<Vec<Vec2>>), InputError> {
+        let what = format!("a corner of {name}");
+        let local = |at: &[f64; 2]| Ok(level(self.places, self.path, &what, at)?.truncate());
+        let rings = match outline {
             AreaOutline::Circle {
                 center_deg,
                 radius_m,
             } => {
-                let center_m = local(&center_deg)?;
-                push(
-                    name.to_owned(),
-                    keep_in,
-                    WorldOutline::Circle { center_m, radius_m },
-                )?;
-                continue;
+                let center_m = local(center_deg)?;
+                let radius_m = *radius_m;
+                return Ok((WorldOutline::Circle { center_m, radius_m }, Vec::new()));
             }
             AreaOutline::Polygon(rings) => rings,
         };
         let rings = rings.iter().map(|ring| ring.iter().map(local).collect());
         let rings: Vec<Vec<Vec2>> = rings.collect::<Result<_, InputError>>()?;
-        let mut holes = rings.into_iter();
-        let outline = holes.next().unwrap_or_default();
-        let holes: Vec<_> = holes.collect();
-        let polygon = zones::with_holes(outline.clone(), holes.clone())
-            .map_err(|error| text.error_at(file, format!("{name}: {error}")))?;
-        if keep_in && !holes.is_empty() {
-            push(name.to_owned(), true, WorldOutline::Polygon(outline))?;
-            for (hole, number) in holes.into_iter().zip(1..) {
-                push(
-                    format!("{name}, hole {number}"),
-                    false,
-                    WorldOutline::Polygon(hole),
-                )?;
-            }
-        } else {
-            push(name.to_owned(), keep_in, WorldOutline::Polygon(polygon))?;
-        }
+        let mut rings = rings.into_iter();
+        let outline = rings.next().unwrap_or_default();
+        Ok((WorldOutline::Polygon(outline), rings.collect()))
     }
-    let notes = [
-        (free, "that restricts nothing (NO_RESTRICTION): left out"),
-        (timed, "with times of its own: counted at all times"),
-        (
-            open,
-            "with a ceiling above the ground or the ellipsoid, whose height is not known here: counted without a ceiling",
-        ),
-    ];
-    let notes = notes.into_iter().filter(|(count, _)| *count > 0);
-    let file = file.get_ref().display();
-    let notes = notes.map(|(count, what)| format!("{file}: {} {what}", counted(count, "zone")));
-    Ok((zones, notes.collect()))
+
+    /// Adds the zone of an area; its holes are free, or, within a zone to stay in, zones to keep out of.
+    fn add(
+        &mut self,
+        area: &Area,
+        whole: &WorldZone,
+        holes: Vec<Vec<Vec2>>,
+    ) -> Result<(), InputError> {
+        let (text, name) = (&self.places.text, whole.name());
+        let (heights_m, is_open) = heights_m(self.entry, name, area.limits, self.places)?;
+        self.open += usize::from(is_open);
+        let wrong = |error| text.error_at(self.path, format!("{name}: {error}"));
+        let mut outlines = vec![(name.to_owned(), self.keep_in, whole.outline().clone())];
+        if let WorldOutline::Polygon(outline) = whole.outline() {
+            let joined = zones::with_holes(outline.clone(), holes.clone()).map_err(wrong)?;
+            if self.keep_in {
+                let holes = holes.into_iter().zip(1..);
+                outlines.extend(holes.map(|(hole, number)| {
+                    let name = format!("{name}, hole {number}");
+                    (name, false, WorldOutline::Polygon(hole))
+                }));
+            } else {
+                outlines = vec![(name.to_owned(), false, WorldOutline::Polygon(joined))];
+            }
+        }
+        for (name, keep_in, outline) in outlines {
+            let zone = WorldZone::new(name, keep_in, outline, heights_m);
+            self.zones.push(zone.map_err(wrong)?);
+        }
+        Ok(())
+    }
 }
 
 /// A limit beyond these altitudes is none, metres.
@@ -272,7 +314,7 @@ fn level<T>(
     near: &Spanned<T>,
     key: &str,
     [latitude_deg, longitude_deg]: &[f64; 2],
-) -> Result<fga::Vec3, InputError> {
+) -> Result<Vec3, InputError> {
     let altitude_m = (places.frame.as_ref()).map_or(0.0, |frame| frame.origin().altitude_m);
     let place = [*latitude_deg, *longitude_deg, altitude_m];
     places.geodetic(key, &Spanned::new(near.span(), place))

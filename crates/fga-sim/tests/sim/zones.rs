@@ -364,6 +364,44 @@ fn zones_of_an_authority_are_placed_or_counted_or_refused() {
 }
 
 #[test]
+fn far_zones_of_a_large_file_are_left_out_and_counted() {
+    let ground = limits(["60", "AGL"], ["120", "AGL"]);
+    let sea = limits(["500", "AMSL"], ["900", "AMSL"]);
+    let north = SQUARE.replace("47.0", "48.0");
+    let zones = [
+        ed269("near", "PROHIBITED", &sea, SQUARE),
+        ed269("north", "PROHIBITED", &ground, &north),
+        ed269(
+            "norther",
+            "PROHIBITED",
+            &ground,
+            &north.replace("48.0", "49.0"),
+        ),
+    ];
+    let plan = with_zones_of(&file(&zones), "kind = 'keep-out'").unwrap();
+    assert_eq!(plan.world.zones.len(), 1);
+    let told = "zones.json: 2 zones beyond all that the aircraft flies to: left out";
+    assert_eq!(plan.notes, [told]);
+    // A file for another place is not left out silently, nor a zone to stay in.
+    for (zones, kind) in [(&zones[1..], "keep-out"), (&zones[..], "keep-in")] {
+        let told = with_zones_of(&file(zones), &format!("kind = '{kind}'")).unwrap_err();
+        assert!(
+            told.contains("north begins 60 m above the ground"),
+            "{told}"
+        );
+    }
+    let away = file(&zones[1..]).replace("AGL", "AMSL");
+    let warnings = with_zones_of(&away, "kind = 'keep-out'")
+        .unwrap()
+        .warnings();
+    let told = "beyond all that the aircraft flies to, and 1 more zone with it";
+    assert!(
+        warnings.iter().any(|warning| warning.contains(told)),
+        "{warnings:?}"
+    );
+}
+
+#[test]
 fn a_hole_is_free_in_a_zone_and_closed_in_a_fence() {
     let ed318 = format!(
         r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"identifier":"R1","name":"ring","type":"PROHIBITED"}},
