@@ -6,8 +6,9 @@ use core::f64::consts::TAU;
 
 use fga::Vec2;
 use fga::avoider::Start;
+use fga::certificate::Line;
 use fga::situation::Movement;
-use fga_formats::zones::polygon;
+use fga_formats::zones::{polygon, with_holes};
 use fga_sim::batch::{BatchSettings, empty_world, populate};
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};
@@ -438,4 +439,58 @@ fn a_hole_is_free_in_a_zone_and_closed_in_a_fence() {
             );
         }
     }
+}
+
+/// Against the outline and the hole, each on its own: what flies straight is as far from the ring between as from the nearer of both.
+#[test]
+fn a_bridge_to_a_hole_is_no_surface() {
+    let mut random = Random(7);
+    let heights_m = fga::zone::ALL_HEIGHTS_M;
+    let zone = |corners| {
+        let outline = WorldOutline::Polygon(corners);
+        WorldZone::new("a".into(), false, outline, heights_m).unwrap()
+    };
+    let (mut entered, mut kept) = (0, 0);
+    for _ in 0..500 {
+        let mut star = |count: u32, low_m: f64, high_m: f64| -> Vec<Vec2> {
+            let angles = (0..count).map(|k| TAU * f64::from(k) / f64::from(count));
+            let corners = angles.map(|angle| {
+                let (sin, cos) = angle.sin_cos();
+                Vec2::new(cos, sin) * random.within(low_m, high_m)
+            });
+            corners.collect()
+        };
+        let (outline, hole) = (star(12, 200.0, 300.0), star(9, 60.0, 150.0));
+        let ring = zone(with_holes(outline.clone(), vec![hole.clone()]).unwrap());
+        let (outside, hole) = (zone(outline), zone(hole));
+        let margin_m = |at_m| outside.margin_m(at_m).max(-hole.margin_m(at_m));
+        for _ in 0..20 {
+            let mut place = || {
+                let [x, y] = [0; 2].map(|_| random.within(-400.0, 400.0));
+                fga::Vec3::new(x, y, 100.0)
+            };
+            let (from_m, to_m) = (place(), place());
+            assert_eq!(ring.margin_m(from_m) > 0.0, margin_m(from_m) > 0.0);
+            if margin_m(from_m) <= 0.0 {
+                continue;
+            }
+            let shares = (0..=2_000).map(|step| f64::from(step) / 2_000.0);
+            let sampled = shares.map(|share| margin_m(from_m.lerp(to_m, share)));
+            let least_m = sampled.fold(f64::INFINITY, f64::min);
+            let found_m = ring.zone().nearest_m(&Line::between(from_m, to_m), 1e4);
+            if least_m < 0.0 {
+                entered += 1;
+                assert!(found_m < 0.0, "{found_m} {least_m}");
+            } else {
+                kept += 1;
+                // Sampling misses at most half a step.
+                let step_m = from_m.distance(to_m) / 4_000.0 + 1e-5;
+                assert!(
+                    found_m <= least_m + 1e-9 && found_m >= least_m - step_m,
+                    "{found_m} {least_m}"
+                );
+            }
+        }
+    }
+    assert!(entered > 1_000 && kept > 1_000, "{entered} {kept}");
 }
