@@ -168,7 +168,7 @@ pub struct ZoneTable {
     pub center_deg: Option<Spanned<[f64; 2]>>,
     /// Radius of a circle, metres.
     pub radius_m: Option<Spanned<f64>>,
-    /// File of polygons, each a zone of its own: GeoJSON or KML.
+    /// File of areas, each a zone of its own: GeoJSON, KML, ED-269 or ED-318.
     pub file: Option<Spanned<PathBuf>>,
     /// Its lowest altitude, metres.
     pub floor_m: Option<Spanned<f64>>,

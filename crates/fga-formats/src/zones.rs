@@ -36,6 +36,9 @@ pub enum ZoneError {
         /// A later one.
         other: usize,
     },
+    /// A hole that is not inside of the outline, or meets another ring.
+    #[error("hole {0} is not inside of the outline and apart from the other holes")]
+    Hole(usize),
     /// A floor that is not below its ceiling, metres.
     #[error("floor is {0} m and ceiling {1} m, expected the floor below the ceiling")]
     Heights(f64, f64),
@@ -61,15 +64,14 @@ pub fn polygon(corners_m: Vec<Vec2>) -> Result<Vec<Vec2>, ZoneError> {
             return Err(ZoneError::Repeated { first, again });
         }
     }
-    let edges = || corners_m.iter().zip(corners_m.iter().cycle().skip(1));
-    for (other, (c, d)) in edges().enumerate() {
-        for (one, (a, b)) in edges().enumerate().take(other) {
+    for (other, (c, d)) in edges(&corners_m).enumerate() {
+        for (one, (a, b)) in edges(&corners_m).enumerate().take(other) {
             let crosses = if b == c {
-                turns_back(*a, *b, *d)
+                turns_back(a, b, d)
             } else if d == a {
-                turns_back(*c, *d, *b)
+                turns_back(c, d, b)
             } else {
-                meet((*a, *b), (*c, *d))
+                meet((a, b), (c, d))
             };
             if crosses {
                 let (one, other) = (one + 1, other + 1);
@@ -78,6 +80,98 @@ pub fn polygon(corners_m: Vec<Vec2>) -> Result<Vec<Vec2>, ZoneError> {
         }
     }
     Ok(corners_m)
+}
+
+/// A polygon with holes, each as [`polygon`] takes it, as one ring: an edge leads to each hole and back, over no other one. What an odd
+/// number of edges surrounds, and what winds around a place, are the polygon without its holes.
+///
+/// # Errors
+/// Those of [`polygon`], a hole that is not inside of the outline or meets another one, more than [`MAX_CORNERS`] in all.
+pub fn with_holes(outline_m: Vec<Vec2>, holes_m: Vec<Vec<Vec2>>) -> Result<Vec<Vec2>, ZoneError> {
+    let count = outline_m.len() + holes_m.iter().map(|hole| hole.len() + 2).sum::<usize>();
+    if count > MAX_CORNERS {
+        return Err(ZoneError::Corners(count));
+    }
+    let mut ring = polygon(outline_m)?;
+    let holes_m = holes_m.into_iter().map(polygon);
+    let mut holes: Vec<Vec<Vec2>> = holes_m.collect::<Result<_, _>>()?;
+    for (index, hole) in holes.iter().enumerate() {
+        let (before, after) = (holes.get(..index), holes.get(index + 1..));
+        let others = before.into_iter().chain(after).flatten();
+        let is_apart = |other: &Vec<Vec2>| {
+            !edges(hole).any(|one| edges(other).any(|edge| meet(one, edge)))
+                && !hole.first().is_some_and(|at| surrounds(other, *at))
+        };
+        let is_inside = !edges(hole).any(|one| edges(&ring).any(|edge| meet(one, edge)))
+            && hole.first().is_some_and(|at| surrounds(&ring, *at));
+        if !is_inside || !others.into_iter().all(is_apart) {
+            return Err(ZoneError::Hole(index + 1));
+        }
+    }
+    // The outline one way round, the holes the other way.
+    turn(&mut ring, true);
+    for hole in &mut holes {
+        turn(hole, false);
+    }
+    while let Some((from, index, to)) = shortest_bridge(&ring, &holes) {
+        let mut hole = holes.swap_remove(index);
+        hole.rotate_left(to);
+        hole.extend(hole.first().copied());
+        hole.extend(ring.get(from).copied());
+        let after = from + 1;
+        ring.splice(after..after, hole);
+    }
+    if holes.is_empty() {
+        Ok(ring)
+    } else {
+        Err(ZoneError::Hole(1))
+    }
+}
+
+/// The shortest way from a corner of a ring to a corner of a hole that meets no edge between: the corner, the hole, its corner.
+fn shortest_bridge(ring: &[Vec2], holes: &[Vec<Vec2>]) -> Option<(usize, usize, usize)> {
+    let mut bridges = Vec::new();
+    for (from, a) in ring.iter().enumerate() {
+        for (index, hole) in holes.iter().enumerate() {
+            let corners = hole.iter().enumerate();
+            bridges.extend(corners.map(|(to, b)| ((*a, *b), (from, index, to))));
+        }
+    }
+    let length = |(a, b): (Vec2, Vec2)| a.distance_squared(b);
+    bridges.sort_by(|(one, _), (other, _)| length(*one).total_cmp(&length(*other)));
+    let is_free = |(a, b): (Vec2, Vec2)| {
+        let mut all = holes
+            .iter()
+            .map(Vec::as_slice)
+            .chain([ring])
+            .flat_map(edges);
+        let ends = [a, b];
+        all.all(|(c, d)| ends.contains(&c) || ends.contains(&d) || !meet((a, b), (c, d)))
+    };
+    let free = bridges.into_iter().find(|(bridge, _)| is_free(*bridge));
+    free.map(|(_, corners)| corners)
+}
+
+/// The edges of a ring.
+fn edges(ring: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().copied().zip(next.copied())
+}
+
+/// Whether an odd number of a ring's edges surrounds a place.
+fn surrounds(ring: &[Vec2], at: Vec2) -> bool {
+    let is_beyond = |(a, b): &(Vec2, Vec2)| {
+        (a.y > at.y) != (b.y > at.y) && ((*b - *a).perp_dot(at - *a) > 0.0) == (b.y > a.y)
+    };
+    edges(ring).filter(is_beyond).count() % 2 == 1
+}
+
+/// Turns a ring round, unless it is.
+fn turn(ring: &mut [Vec2], to_left: bool) {
+    let twice_m2: f64 = edges(ring).map(|(a, b)| a.perp_dot(b)).sum();
+    if (twice_m2 > 0.0) != to_left {
+        ring.reverse();
+    }
 }
 
 /// The floor and the ceiling of a zone, metres; infinite without.
@@ -141,5 +235,77 @@ mod tests {
             heights_m(f64::NEG_INFINITY, 2.0),
             Ok((f64::NEG_INFINITY, 2.0))
         );
+    }
+
+    #[test]
+    fn a_polygon_with_holes_is_one_ring_around_the_same_places() {
+        let square = |[x, y]: [f64; 2], half: f64| {
+            let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+            corners
+                .map(|[a, b]| Vec2::new(x + half * a, y + half * b))
+                .to_vec()
+        };
+        let outline = square([0.0, 0.0], 100.0);
+        let mut holes: Vec<Vec<Vec2>> = (0..12)
+            .map(|k| {
+                square(
+                    [
+                        f64::from(k % 4) * 45.0 - 67.0,
+                        f64::from(k / 4) * 50.0 - 51.0,
+                    ],
+                    15.0,
+                )
+            })
+            .collect();
+        holes[3].reverse();
+        let ring = with_holes(outline.clone(), holes.clone()).unwrap();
+        assert_eq!(ring.len(), 4 + 12 * 6);
+        let winds = |at: Vec2| {
+            let turns = edges(&ring)
+                .map(|(a, b)| (a - at).angle_to(b - at))
+                .sum::<f64>();
+            turns.abs() > 1.0
+        };
+        let mut free = 0;
+        for k in 0..10_000_i32 {
+            let at = Vec2::new(f64::from(k % 100), f64::from(k / 100)) * 2.3 - 115.0;
+            let at = at + Vec2::new(0.11, 0.07);
+            let expected = surrounds(&outline, at) && !holes.iter().any(|hole| surrounds(hole, at));
+            free += i32::from(surrounds(&outline, at) && !expected);
+            assert_eq!(
+                (surrounds(&ring, at), winds(at)),
+                (expected, expected),
+                "{at}"
+            );
+        }
+        assert!(free > 1_500, "{free}");
+        // No bridge leads through a hole or out of the outline.
+        let is_edge = |way: &(Vec2, Vec2)| {
+            let mut rings = holes.iter().chain([&outline]);
+            rings.any(|ring| edges(ring).any(|(a, b)| [(a, b), (b, a)].contains(way)))
+        };
+        for (a, b) in edges(&ring).filter(|way| !is_edge(way)) {
+            for share in [0.01, 0.3, 0.5, 0.7, 0.99] {
+                let at = a.lerp(b, share);
+                assert!(surrounds(&outline, at) && !holes.iter().any(|hole| surrounds(hole, at)));
+            }
+        }
+        // A hole outside, one that meets the outline, one in another one, two that meet, and too many corners.
+        for (holes, wrong) in [
+            (vec![square([300.0, 0.0], 10.0)], ZoneError::Hole(1)),
+            (vec![square([95.0, 0.0], 10.0)], ZoneError::Hole(1)),
+            (vec![square([0.0, 0.0], 200.0)], ZoneError::Hole(1)),
+            (
+                vec![square([0.0, 0.0], 5.0), square([0.0, 0.0], 10.0)],
+                ZoneError::Hole(1),
+            ),
+            (
+                vec![square([0.0, 0.0], 9.0), square([10.0, 0.0], 9.0)],
+                ZoneError::Hole(1),
+            ),
+            (vec![square([0.0, 0.0], 1.0); 60], ZoneError::Corners(364)),
+        ] {
+            assert_eq!(with_holes(outline.clone(), holes).unwrap_err(), wrong);
+        }
     }
 }

@@ -109,6 +109,7 @@ pub fn plan(mut world: World, encounter: &Encounter, model: &VehicleModel) -> Pl
             .map(|obstacle| format!("obstacle {}", obstacle.id))
             .collect(),
         frame: None,
+        notes: Vec::new(),
         time_offset_s: 0.0,
         model: model.clone(),
         world,

@@ -16,6 +16,8 @@ pub struct Plan {
     pub description: String,
     /// Names of the obstacles, in the order of the world's.
     pub names: Vec<String>,
+    /// What of its files counts otherwise than it is written, each one sentence.
+    pub notes: Vec<String>,
     /// The place of the local frame on the earth, if known.
     pub frame: Option<LocalFrame>,
     /// Time of the source at the start of the run, seconds.

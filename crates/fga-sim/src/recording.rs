@@ -118,6 +118,7 @@ pub fn plan(
         name,
         description,
         names,
+        notes: Vec::new(),
         frame: recording.frame,
         time_offset_s,
         world: World {

@@ -92,22 +92,8 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         }
         (None, None) => VehicleModel::built_in()?,
     };
-    let frame = file.origin.as_ref().map(|origin| {
-        let place = origin.get_ref();
-        Geodetic::new(place.latitude_deg, place.longitude_deg, place.altitude_m)
-            .map(|place| LocalFrame::new(place, Earth::Wgs84))
-            .ok_or_else(|| {
-                text.error_at(
-                    origin,
-                    "origin is out of range, expected latitude_deg from -90 to 90, longitude_deg \
-                     from -180 to 180 and a finite altitude_m",
-                )
-            })
-    });
-    let places = Places {
-        text,
-        frame: frame.transpose()?,
-    };
+    let frame = frame(&file, &text)?;
+    let places = Places { text, frame };
     let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;
     let mission_m = waypoints(&file.mission, &places)?;
     let passing = passing(&file.mission, &text, mission_m.len())?;
@@ -123,9 +109,9 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     )?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
-    let zones = zones::all(&file.zone, &places)?;
-    let mut names = Vec::new();
-    let mut obstacles: Vec<WorldObstacle> = Vec::new();
+    let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
+    let (zones, notes) = zones::all(&file.zone, &places, (start.position_m, flies_m))?;
+    let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;
         if obstacles.iter().any(|other| other.id == obstacle.id) {
@@ -159,6 +145,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         name: file.name,
         description: file.description,
         names,
+        notes,
         frame: places.frame,
         time_offset_s: 0.0,
         world: World {
@@ -183,6 +170,22 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         },
         model,
     })
+}
+
+/// The local frame of a file.
+fn frame(file: &ScenarioFile, text: &TomlText<'_>) -> Result<Option<LocalFrame>, InputError> {
+    let Some(origin) = &file.origin else {
+        return Ok(None);
+    };
+    let place = origin.get_ref();
+    let place = Geodetic::new(place.latitude_deg, place.longitude_deg, place.altitude_m);
+    let Some(place) = place else {
+        return Err(text.error_at(
+            origin,
+            "origin is out of range, expected latitude_deg from -90 to 90, longitude_deg from -180 to 180 and a finite altitude_m",
+        ));
+    };
+    Ok(Some(LocalFrame::new(place, Earth::Wgs84)))
 }
 
 /// The lowest and the highest altitude of a manoeuvre, metres: of this file, else of the vehicle's; without a floor in either one

@@ -226,6 +226,7 @@ pub fn show(stress: &Stress, case: &StressCase) -> Result<RunLog, String> {
         name: "stress".into(),
         description: case.in_words(),
         names: names.collect(),
+        notes: Vec::new(),
         frame: None,
         time_offset_s: 0.0,
         model: stress.model.clone(),

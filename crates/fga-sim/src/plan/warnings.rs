@@ -9,6 +9,7 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
 use fga_files::surveillance::{CREWED_MPS, Evasion};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::words::counted;
 
 use super::Plan;
 use crate::sensor::SensorSettings;
@@ -27,6 +28,7 @@ impl Plan {
         let world = &self.world;
         let mut warnings = Vec::new();
         warnings.extend(self.exchanged());
+        warnings.extend(self.notes.iter().cloned());
         // A recorded aircraft flew what it flew.
         if world.recorded.is_none() {
             warnings.extend(unflyable(world));
@@ -49,13 +51,18 @@ impl Plan {
             let begins_s = each.track.presence_s().0.max(0.0);
             Some((name.clone(), each.track.at(begins_s)?.0))
         });
-        waypoints.chain(obstacles).find_map(|(name, at_m)| {
+        let zones = self.world.zones.iter().filter_map(|zone| {
+            let corner_m = zone.ring_m().first()?.extend(0.0);
+            Some((zone.name().to_owned(), corner_m))
+        });
+        let mut places = waypoints.chain(obstacles).chain(zones);
+        places.find_map(|(name, at_m)| {
             let away_m = at_m.truncate().length();
             let exchanged_m = exchanged_m(frame, frame.to_geodetic(at_m))?;
             (away_m > NEAR_M && exchanged_m * MUCH_NEARER < away_m).then(|| {
                 format!(
                     "{name} is {:.0} km from the origin, with latitude and longitude exchanged it would be {:.1} km: \
-                     expected [latitude, longitude, altitude_m]",
+                     expected the latitude first here, the longitude first in a file of areas",
                     away_m / 1e3,
                     exchanged_m / 1e3
                 )
@@ -102,7 +109,7 @@ impl Plan {
     }
 
     /// The zones that no flight comes near, as with the wrong hemisphere.
-    fn distant(&self) -> impl Iterator<Item = String> {
+    fn distant(&self) -> Option<String> {
         let World {
             zones,
             vehicle,
@@ -113,13 +120,17 @@ impl Plan {
         } = &self.world;
         let flies_m = (vehicle.airspeed_mps + wind_mps.length()) * horizon_s;
         let zones = zones.iter().filter(|zone| !zone.keep_in());
-        zones.filter_map(move |zone| {
-            let away_m = zone.margin_m(start.position_m);
-            (away_m > NEAR_M.max(flies_m)).then(|| {
-                let (name, away_km) = (zone.name(), away_m / 1e3);
-                format!("{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to")
-            })
-        })
+        let zones = zones.map(|zone| (zone.name(), zone.margin_m(start.position_m)));
+        let mut zones = zones.filter(|(_, away_m)| *away_m > NEAR_M.max(flies_m));
+        let (name, away_m) = zones.next()?;
+        let more = match zones.count() {
+            0 => String::new(),
+            more => format!(", and {} with it", counted(more, "more zone")),
+        };
+        let away_km = away_m / 1e3;
+        Some(format!(
+            "{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to{more}"
+        ))
     }
 
     /// An obstacle that is there or known only after the flight.

@@ -2,55 +2,231 @@
 
 use std::path::{Path, PathBuf};
 
-use fga::Vec2;
+use fga::zone::ALL_HEIGHTS_M;
+use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_files::vehicle::LimitsTable;
-use fga_formats::{InputError, areas, zones};
+use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
+use fga_formats::words::counted;
+use fga_formats::{InputError, zones};
 use toml::Spanned;
 
 use super::places::Places;
 use crate::vehicle_file::checks::Checked;
 use crate::zone::{WorldOutline, WorldZone};
 
-/// The zones of a file.
+/// Of a file, some zones of which are nearer, those are left out that are farther from the start than this many times the way flown.
+const BEYOND: f64 = 2.0;
+
+/// The zones of a file, for a start and the length of the flight, metres, and what of their files counts otherwise than it is written.
 pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
     places: &Places<'_>,
-) -> Result<Vec<WorldZone>, InputError> {
-    let mut zones = Vec::new();
+    (start_m, flies_m): (Vec3, f64),
+) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
+    let (mut zones, mut notes) = (Vec::new(), Vec::new());
     for (entry, number) in tables.iter().zip(1..) {
-        match &entry.get_ref().file {
-            Some(file) => zones.extend(of_file(entry, (file, number), places)?),
-            None => zones.push(zone(entry, number, places)?),
-        }
+        let Some(path) = &entry.get_ref().file else {
+            zones.push(zone(entry, number, places)?);
+            continue;
+        };
+        let mut file = AreaFile {
+            entry,
+            path,
+            places,
+            keep_in: entry.get_ref().kind == ZoneKindName::KeepIn,
+            zones: Vec::new(),
+            open: 0,
+        };
+        notes.extend(file.take(number, (start_m, BEYOND * flies_m))?);
+        zones.extend(file.zones);
     }
-    Ok(zones)
+    Ok((zones, notes))
 }
 
-/// The zones of a file of polygons, each with what else its table says.
-fn of_file(
-    entry: &Spanned<ZoneTable>,
-    (file, number): (&Spanned<PathBuf>, usize),
-    places: &Places<'_>,
-) -> Result<Vec<WorldZone>, InputError> {
-    let folder = places.text.path().parent().unwrap_or(Path::new(""));
-    let path = folder.join(file.get_ref());
-    let areas = areas::read(&path)?;
-    let zones = areas.into_iter().map(|area| {
-        let span = file.span();
-        let mut table = ZoneTable {
-            file: None,
-            ..entry.get_ref().clone()
-        };
-        if table.polygon_deg.is_some() || table.polygon_m.is_some() || table.radius_m.is_some() {
+/// The zones of a file of areas, each with what else its table says.
+struct AreaFile<'a> {
+    entry: &'a Spanned<ZoneTable>,
+    path: &'a Spanned<PathBuf>,
+    places: &'a Places<'a>,
+    keep_in: bool,
+    zones: Vec<WorldZone>,
+    /// How many count without a ceiling, because nothing can place theirs.
+    open: usize,
+}
+
+impl AreaFile<'_> {
+    /// Takes all zones, and says what counts otherwise than it is written.
+    fn take(
+        &mut self,
+        number: usize,
+        (start_m, beyond_m): (Vec3, f64),
+    ) -> Result<impl Iterator<Item = String> + use<>, InputError> {
+        let (table, text) = (self.entry.get_ref(), &self.places.text);
+        let (polygon, other) = (&table.polygon_deg, &table.polygon_m);
+        if polygon.is_some() || other.is_some() || table.radius_m.is_some() {
             let message = "a zone has a file and an outline of its own, expected one of these";
-            return Err(places.text.error_at(entry, message));
+            return Err(text.error_at(self.entry, message));
         }
-        table.name = area.name.or(table.name);
-        table.polygon_deg = Some(Spanned::new(span, area.corners_deg));
-        zone(&Spanned::new(entry.span(), table), number, places)
-    });
-    zones.collect()
+        let folder = text.path().parent().unwrap_or(Path::new(""));
+        let mut areas = areas::read(&folder.join(self.path.get_ref()))?;
+        let count = areas.len();
+        areas.retain(|area| self.keep_in || !area.is_free);
+        let free = count - areas.len();
+        let otherwise = table.name.clone();
+        let otherwise = otherwise.unwrap_or_else(|| format!("zone {number}"));
+        let mut all = Vec::new();
+        for mut area in areas {
+            let name = area.name.take().unwrap_or_else(|| otherwise.clone());
+            let (outline, holes) = self.outline(&name, &area.outline)?;
+            let whole = WorldZone::new(name, false, outline, ALL_HEIGHTS_M);
+            let whole = whole.map_err(|error| text.error_at(self.path, error.to_string()))?;
+            let is_near = self.keep_in || whole.margin_m(start_m) <= beyond_m;
+            all.push((area, whole, holes, is_near));
+        }
+        // A file without any near one is for another place: it is read as a whole, and told as such.
+        let count = all.len();
+        if all.iter().any(|(.., is_near)| *is_near) {
+            all.retain(|(.., is_near)| *is_near);
+        }
+        let far = count - all.len();
+        let timed = all.iter().filter(|(area, ..)| area.is_timed).count();
+        for (area, whole, holes, _) in all {
+            self.add(&area, &whole, holes)?;
+        }
+        let notes = [
+            (free, "that restricts nothing (NO_RESTRICTION): left out"),
+            (far, "beyond all that the aircraft flies to: left out"),
+            (timed, "with times of its own: counted at all times"),
+            (
+                self.open,
+                "with a ceiling above the ground or the ellipsoid, whose height is not known here: counted without a ceiling",
+            ),
+        ];
+        let file = self.path.get_ref().display().to_string();
+        let notes = notes.into_iter().filter(|(count, _)| *count > 0);
+        Ok(notes.map(move |(count, what)| format!("{file}: {} {what}", counted(count, "zone"))))
+    }
+
+    /// The outline of an area and its holes.
+    fn outline(
+        &self,
+        name: &str,
+        outline: &AreaOutline,
+    ) -> Result<(WorldOutline, Vec<Vec<Vec2>>), InputError> {
+        let what = format!("a corner of {name}");
+        let local = |at: &[f64; 2]| Ok(level(self.places, self.path, &what, at)?.truncate());
+        let rings = match outline {
+            AreaOutline::Circle {
+                center_deg,
+                radius_m,
+            } => {
+                let center_m = local(center_deg)?;
+                let radius_m = *radius_m;
+                return Ok((WorldOutline::Circle { center_m, radius_m }, Vec::new()));
+            }
+            AreaOutline::Polygon(rings) => rings,
+        };
+        let rings = rings.iter().map(|ring| ring.iter().map(local).collect());
+        let rings: Vec<Vec<Vec2>> = rings.collect::<Result<_, InputError>>()?;
+        let mut rings = rings.into_iter();
+        let outline = rings.next().unwrap_or_default();
+        Ok((WorldOutline::Polygon(outline), rings.collect()))
+    }
+
+    /// Adds the zone of an area; its holes are free, or, within a zone to stay in, zones to keep out of.
+    fn add(
+        &mut self,
+        area: &NamedArea,
+        whole: &WorldZone,
+        holes: Vec<Vec<Vec2>>,
+    ) -> Result<(), InputError> {
+        let (text, name) = (&self.places.text, whole.name());
+        let (heights_m, is_open) = heights_m(self.entry, name, area.limits, self.places)?;
+        self.open += usize::from(is_open);
+        let wrong = |error| text.error_at(self.path, format!("{name}: {error}"));
+        let mut outlines = vec![(name.to_owned(), self.keep_in, whole.outline().clone())];
+        if let WorldOutline::Polygon(outline) = whole.outline() {
+            let joined = zones::with_holes(outline.clone(), holes.clone()).map_err(wrong)?;
+            if self.keep_in {
+                let holes = holes.into_iter().zip(1..);
+                outlines.extend(holes.map(|(hole, number)| {
+                    let name = format!("{name}, hole {number}");
+                    (name, false, WorldOutline::Polygon(hole))
+                }));
+            } else {
+                outlines = vec![(name.to_owned(), false, WorldOutline::Polygon(joined))];
+            }
+        }
+        for (name, keep_in, outline) in outlines {
+            let zone = WorldZone::new(name, keep_in, outline, heights_m);
+            self.zones.push(zone.map_err(wrong)?);
+        }
+        Ok(())
+    }
+}
+
+/// A limit beyond these altitudes is none, metres.
+const ALTITUDES_M: (f64, f64) = (-1e3, 5e4);
+
+/// Floor and ceiling of a zone of a file, metres, with those of its table for what the file does not state or nothing can place, and
+/// whether it has none instead of a ceiling that nothing can place: it keeps out of more, then.
+fn heights_m(
+    entry: &Spanned<ZoneTable>,
+    name: &str,
+    limits: [Option<AreaLimit>; 2],
+    places: &Places<'_>,
+) -> Result<((f64, f64), bool), InputError> {
+    let (table, text) = (entry.get_ref(), &places.text);
+    let own = LimitsTable {
+        floor_m: table.floor_m.clone(),
+        ceiling_m: table.ceiling_m.clone(),
+    };
+    let (own_floor_m, own_ceiling_m) = own.checked(text)?;
+    let origin_m = places
+        .frame
+        .as_ref()
+        .map_or(0.0, |frame| frame.origin().altitude_m);
+    let unknown = |limit: AreaLimit, does: &str, key: &str| {
+        let above = match limit.above {
+            Reference::Ground => "ground",
+            Reference::Ellipsoid => "ellipsoid",
+            Reference::Sea => "sea",
+        };
+        let message = format!(
+            "{name} {does} {} m above the {above}, whose height is not known here, expected an altitude above the sea (AMSL), or {key} in its [[zone]]",
+            limit.height_m
+        );
+        Err(text.error_at(entry, message))
+    };
+    let (lowest_m, highest_m) = ALTITUDES_M;
+    let z_m = |altitude_m: f64| altitude_m.clamp(lowest_m, highest_m) - origin_m;
+    let [floor, ceiling] = limits;
+    let floor_m = match floor {
+        None => own_floor_m,
+        Some(AreaLimit {
+            height_m,
+            above: Reference::Sea,
+        }) => z_m(height_m),
+        Some(AreaLimit {
+            height_m,
+            above: Reference::Ground,
+        }) if height_m <= 0.0 => f64::NEG_INFINITY,
+        Some(_) if own_floor_m.is_finite() => own_floor_m,
+        Some(limit) => return unknown(limit, "begins", "floor_m"),
+    };
+    let (ceiling_m, is_open) = match ceiling {
+        None => (own_ceiling_m, false),
+        Some(limit) if limit.height_m >= highest_m => (f64::INFINITY, false),
+        Some(AreaLimit {
+            height_m,
+            above: Reference::Sea,
+        }) => (z_m(height_m), false),
+        Some(_) if own_ceiling_m.is_finite() => (own_ceiling_m, false),
+        Some(_) if table.kind == ZoneKindName::KeepOut => (f64::INFINITY, true),
+        Some(limit) => return unknown(limit, "ends", "ceiling_m"),
+    };
+    Ok(((floor_m, ceiling_m), is_open))
 }
 
 /// The zone of a table, which is the file's `number`th.
@@ -138,7 +314,7 @@ fn level<T>(
     near: &Spanned<T>,
     key: &str,
     [latitude_deg, longitude_deg]: &[f64; 2],
-) -> Result<fga::Vec3, InputError> {
+) -> Result<Vec3, InputError> {
     let altitude_m = (places.frame.as_ref()).map_or(0.0, |frame| frame.origin().altitude_m);
     let place = [*latitude_deg, *longitude_deg, altitude_m];
     places.geodetic(key, &Spanned::new(near.span(), place))

@@ -6,11 +6,13 @@ use core::f64::consts::TAU;
 
 use fga::Vec2;
 use fga::avoider::Start;
+use fga::certificate::Line;
 use fga::situation::Movement;
-use fga_formats::zones::polygon;
+use fga_formats::zones::{polygon, with_holes};
 use fga_sim::batch::{BatchSettings, empty_world, populate};
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};
+use fga_sim::plan::Plan;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{WorldOutline, WorldZone};
@@ -192,9 +194,15 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
             .iter()
             .any(|words| words.contains("yard is ") && words.contains(" km from the start"));
         assert!(told, "{wrong:?} {warnings:?}");
+        let exchanged = "with latitude and longitude exchanged it would be";
+        let told = warnings.iter().any(|words| words.contains(exchanged));
+        assert_eq!(told, wrong[0] > 0.0, "{warnings:?}");
     }
     for (file, expected) in [
-        ("{", "areas.geojson, line 1: is no GeoJSON and no KML"),
+        (
+            "{",
+            "areas.geojson, line 1: is no GeoJSON, no ED-269 and no KML",
+        ),
         (
             r#"{"type":"Polygon","coordinates":[[[8.0,47.0],[8.1,47.1],[8.1,47.0],[8.0,47.1],[8.0,47.0]]]}"#,
             "polygon crosses itself",
@@ -208,4 +216,281 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
         let told = with_areas(file).unwrap_err();
         assert!(told.contains(expected) && !told.contains('\n'), "{told}");
     }
+}
+
+/// A scenario at 47° north, 8° east and 400 m with zones of a file of an authority: its plan, or the error.
+fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("zones.json"), file).unwrap();
+    let scenario = folder.path().join("a.toml");
+    let text = "name = 'a'\nduration_s = 60.0\n[origin]\nlatitude_deg = 47.0\nlongitude_deg = 8.0\naltitude_m = 400.0\n[mission]\n\
+        waypoints_m = [[0, 0, 100], [900, 0, 100]]\n[[zone]]\nfile = 'zones.json'\n";
+    std::fs::write(&scenario, format!("{text}{table}\n")).unwrap();
+    fga_sim::scenario::read(&scenario, None).map_err(|error| error.to_string())
+}
+
+/// A zone of ED-269 by its name, its restriction, its limits and its outline.
+fn ed269(name: &str, restriction: &str, limits: &str, outline: &str) -> String {
+    format!(
+        r#"{{"identifier":"{name}","country":"XXX","name":"{name}","type":"COMMON","restriction":"{restriction}",
+        "applicability":[{{"permanent":"{}"}}],"geometry":[{{"uomDimensions":"M",{limits},"horizontalProjection":{outline}}}]}}"#,
+        if restriction == "CONDITIONAL" {
+            "NO"
+        } else {
+            "YES"
+        }
+    )
+}
+
+/// A file of ED-269.
+fn file(zones: &[String]) -> String {
+    format!(r#"{{"features":[{}]}}"#, zones.join(","))
+}
+
+/// Floor and ceiling of ED-269.
+fn limits([lower, below]: [&str; 2], [upper, above]: [&str; 2]) -> String {
+    format!(
+        r#""lowerLimit":{lower},"lowerVerticalReference":"{below}","upperLimit":{upper},"upperVerticalReference":"{above}""#
+    )
+}
+
+const SQUARE: &str = r#"{"type":"Polygon","coordinates":[[[8.01,47.01],[8.02,47.01],[8.02,47.02],[8.01,47.02],[8.01,47.01]]]}"#;
+const RING: &str = r#"{"type":"Polygon","coordinates":[[[8.01,47.01],[8.02,47.01],[8.02,47.02],[8.01,47.02],[8.01,47.01]],
+    [[8.013,47.013],[8.017,47.013],[8.017,47.017],[8.013,47.017],[8.013,47.013]]]}"#;
+
+#[test]
+fn zones_of_an_authority_are_placed_or_counted_or_refused() {
+    let circle = r#"{"type":"Circle","center":[8.01,47.01],"radius":250}"#;
+    let sea = limits(["500", "AMSL"], ["900", "AMSL"]);
+    let ground = limits(["0", "AGL"], ["120", "AGL"]);
+    let highest = limits(["0", "AGL"], ["99999", "AGL"]);
+    let floating = limits(["60", "AGL"], ["900", "AMSL"]);
+    let ellipsoid = limits(["0", "AGL"], ["900", "WGS84"]);
+    let usual = [
+        ed269("hill", "PROHIBITED", &sea, SQUARE),
+        ed269("town", "CONDITIONAL", &ground, circle),
+        ed269("meadow", "NO_RESTRICTION", &ground, circle),
+        ed269("port", "REQ_AUTHORISATION", &highest, SQUARE),
+    ];
+    let plan = with_zones_of(&file(&usual), "kind = 'keep-out'").unwrap();
+    let zones = plan.world.zones.iter();
+    let zones: Vec<_> = zones.map(|zone| (zone.name(), zone.heights_m())).collect();
+    let all = fga::zone::ALL_HEIGHTS_M;
+    assert_eq!(
+        zones,
+        [("hill", (100.0, 500.0)), ("town", all), ("port", all)]
+    );
+    let WorldOutline::Circle { center_m, radius_m } = plan.world.zones[1].outline() else {
+        panic!("{:?}", plan.world.zones[1]);
+    };
+    assert!(center_m.distance(Vec2::new(760.0, 1112.0)) < 2.0 && *radius_m == 250.0);
+    let notes = [
+        "zones.json: 1 zone that restricts nothing (NO_RESTRICTION): left out",
+        "zones.json: 1 zone with times of its own: counted at all times",
+        "zones.json: 1 zone with a ceiling above the ground or the ellipsoid, whose height is not known here: counted without a ceiling",
+    ];
+    assert_eq!(plan.notes, notes);
+    let warnings = plan.warnings();
+    assert!(
+        notes
+            .iter()
+            .all(|note| warnings.iter().any(|told| told == note))
+    );
+    // The table places what the file cannot.
+    let plan = with_zones_of(&file(&usual[1..2]), "kind = 'keep-out'\nceiling_m = 120.0").unwrap();
+    assert_eq!(plan.world.zones[0].heights_m(), (f64::NEG_INFINITY, 120.0));
+    assert_eq!(plan.notes.len(), 1);
+    let floats = file(&[ed269("shelf", "PROHIBITED", &floating, SQUARE)]);
+    let plan = with_zones_of(&floats, "kind = 'keep-out'\nfloor_m = 60.0").unwrap();
+    assert_eq!(plan.world.zones[0].heights_m(), (60.0, 500.0));
+    // Staying in a zone, none may be larger than it is.
+    let plan = with_zones_of(&file(&usual[2..]), "kind = 'keep-in'\nceiling_m = 120.0").unwrap();
+    assert_eq!(plan.world.zones.len(), 2);
+    for (zone, kind, expected) in [
+        (
+            &floats,
+            "keep-out",
+            "line 9: shelf begins 60 m above the ground, whose height is not known here",
+        ),
+        (
+            &file(&usual[1..2]),
+            "keep-in",
+            "town ends 120 m above the ground",
+        ),
+        (
+            &file(&[ed269("sky", "PROHIBITED", &ellipsoid, SQUARE)]),
+            "keep-in",
+            "sky ends 900 m above the ellipsoid",
+        ),
+        (
+            &file(&[ed269(
+                "flat",
+                "PROHIBITED",
+                &limits(["900", "AMSL"], ["500", "AMSL"]),
+                SQUARE,
+            )]),
+            "keep-out",
+            "flat: floor is 500 m and ceiling 100 m",
+        ),
+        (
+            &file(&[ed269(
+                "bow",
+                "PROHIBITED",
+                &sea,
+                &SQUARE.replace("[8.02,47.01],[8.02,47.02]", "[8.02,47.02],[8.02,47.01]"),
+            )]),
+            "keep-out",
+            "bow: polygon crosses itself",
+        ),
+        (
+            &file(&[ed269(
+                "ring",
+                "PROHIBITED",
+                &sea,
+                &RING.replace("47.017", "47.117"),
+            )]),
+            "keep-out",
+            "ring: hole 1 is not inside",
+        ),
+        (
+            &file(&usual).replace("\"M\"", "\"FL\""),
+            "keep-out",
+            "zones.json: area 1 (hill) has the unit \"FL\"",
+        ),
+        (&file(&[]), "keep-out", "zones.json, line 1: is no GeoJSON"),
+    ] {
+        let told = with_zones_of(zone, &format!("kind = '{kind}'")).unwrap_err();
+        assert!(told.contains(expected) && !told.contains('\n'), "{told}");
+    }
+}
+
+#[test]
+fn far_zones_of_a_large_file_are_left_out_and_counted() {
+    let ground = limits(["60", "AGL"], ["120", "AGL"]);
+    let sea = limits(["500", "AMSL"], ["900", "AMSL"]);
+    let north = SQUARE.replace("47.0", "48.0");
+    let zones = [
+        ed269("near", "PROHIBITED", &sea, SQUARE),
+        ed269("north", "PROHIBITED", &ground, &north),
+        ed269(
+            "norther",
+            "PROHIBITED",
+            &ground,
+            &north.replace("48.0", "49.0"),
+        ),
+    ];
+    let plan = with_zones_of(&file(&zones), "kind = 'keep-out'").unwrap();
+    assert_eq!(plan.world.zones.len(), 1);
+    let told = "zones.json: 2 zones beyond all that the aircraft flies to: left out";
+    assert_eq!(plan.notes, [told]);
+    // A file for another place is not left out silently, nor a zone to stay in.
+    for (zones, kind) in [(&zones[1..], "keep-out"), (&zones[..], "keep-in")] {
+        let told = with_zones_of(&file(zones), &format!("kind = '{kind}'")).unwrap_err();
+        assert!(
+            told.contains("north begins 60 m above the ground"),
+            "{told}"
+        );
+    }
+    let away = file(&zones[1..]).replace("AGL", "AMSL");
+    let warnings = with_zones_of(&away, "kind = 'keep-out'")
+        .unwrap()
+        .warnings();
+    let told = "beyond all that the aircraft flies to, and 1 more zone with it";
+    assert!(
+        warnings.iter().any(|warning| warning.contains(told)),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_hole_is_free_in_a_zone_and_closed_in_a_fence() {
+    let ed318 = format!(
+        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"identifier":"R1","name":"ring","type":"PROHIBITED"}},
+        "geometry":{}}}]}}"#,
+        RING.replace(r#""coordinates""#, r#""layer":{"lower":0,"lowerReference":"AGL","upper":900,"upperReference":"AMSL"},"coordinates""#)
+    );
+    // In the hole, over the ring, outside, above the ring.
+    let places = [
+        [1140.0, 1668.0, 0.0],
+        [900.0, 1668.0, 0.0],
+        [0.0, 0.0, 0.0],
+        [900.0, 1668.0, 600.0],
+    ];
+    for (kind, expected, zones) in [
+        ("keep-out", [true, false, true, true], vec!["ring"]),
+        (
+            "keep-in",
+            [false, true, false, false],
+            vec!["ring", "ring, hole 1"],
+        ),
+    ] {
+        let plan = with_zones_of(&ed318, &format!("kind = '{kind}'")).unwrap();
+        let found = &plan.world.zones;
+        let names: Vec<_> = found.iter().map(WorldZone::name).collect();
+        assert_eq!(names, zones);
+        for (place, expected) in places.into_iter().zip(expected) {
+            let at_m = fga::Vec3::from_array(place);
+            let is_kept = found.iter().all(|zone| !zone.zone().is_entered(at_m));
+            let is_judged = found.iter().all(|zone| zone.margin_m(at_m) > 0.0);
+            assert_eq!(
+                (is_kept, is_judged),
+                (expected, expected),
+                "{kind} {place:?}"
+            );
+        }
+    }
+}
+
+/// Against the outline and the hole, each on its own: what flies straight is as far from the ring between as from the nearer of both.
+#[test]
+fn a_bridge_to_a_hole_is_no_surface() {
+    let mut random = Random(7);
+    let heights_m = fga::zone::ALL_HEIGHTS_M;
+    let zone = |corners| {
+        let outline = WorldOutline::Polygon(corners);
+        WorldZone::new("a".into(), false, outline, heights_m).unwrap()
+    };
+    let (mut entered, mut kept) = (0, 0);
+    for _ in 0..500 {
+        let mut star = |count: u32, low_m: f64, high_m: f64| -> Vec<Vec2> {
+            let angles = (0..count).map(|k| TAU * f64::from(k) / f64::from(count));
+            let corners = angles.map(|angle| {
+                let (sin, cos) = angle.sin_cos();
+                Vec2::new(cos, sin) * random.within(low_m, high_m)
+            });
+            corners.collect()
+        };
+        let (outline, hole) = (star(12, 200.0, 300.0), star(9, 60.0, 150.0));
+        let ring = zone(with_holes(outline.clone(), vec![hole.clone()]).unwrap());
+        let (outside, hole) = (zone(outline), zone(hole));
+        let margin_m = |at_m| outside.margin_m(at_m).max(-hole.margin_m(at_m));
+        for _ in 0..20 {
+            let mut place = || {
+                let [x, y] = [0; 2].map(|_| random.within(-400.0, 400.0));
+                fga::Vec3::new(x, y, 100.0)
+            };
+            let (from_m, to_m) = (place(), place());
+            assert_eq!(ring.margin_m(from_m) > 0.0, margin_m(from_m) > 0.0);
+            if margin_m(from_m) <= 0.0 {
+                continue;
+            }
+            let shares = (0..=2_000).map(|step| f64::from(step) / 2_000.0);
+            let sampled = shares.map(|share| margin_m(from_m.lerp(to_m, share)));
+            let least_m = sampled.fold(f64::INFINITY, f64::min);
+            let found_m = ring.zone().nearest_m(&Line::between(from_m, to_m), 1e4);
+            if least_m < 0.0 {
+                entered += 1;
+                assert!(found_m < 0.0, "{found_m} {least_m}");
+            } else {
+                kept += 1;
+                // Sampling misses at most half a step.
+                let step_m = from_m.distance(to_m) / 4_000.0 + 1e-5;
+                assert!(
+                    found_m <= least_m + 1e-9 && found_m >= least_m - step_m,
+                    "{found_m} {least_m}"
+                );
+            }
+        }
+    }
+    assert!(entered > 1_000 && kept > 1_000, "{entered} {kept}");
 }

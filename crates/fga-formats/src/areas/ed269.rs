@@ -1,0 +1,92 @@
+//! The geographical zones of ED-269.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::{Areas, NamedArea};
+use crate::error::InputError;
+
+/// A file.
+#[derive(Debug, Deserialize)]
+#[serde(expecting = "an object with features")]
+pub(super) struct Ed269File {
+    #[serde(alias = "UASZoneList")]
+    features: Vec<Zone>,
+}
+
+/// A geographical zone.
+#[derive(Debug, Deserialize)]
+#[serde(expecting = "a zone")]
+struct Zone {
+    identifier: Option<String>,
+    name: Option<String>,
+    restriction: Option<String>,
+    #[serde(default)]
+    applicability: Value,
+    geometry: Vec<AreaVolume>,
+}
+
+/// A volume of one.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", expecting = "an airspace volume")]
+struct AreaVolume {
+    uom_dimensions: String,
+    lower_limit: Option<Value>,
+    lower_vertical_reference: Option<String>,
+    upper_limit: Option<Value>,
+    upper_vertical_reference: Option<String>,
+    horizontal_projection: Projection,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", expecting = "a Polygon or a Circle")]
+enum Projection {
+    Circle { center: Vec<f64>, radius: f64 },
+    Polygon { coordinates: Vec<Vec<Vec<f64>>> },
+}
+
+impl Areas<'_> {
+    pub(super) fn take_ed269(&mut self, file: Ed269File) -> Result<(), InputError> {
+        for zone in file.features {
+            let names = [zone.name, zone.identifier].into_iter();
+            self.like = NamedArea {
+                name: names.flatten().find_map(|name| Self::name(&name)),
+                is_free: zone.restriction.as_deref() == Some("NO_RESTRICTION"),
+                is_timed: is_timed(&zone.applicability),
+                ..NamedArea::default()
+            };
+            if zone.geometry.is_empty() {
+                return self.refuse("is a zone without a place, expected a geometry");
+            }
+            for volume in zone.geometry {
+                let unit_m = self.unit_m(&volume.uom_dimensions)?;
+                let lower = volume.lower_vertical_reference.as_deref();
+                let upper = volume.upper_vertical_reference.as_deref();
+                self.like.limits = [
+                    self.limit(volume.lower_limit.as_ref(), unit_m, lower)?,
+                    self.limit(volume.upper_limit.as_ref(), unit_m, upper)?,
+                ];
+                match volume.horizontal_projection {
+                    // All dimensions are in the unit of the volume.
+                    Projection::Circle { center, radius } => {
+                        self.take_circle(&center, radius * unit_m)?;
+                    }
+                    Projection::Polygon { coordinates } => self.take(&coordinates)?,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether one of some periods is not permanent.
+fn is_timed(periods: &Value) -> bool {
+    match periods {
+        Value::Array(periods) => periods.iter().any(is_timed),
+        Value::Object(period) => {
+            let permanent = period.get("permanent").and_then(Value::as_str);
+            !permanent.is_some_and(|word| word.eq_ignore_ascii_case("YES"))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,160 @@
+//! Areas in GeoJSON, and the geographical zones of ED-318, which is GeoJSON with limits (`layer`) and circles (`extent`).
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use super::{Areas, NamedArea};
+use crate::error::InputError;
+
+/// An object of GeoJSON.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", expecting = "an object of GeoJSON")]
+pub(super) enum GeoJson {
+    FeatureCollection {
+        features: Vec<Self>,
+    },
+    Feature {
+        geometry: Option<Box<Self>>,
+        properties: Option<Map<String, Value>>,
+    },
+    GeometryCollection {
+        geometries: Vec<Self>,
+        layer: Option<AreaLayer>,
+    },
+    Point {
+        coordinates: Vec<f64>,
+        extent: Option<Extent>,
+        layer: Option<AreaLayer>,
+    },
+    Polygon {
+        coordinates: Vec<Vec<Vec<f64>>>,
+        layer: Option<AreaLayer>,
+    },
+    MultiPolygon {
+        coordinates: Vec<Vec<Vec<Vec<f64>>>>,
+        layer: Option<AreaLayer>,
+    },
+    #[serde(other)]
+    Other,
+}
+
+/// The limits of a geometry.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", expecting = "a layer of ED-318")]
+pub(super) struct AreaLayer {
+    lower: Option<Value>,
+    lower_reference: Option<String>,
+    upper: Option<Value>,
+    upper_reference: Option<String>,
+    #[serde(alias = "UOM")]
+    uom: Option<String>,
+}
+
+/// What makes a circle of a point.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase", expecting = "an extent of ED-318")]
+pub(super) struct Extent {
+    sub_type: String,
+    radius: f64,
+}
+
+impl Areas<'_> {
+    pub(super) fn take_geojson(&mut self, json: GeoJson) -> Result<(), InputError> {
+        match json {
+            GeoJson::FeatureCollection { features } => {
+                features.into_iter().try_for_each(|each| self.take_geojson(each))
+            }
+            GeoJson::GeometryCollection { geometries, layer } => {
+                self.limited(layer)?;
+                let limits = self.like.limits;
+                geometries.into_iter().try_for_each(|each| {
+                    self.like.limits = limits;
+                    self.take_geojson(each)
+                })
+            }
+            GeoJson::Feature {
+                geometry,
+                properties,
+            } => {
+                self.described(&properties.unwrap_or_default())?;
+                match geometry {
+                    Some(geometry) => self.take_geojson(*geometry),
+                    None => self.refuse("is a feature without a place, expected a polygon"),
+                }
+            }
+            GeoJson::Point {
+                coordinates,
+                extent: Some(extent),
+                layer,
+            } if extent.sub_type == "Circle" => {
+                self.limited(layer)?;
+                self.take_circle(&coordinates, extent.radius)
+            }
+            GeoJson::Polygon { coordinates, layer } => {
+                self.limited(layer)?;
+                self.take(&coordinates)
+            }
+            GeoJson::MultiPolygon { coordinates, layer } => {
+                self.limited(layer)?;
+                coordinates.iter().try_for_each(|rings| self.take(rings))
+            }
+            GeoJson::Point { .. } | GeoJson::Other => self.refuse(
+                "is no area, expected Polygon, MultiPolygon, or Point with an extent that is a Circle",
+            ),
+        }
+    }
+
+    /// What the properties of a feature say of its areas. ENAIRE keeps those of ED-318 in objects of their own (`UASZone`,
+    /// `verticalLayer`).
+    fn described(&mut self, properties: &Map<String, Value>) -> Result<(), InputError> {
+        let zone = properties.get("UASZone").and_then(Value::as_object);
+        let zone = zone.unwrap_or(properties);
+        let text = |key| zone.get(key).and_then(Value::as_str);
+        // A list has a text for each language.
+        let texts = zone.get("name").and_then(Value::as_array);
+        let texts = texts.into_iter().flatten();
+        let texts = texts.filter_map(|name| name.get("text")?.as_str());
+        let names = text("name")
+            .into_iter()
+            .chain(texts)
+            .chain(text("identifier"));
+        let times = properties.get("limitedApplicability");
+        self.like = NamedArea {
+            name: names.into_iter().find_map(Self::name),
+            is_free: text("type") == Some("NO_RESTRICTION"),
+            is_timed: times
+                .and_then(Value::as_array)
+                .is_some_and(|all| !all.is_empty()),
+            ..NamedArea::default()
+        };
+        if let Some(layer) = properties.get("verticalLayer") {
+            match serde_json::from_value(layer.clone()) {
+                Ok(layer) => self.limited(layer)?,
+                Err(error) => {
+                    return self.refuse(format_args!("has no usable verticalLayer: {error}"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn limited(&mut self, layer: Option<AreaLayer>) -> Result<(), InputError> {
+        if let Some(layer) = layer {
+            let unit = layer.uom.as_deref().filter(|unit| !unit.is_empty());
+            let unit_m = self.unit_m(unit.unwrap_or("m"))?;
+            self.like.limits = [
+                self.limit(
+                    layer.lower.as_ref(),
+                    unit_m,
+                    layer.lower_reference.as_deref(),
+                )?,
+                self.limit(
+                    layer.upper.as_ref(),
+                    unit_m,
+                    layer.upper_reference.as_deref(),
+                )?,
+            ];
+        }
+        Ok(())
+    }
+}
