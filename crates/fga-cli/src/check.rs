@@ -11,7 +11,9 @@ use fga_formats::flight_log::FlightLog;
 use fga_formats::tally::Tally;
 use fga_formats::terrain::{self, Given};
 use fga_formats::words::counted;
-use fga_formats::{InputError, conf, daa, encounter_model, flight_log, missions, recordings};
+use fga_formats::{
+    InputError, areas, conf, daa, encounter_model, flight_log, missions, recordings,
+};
 use fga_results::flight_file;
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
@@ -197,13 +199,15 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
                 holds,
             ))
         }
+        "geojson" | "kml" => areas_in(path),
+        "json" if AREAS.iter().any(|word| content_of(path).contains(word)) => areas_in(path),
         "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
         _ => {
             // A missing file is said first.
             let _ = read_text(path)?;
             Err(Failure::Input(format!(
                 "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .conf, \
-                 .tlog, .bin, heights (.hgt, .tif, .dt2, .DAT), a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
+                 .tlog, .bin, heights (.hgt, .tif, .dt2, .DAT), areas (.geojson, .kml), a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
                 path.display()
             )))
         }
@@ -212,6 +216,20 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
 
 /// The first section of an encounter model.
 const MODEL: &str = "# labels_initial";
+
+/// Words of GeoJSON and of ED-269.
+const AREAS: [&str; 2] = ["\"FeatureCollection\"", "\"horizontalProjection\""];
+
+/// The text of a file, if it is one.
+fn content_of(path: &Path) -> String {
+    read_text(path).unwrap_or_default()
+}
+
+/// Areas as a `[[zone]]` of a scenario reads them.
+fn areas_in(path: &Path) -> Result<Usable, Failure> {
+    let holds = counted(areas::read(path)?.len(), "area");
+    Ok(Usable::new("file of areas for [[zone]]", holds))
+}
 
 /// A folder that `fga run` or `fga campaign draw` wrote, or one of recordings.
 fn folder(path: &Path) -> Result<Usable, Failure> {

@@ -36,9 +36,9 @@ pub(crate) struct LostArgs {
     /// The closest intruder turns by 45° after a second of avoidance.
     #[arg(long)]
     turning: bool,
-    /// Half of the height of the layer around the mission in which the aircraft must stay, metres.
-    #[arg(long)]
-    layer: Option<f64>,
+    /// Half of the height of the layer around the mission in which the aircraft must stay, whole metres.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    layer: Option<u32>,
 }
 
 /// Longest flight, seconds.
@@ -104,7 +104,7 @@ fn fly(
     args: &LostArgs,
 ) -> Result<LostFlight, String> {
     let mut world = world(settings, encounter)?;
-    if let Some(layer_m) = args.layer {
+    if let Some(layer_m) = args.layer.map(f64::from) {
         world.limits_m = (-layer_m, layer_m);
     }
     let mut story = LostStory::default();
@@ -120,9 +120,12 @@ fn fly(
         story = LostStory::default();
         outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
     }
-    let is_lost = !outcome.separated() || args.layer.is_some_and(|m| story.off_m > m + LEFT_M);
+    let is_lost = !outcome.separated()
+        || args
+            .layer
+            .is_some_and(|m| story.off_m > f64::from(m) + LEFT_M);
     let oracle_m = is_lost.then(|| {
-        obstacles.extend(args.layer.into_iter().flat_map(slabs));
+        obstacles.extend(args.layer.map(f64::from).into_iter().flat_map(slabs));
         let vehicle = OracleVehicle::from(&settings.model.vehicle);
         best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
     });
@@ -219,7 +222,7 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
             .into_par_iter()
             .map(|number| fly(&settings, &source.encounter(number), args))
             .collect::<Result<_, _>>()?;
-        let left = |f: &LostFlight| args.layer.is_some_and(|m| f.off_m > m + LEFT_M);
+        let left = |f: &LostFlight| args.layer.is_some_and(|m| f.off_m > f64::from(m) + LEFT_M);
         let saved: Vec<&LostFlight> = flown
             .iter()
             .filter(|f| f.outcome.separated() && !left(f))
@@ -271,7 +274,7 @@ mod tests {
 
     #[test]
     fn no_flight_leaves_its_layer() {
-        for (layer_m, cell) in [(60.0, "threats:2:300:30-45"), (40.0, "threats:3:300:15-30")] {
+        for (layer_m, cell) in [(60, "threats:2:300:30-45"), (40, "threats:3:300:15-30")] {
             let layer = format!("--layer={layer_m}");
             let args = Line::parse_from(["lost", "7", "20", cell, layer.as_str()]).args;
             let policy = parse_policy(&args.policy).unwrap();
@@ -281,7 +284,10 @@ mod tests {
                 .map(|number| fly(&settings, &source.encounter(number), &args).unwrap())
                 .collect();
             assert!(flown.iter().any(|f| f.off_m > 1.0), "none climbs: {cell}");
-            assert!(flown.iter().all(|f| f.off_m <= layer_m + LEFT_M), "{cell}");
+            assert!(
+                flown.iter().all(|f| f.off_m <= f64::from(layer_m) + LEFT_M),
+                "{cell}"
+            );
         }
     }
 }

@@ -352,3 +352,21 @@ fn fences_of_a_mission_are_zones_of_its_flight() {
         assert!(said(at, &[command, "tie.plan"], 1).contains("fence 2: polygon crosses itself"));
     }
 }
+
+/// Whatever a `[[zone]]` reads, `fga check` reads too.
+#[test]
+fn areas_of_zones_are_checked_by_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let ring = "[[8.0, 47.0], [8.1, 47.0], [8.1, 47.1], [8.0, 47.0]]";
+    let geojson = format!(
+        r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": null, "geometry": {{"type": "Polygon", "coordinates": [{ring}]}}}}]}}"#
+    );
+    for name in ["a.geojson", "a.json"] {
+        fs::write(at.join(name), &geojson).unwrap();
+        let words = "a usable file of areas for [[zone]]: 1 area";
+        assert!(said(at, &["check", name], 0).contains(words));
+    }
+    fs::write(at.join("a.kml"), "<kml><Placemark>").unwrap();
+    assert!(said(at, &["check", "a.kml"], 1).contains("a.kml, line 1: is no KML"));
+}
