@@ -166,6 +166,7 @@ mod tests {
             (117, 3086),
             (117, 4906),
             (402, 68),
+            (510, 9240),
         ] {
             let count = Flight::drawn(seed, number).fly(number, false);
             let faults = [

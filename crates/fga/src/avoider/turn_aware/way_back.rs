@@ -53,6 +53,9 @@ const AWAY: [(f64, f64); 6] = [
 /// seconds.
 const TRIED_S: f64 = 60.0;
 
+/// After so long an avoidance a way back need not withstand motions that are not expected, seconds.
+const FLEES_S: f64 = 120.0;
+
 /// A way back withstands all motions of aircraft for this long, seconds: a turn of 60° at the standard
 /// rate takes as long.
 const BACK_WITHSTANDS_S: f64 = 20.0;
@@ -152,11 +155,13 @@ impl Avoider {
             return None;
         }
         let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
-        // Two that flee from each other side by side would never return: after long, what keeps a way back suffices.
+        // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
+        // clear of the expected motion.
         let is_robust = |avoider: &mut Self, back: &Plan| {
             let back = &back.maneuver;
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
+                || waited_s > FLEES_S
         };
         let Some(back) = back.filter(|back| is_robust(self, back)) else {
             self.progress = before;
