@@ -207,6 +207,14 @@ mod tests {
     use fga::Vec3;
     use fga::avoider::{Record, State, Threat, Verdict};
 
+    #[test]
+    fn the_schema_of_decisions_names_every_reason() {
+        let schema = include_str!("../../../docs/schema/decision.schema.json");
+        let schema: serde_json::Value = serde_json::from_str(schema).unwrap();
+        let named = &schema["properties"]["reason"]["enum"];
+        assert_eq!(*named, serde_json::json!(Reason::ALL.map(reason_key)));
+    }
+
     /// In level flight on a course.
     fn level(course_rad: f64) -> Ownship {
         Ownship {
