@@ -8,6 +8,9 @@
     reason = "small counts drawn from floats"
 )]
 
+#[path = "common/random.rs"]
+mod random;
+
 use core::f64::consts::TAU;
 
 use fga_proof::certificate::{Asked, Hazards, MAX_ZONES, Status, certify_set, prove};
@@ -17,6 +20,7 @@ use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::vehicle::{Response, Vehicle};
 use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga_proof::{Vec2, Vec3};
+use random::Random;
 
 /// Step of the integration, seconds.
 const STEP_S: f64 = 1e-3;
@@ -30,26 +34,7 @@ const MAX_CORNERS: usize = 256;
 /// The certificate is at most this far below what is flown, besides the prediction's own bound, metres.
 const SLACK_M: f64 = 0.02;
 
-/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-struct Random(u64);
-
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.unit() < share
-    }
-
     /// Convex, concave, spiky, or a comb; 3 to 256 corners, either way round.
     fn corners(&mut self, center: Vec2, size_m: f64) -> Vec<Vec2> {
         let most = if self.chance(0.1) {

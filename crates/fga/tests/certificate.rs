@@ -8,12 +8,16 @@
     reason = "small counts drawn from floats"
 )]
 
+#[path = "../../fga-proof/tests/common/random.rs"]
+mod random;
+
 use fga::Vec3;
 use fga::certificate::{ALWAYS, Hazard, NO_DEPTH, Status, certify, certify_all};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
+use random::Random;
 
 /// Longest step between two samples, seconds.
 const SAMPLE_S: f64 = 0.125;
@@ -25,26 +29,7 @@ const SLACK_M: f64 = 0.02;
 /// Largest error by rounding, metres.
 const ROUNDING_M: f64 = 1e-7;
 
-/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-struct Random(u64);
-
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.unit() < share
-    }
-
     fn vector(&mut self, size: f64, height: f64) -> Vec3 {
         Vec3::new(
             self.within(-size, size),

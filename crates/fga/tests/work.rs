@@ -5,6 +5,8 @@
 #[path = "../../fga-bench/src/cycles.rs"]
 #[expect(dead_code, unreachable_pub, reason = "the benchmark uses the rest")]
 mod cycles;
+#[path = "../../fga-proof/tests/common/random.rs"]
+mod random;
 
 use cycles::{Aircraft, Encounter, Kind};
 use fga::Vec3;
@@ -16,30 +18,12 @@ use fga::situation::{
     Mission, Movement, MovementBounds, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation,
 };
 use fga::vehicle::{Response, Vehicle};
-
-/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-struct Random(u64);
+use random::Random;
 
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
     /// Spread evenly over the magnitudes between two positive numbers.
     fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         (self.within(low.ln(), high.ln())).exp()
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.unit() < share
     }
 
     fn vehicle(&mut self) -> Vehicle {

@@ -2,10 +2,15 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(unreachable_pub, reason = "a module shared by several test programs")]
 
+#[path = "../../../fga-sim/tests/sim/data.rs"]
+mod data;
+
 use core::fmt::Write as _;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+pub(crate) use data::data;
 
 /// The folder of the repository.
 pub fn repository() -> PathBuf {
@@ -24,24 +29,6 @@ pub fn fga_in(folder: &Path, arguments: &[&str]) -> Output {
 /// Standard error as text.
 pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// The folder of third-party data, or `None` without it: then the test skips,
-/// except in continuous integration, where it fails.
-pub fn data(relative: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("FGA_DATA")
-        .map_or_else(|| repository().join("../shared/data"), PathBuf::from);
-    let path = folder.join(relative);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var("CI").as_deref() != Ok("true"),
-        "{} is missing",
-        path.display()
-    );
-    eprintln!("skipped: {} is missing", path.display());
-    None
 }
 
 /// Checks every decision of a log against the published schema with an independent validator, and

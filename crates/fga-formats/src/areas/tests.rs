@@ -35,7 +35,7 @@ const fn above(above: Reference, height_m: f64) -> AreaLimit {
 /// A zone of ED-269 with some volumes.
 fn ed269(volumes: &str) -> String {
     format!(
-        r#"{{"title":"made","features":[{{"identifier":"AAA001","country":"XXX","name":"yard","type":"COMMON",
+        r#"{{"title":"made","features":[{{"identifier":"AAA001","country":"DEU","name":"yard","type":"COMMON",
             "restriction":"CONDITIONAL","reason":["NOISE"],"applicability":[{{"permanent":"NO"}}],"geometry":[{volumes}]}}]}}"#
     )
 }
@@ -52,7 +52,7 @@ fn volume(projection: &str) -> String {
 fn ed318(geometry: &str) -> String {
     format!(
         r#"{{"type":"FeatureCollection","metadata":{{"issued":"2026-01-01T00:00:00Z"}},"features":[{{"type":"Feature","properties":
-            {{"identifier":"AAA001","country":"XXX","name":[{{"text":"yard","lang":"en-GB"}}],"type":"NO_RESTRICTION","variant":"COMMON",
+            {{"identifier":"AAA001","country":"DEU","name":[{{"text":"yard","lang":"en-GB"}}],"type":"NO_RESTRICTION","variant":"COMMON",
             "limitedApplicability":[{{"schedule":[{{"day":["ANY"]}}]}}]}},"geometry":{geometry}}}]}}"#
     )
 }

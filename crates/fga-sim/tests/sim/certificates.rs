@@ -2,7 +2,7 @@
 //!
 //! `fga-experiments certificates` compares those of drawn manoeuvres.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Settings, Start, Verdict};
@@ -14,43 +14,11 @@ use fga_sim::run;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 
+use crate::data::data;
+use crate::random::Random;
+
 /// Accepted excess of the certified margin over the flown one, metres.
 const ROUNDING_M: f64 = 1e-3;
-
-/// A folder of third-party data; `None` if it is missing, which continuous integration refuses.
-fn data(relative: &str) -> Option<PathBuf> {
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("FGA_DATA")
-        .map_or_else(|| repository.join("../shared/data"), PathBuf::from);
-    let path = folder.join(relative);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var("CI").as_deref() != Ok("true"),
-        "{} is missing",
-        path.display()
-    );
-    eprintln!("skipped: {} is missing", path.display());
-    None
-}
-
-/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
 
 /// The first decision of an avoider: the certified and the flown margin of its manoeuvre, metres.
 fn first_decision(

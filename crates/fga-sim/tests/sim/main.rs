@@ -3,6 +3,7 @@
 
 mod certificates;
 mod charted;
+mod data;
 mod dead_time;
 mod departures;
 mod encounters;
@@ -13,6 +14,8 @@ mod missions;
 mod modeled;
 mod oracle;
 mod plant;
+#[path = "../../../fga-proof/tests/common/random.rs"]
+mod random;
 mod stands;
 mod start_time;
 mod trials;

@@ -12,22 +12,11 @@ use fga_sim::run;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 
+use crate::data::data;
+
 /// A file of the trials, or `None` without the data on this machine.
 fn trial(name: &str) -> Option<PathBuf> {
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = std::env::var_os("FGA_DATA")
-        .map_or_else(|| repository.join("../shared/data"), PathBuf::from);
-    let path = folder.join("trials").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var("CI").as_deref() != Ok("true"),
-        "{} is missing",
-        path.display()
-    );
-    eprintln!("skipped: {} is missing", path.display());
-    None
+    data(&format!("trials/{name}"))
 }
 
 fn vehicle(name: &str) -> VehicleModel {

@@ -17,18 +17,9 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{WorldOutline, WorldZone};
 
-/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-struct Random(u64);
+use crate::random::Random;
 
 impl Random {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        low + (high - low) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
     /// A fence around the line east, 40 m to 300 m off it.
     fn fence(&mut self) -> WorldZone {
         let least_m = self.within(40.0, 200.0);
@@ -232,7 +223,7 @@ fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
 /// A zone of ED-269 by its name, its restriction, its limits and its outline.
 fn ed269(name: &str, restriction: &str, limits: &str, outline: &str) -> String {
     format!(
-        r#"{{"identifier":"{name}","country":"XXX","name":"{name}","type":"COMMON","restriction":"{restriction}",
+        r#"{{"identifier":"{name}","country":"DEU","name":"{name}","type":"COMMON","restriction":"{restriction}",
         "applicability":[{{"permanent":"{}"}}],"geometry":[{{"uomDimensions":"M",{limits},"horizontalProjection":{outline}}}]}}"#,
         if restriction == "CONDITIONAL" {
             "NO"
@@ -441,7 +432,7 @@ fn a_hole_is_free_in_a_zone_and_closed_in_a_fence() {
     }
 }
 
-/// Against the outline and the hole, each on its own: what flies straight is as far from the ring between as from the nearer of both.
+/// A straight flight is as far from a ring with a hole as from the nearer of outline and hole, each measured on its own.
 #[test]
 fn a_bridge_to_a_hole_is_no_surface() {
     let mut random = Random(7);
