@@ -12,6 +12,7 @@ use core::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::counts::{self, CountTable};
 use source::Sources;
 
 const TABLE: &str = "crates/xtask/house.csv";
@@ -19,13 +20,10 @@ const TABLE: &str = "crates/xtask/house.csv";
 /// The crates whose lines and constants have a table of their own.
 const FLYING: [&str; 5] = ["fga", "fga-index", "fga-mission", "fga-proof", "fga-search"];
 
-/// Numbers by crate and quantity.
-type HouseCounts = BTreeMap<(String, String), usize>;
-
 /// Numbers, and what stands behind those that should be zero.
 #[derive(Default)]
 struct House {
-    counts: HouseCounts,
+    counts: CountTable,
     faults: String,
 }
 
@@ -46,60 +44,12 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
         println!("{}", house.faults.trim_start());
         return Ok(());
     }
-    let path = root.join(TABLE);
-    let unusable = |error| format!("{TABLE}: {error}");
-    let mut known = read(&fs::read_to_string(&path).map_err(unusable)?)?;
-    if write {
-        known.retain(|row, _| house.counts.contains_key(row));
-        for (row, number) in &house.counts {
-            let known = known.entry(row.clone()).or_insert(*number);
-            *known = (*known).min(*number);
-        }
-        let mut text = "crate,quantity,number\n".to_owned();
-        for ((name, quantity), number) in &known {
-            let _ = writeln!(text, "{name},{quantity},{number}");
-        }
-        fs::write(&path, text).map_err(unusable)?;
-    }
-    compare(&house.counts, &known)
-}
-
-/// Names the rows that differ.
-fn compare(now: &HouseCounts, known: &HouseCounts) -> Result<(), String> {
-    let mut off = String::new();
-    let rows: BTreeSet<_> = now.keys().chain(known.keys()).collect();
-    for row in rows {
-        let [found, expected] = [now, known].map(|counts| counts.get(row));
-        if found != expected {
-            let show = |number: Option<&usize>| number.map_or("none".to_owned(), usize::to_string);
-            let (name, quantity) = row;
-            let (found, expected) = (show(found), show(expected));
-            let _ = write!(
-                off,
-                "\n  {name}, {quantity}: {found}, the table has {expected}"
-            );
-        }
-    }
-    if off.is_empty() {
-        return Ok(());
-    }
-    Err(format!(
-        "numbers differ from {TABLE}:{off}\nless: cargo xtask house --write; more: delete as much, or raise the row by \
-         hand and say what that buys (cargo xtask house --faults names circles and types)"
-    ))
-}
-
-fn read(text: &str) -> Result<HouseCounts, String> {
-    let rows = text.lines().skip(1).map(|line| {
-        let mut cells = line.split(',');
-        let row = (cells.next()?.to_owned(), cells.next()?.to_owned());
-        Some((row, cells.next()?.parse().ok()?))
-    });
-    rows.zip(2..)
-        .map(|(row, number)| {
-            row.ok_or_else(|| format!("{TABLE}:{number}: expected crate,quantity,number"))
-        })
-        .collect()
+    counts::check(&root.join(TABLE), &house.counts, write).map_err(|off| {
+        format!(
+            "numbers differ from {TABLE}:{off}\nless: cargo xtask house --write; more: delete as much, or raise the row by \
+             hand and say what that buys (cargo xtask house --faults names circles and types)"
+        )
+    })
 }
 
 /// Counts every crate.
@@ -295,17 +245,5 @@ mod tests {
         assert_eq!(sources.types["A"].len(), 2);
         assert_eq!(sources.tuned, 2);
         assert!(sources.of_tests.contains(&vec!["faults".to_owned()]));
-    }
-
-    #[test]
-    fn a_row_that_differs_is_named() {
-        let row =
-            |number: usize| HouseCounts::from([(("a".to_owned(), "lines".to_owned()), number)]);
-        assert_eq!(compare(&row(3), &row(3)), Ok(()));
-        let off = compare(&row(4), &row(3)).expect_err("more");
-        assert!(off.contains("a, lines: 4, the table has 3"), "{off}");
-        let off = compare(&row(3), &HouseCounts::new()).expect_err("new");
-        assert!(off.contains("a, lines: 3, the table has none"), "{off}");
-        assert!(read("crate,quantity,number\na,lines\n").is_err());
     }
 }

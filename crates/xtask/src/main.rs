@@ -14,6 +14,7 @@ extern crate alloc;
 
 mod bytes;
 mod cortex_m;
+mod counts;
 mod evidence;
 mod house;
 mod instructions;
