@@ -200,7 +200,7 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
             ))
         }
         "geojson" | "kml" => areas_in(path),
-        "json" if AREAS.iter().any(|word| content_of(path).contains(word)) => areas_in(path),
+        "json" if holds_areas(path) => areas_in(path),
         "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
         _ => {
             // A missing file is said first.
@@ -220,9 +220,9 @@ const MODEL: &str = "# labels_initial";
 /// Words of GeoJSON and of ED-269.
 const AREAS: [&str; 2] = ["\"FeatureCollection\"", "\"horizontalProjection\""];
 
-/// The text of a file, if it is one.
-fn content_of(path: &Path) -> String {
-    read_text(path).unwrap_or_default()
+/// Whether a file of JSON is one of areas.
+fn holds_areas(path: &Path) -> bool {
+    read_text(path).is_ok_and(|text| AREAS.iter().any(|word| text.contains(word)))
 }
 
 /// Areas as a `[[zone]]` of a scenario reads them.

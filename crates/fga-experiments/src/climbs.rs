@@ -7,9 +7,11 @@ use core::f64::consts::{PI, TAU};
 
 use clap::Args;
 use fga::Vec3;
+use fga::maneuver::Maneuver;
 use fga::vehicle::Vehicle;
 use fga_files::TomlText;
 use fga_sim::campaign::parse_policy;
+use fga_sim::plant::{Autopilot, Plant};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::fly;
 use fga_sim::scenario::parse;
@@ -137,29 +139,20 @@ fn show(name: &str, flown: &[ClimbFlight], rows: bool) {
 
 /// Whether one turn and one climb, begun on the mission at a time, seconds, keep clear of the intruder.
 fn is_avoidable(vehicle: &Vehicle, intruder: &Moments, from_s: f64) -> bool {
-    let rate_radps = vehicle.airspeed_mps / vehicle.turn_radius_m;
     let climbs = [vehicle.climb_min_rad, 0.0, vehicle.climb_max_rad];
     let turns = (-24..=24).map(|k| f64::from(k) * PI / 24.0);
-    turns.into_iter().any(|turn_rad| {
-        climbs.into_iter().any(|climb_rad| {
-            let mut at_m = Vec3::X * vehicle.airspeed_mps * from_s;
-            let (mut course_rad, mut angle_rad) = (0.0_f64, 0.0_f64);
-            let mut track: Moments = vec![(from_s, at_m)];
-            while track.len() < 500 {
-                let step = |now: f64, to: f64, most: f64| now + (to - now).clamp(-most, most);
-                course_rad = step(course_rad, turn_rad, rate_radps * FLOWN_S);
-                angle_rad = step(angle_rad, climb_rad, vehicle.climb_rate_radps * FLOWN_S);
-                let level_mps = vehicle.airspeed_mps * angle_rad.cos();
-                let velocity_mps = Vec3::new(
-                    level_mps * course_rad.cos(),
-                    level_mps * course_rad.sin(),
-                    vehicle.airspeed_mps * angle_rad.sin(),
-                );
-                at_m += velocity_mps * FLOWN_S;
-                track.push((track[track.len() - 1].0 + FLOWN_S, at_m));
-            }
-            measure(&track, intruder, DURATION_S, 1.0)[0] >= 0.0
-        })
+    let ways = turns.flat_map(|turn_rad| climbs.map(|climb_rad| (turn_rad, climb_rad)));
+    ways.into_iter().any(|(turn_rad, climb_rad)| {
+        let from_m = Vec3::X * vehicle.airspeed_mps * from_s;
+        let mut plant = Plant::new(*vehicle, Autopilot::Direct, Vec3::ZERO);
+        plant.place(from_s, from_m, 0.0, 0.0);
+        plant.command(&Maneuver::turn(0.0, turn_rad, climb_rad), DURATION_S);
+        let mut track: Moments = vec![(from_s, from_m)];
+        while plant.time_s() < DURATION_S {
+            plant.advance(FLOWN_S, |_, _| ());
+            track.push((plant.time_s(), plant.ownship().position_m));
+        }
+        measure(&track, intruder, DURATION_S, 1.0)[0] >= 0.0
     })
 }
 

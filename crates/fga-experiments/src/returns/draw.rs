@@ -28,6 +28,19 @@ pub(super) struct Straight {
     pub(super) present_s: (f64, f64),
 }
 
+impl Straight {
+    /// What stands at a place all the time.
+    pub(super) const fn standing(id: u32, place_m: Vec3, volume: ProtectedVolume) -> Self {
+        Self {
+            obstacle: Obstacle {
+                movement: Movement::AtRest,
+                ..Obstacle::straight(id, place_m, Vec3::ZERO, volume)
+            },
+            present_s: (0.0, f64::INFINITY),
+        }
+    }
+}
+
 /// A drawn flight.
 pub(super) struct Flight {
     pub(super) vehicle: Vehicle,
@@ -193,13 +206,7 @@ impl Flight {
                     .iter()
                     .all(|waypoint_m| waypoint_m.distance(place_m) > clear_m)
                 {
-                    self.others.push(Straight {
-                        obstacle: Obstacle {
-                            movement: Movement::AtRest,
-                            ..Obstacle::straight(id, place_m, Vec3::ZERO, volume)
-                        },
-                        present_s: (0.0, f64::INFINITY),
-                    });
+                    self.others.push(Straight::standing(id, place_m, volume));
                 }
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Walls of masts: does every aircraft come out of a trap and to the end of its mission?
 //!
 //! A U of masts without gaps that is open to the aircraft, a ring of masts around a waypoint, closed or with a gap, and one to three
-//! masts in a wind of 0.9 of the airspeed. The masts are higher than the aircraft climbs. The judge is that of `returns`.
+//! masts in a wind of 0.9 of the airspeed. No aircraft climbs over a mast. The judge of `returns` looks on.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -13,7 +13,7 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use core::ops::Range;
 
 use fga::Vec3;
-use fga::situation::{Movement, Obstacle, ProtectedVolume};
+use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use rayon::prelude::*;
 
@@ -136,13 +136,7 @@ fn drawn(trap: Trap, (seed, number): (u64, u64)) -> Flight {
     };
     flight.others = (0..)
         .zip(masts_m)
-        .map(|(id, place_m)| Straight {
-            obstacle: Obstacle {
-                movement: Movement::AtRest,
-                ..Obstacle::straight(id, place_m, Vec3::ZERO, volume)
-            },
-            present_s: (0.0, f64::INFINITY),
-        })
+        .map(|(id, place_m)| Straight::standing(id, place_m, volume))
         .collect();
     flight.until_s = LATE_S + 6.0 * LEG_M / (airspeed_mps * (1.0 - wind));
     flight
