@@ -388,7 +388,7 @@ impl Avoider {
         });
         self.measure_drift(situation, &now);
         let mut decision = self.step_turn_aware(situation, &now, kept);
-        let threat = self.plan.and_then(|plan| plan.threat);
+        let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
         let hazards = self.tracks.hazards().rows();
         if threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {

@@ -1,20 +1,15 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 mod known;
-
-use core::f64::consts::TAU;
+pub(super) mod zones;
 
 use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
-use crate::certificate::{Hazard, Hazards, Line, MAX_HAZARDS};
-use crate::limit::Limit as _;
+use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
-use crate::prediction::Flyer;
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
-use crate::zone::Zone;
-use fga_proof::list::List;
 
 /// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
@@ -30,20 +25,6 @@ const FLAT_M: f64 = 1e9;
 
 /// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
 const FLAT_WITHIN_M: f64 = 1e4;
-
-/// Zones are known at least this far beyond the flight of a full circle, metres: margins are capped there.
-const ZONE_REACH_M: f64 = 1e3;
-
-/// Most legs ahead that decide whether a zone binds.
-const MAX_LEGS_AHEAD: usize = 16;
-
-/// The plane that follows an aircraft out of a zone has this share of its speed, and begins so many turn radii behind it.
-const OUT_SHARE: f64 = 0.9;
-const TURNS_ROUND: f64 = 2.9;
-
-/// An aircraft turns into a direction after this time, seconds, and so many time constants of its bank.
-const DECIDES_S: f64 = 1.0;
-const ROLLS: f64 = 3.0;
 
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
 const LEAVING_SHARE: f64 = 0.98;
@@ -339,61 +320,6 @@ impl Tracks {
         }
     }
 
-    /// Adds the zones of the mission, for the time of a full circle: so long the aircraft can turn back from a wall. One that the
-    /// mission ahead is on the wrong side of within that time does not bind. Of one that the aircraft has entered, a plane follows
-    /// it out.
-    pub(super) fn add_zones(
-        &mut self,
-        leg: usize,
-        (flyer, climb_limits_rad): (&Flyer, (f64, f64)),
-        wanted_m: f64,
-        situation: &Situation<'_>,
-    ) {
-        if situation.mission.zones.is_empty() {
-            return;
-        }
-        let (own_m, speed_mps) = (situation.ownship.position_m, flyer.airspeed_mps());
-        let circle_s = TAU / flyer.course_rate_radps();
-        let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
-        let ahead = mission_ahead(situation, leg, flyer);
-        let zones = &mut self.hazards.zones;
-        zones.clear(situation.wind_mps, circle_s);
-        // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
-        let mut least_m = wanted_m;
-        for zone in situation.mission.zones {
-            self.work += zone.edges().count() * (2 + ahead.len());
-            let of_mission_m = nearest_m(zone, &ahead, least_m);
-            if of_mission_m < 0.0 {
-                continue;
-            }
-            let of_own_m = zone.nearest_m(&Line::at(own_m), of_mission_m);
-            if of_own_m < 0.0 {
-                let (way_m, (low_rad, high_rad)) = (zone.way_out_m(own_m), climb_limits_rad);
-                let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
-                let out_mps = OUT_SHARE * speed_mps * if way_m.z == 0.0 { 1.0 } else { climbs };
-                let direction = way_m.normalize_or(Vec3::X);
-                // Turning round to the way out takes the aircraft back by less.
-                let rolls_s = DECIDES_S + ROLLS * flyer.bank_time_constant_s();
-                let behind_m = TURNS_ROUND * flyer.turn_radius_m() + rolls_s * speed_mps + wanted_m;
-                let center_m = own_m - direction * (FLAT_M + behind_m);
-                let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
-                let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
-                let out_s = (way_m.length() + behind_m + wanted_m) / out_mps;
-                self.inside = true;
-                self.add_limit(&plane, out_s);
-                continue;
-            }
-            least_m = of_own_m;
-            if !self.hazards.zones.add(zone, (own_m, reach_m)) {
-                self.overflow = true;
-                return;
-            }
-        }
-        if least_m < wanted_m {
-            self.hazards.zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
-        }
-    }
-
     /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.
     pub fn load(
         &mut self,
@@ -570,55 +496,6 @@ impl Tracks {
         self.farthest = Some(farthest);
         farthest
     }
-}
-
-/// The lines of the mission from beside the aircraft on the leg that begins at a waypoint, for the way of a full circle.
-fn mission_ahead(
-    situation: &Situation<'_>,
-    leg: usize,
-    flyer: &Flyer,
-) -> List<Line, MAX_LEGS_AHEAD> {
-    let (waypoints_m, own_m) = (situation.mission.waypoints_m, situation.ownship.position_m);
-    let mut left_m = circle_m(flyer, situation.wind_mps);
-    let mut lines = List::new(Line::at(own_m));
-    // After the last leg, where it ends.
-    let leg = leg.min(waypoints_m.len().saturating_sub(2));
-    for (place, end_m) in waypoints_m.iter().enumerate().skip(leg + 1) {
-        let mut from_m = waypoints_m.get(place - 1).map_or(own_m, |from_m| *from_m);
-        if lines.is_empty() {
-            let along_m = *end_m - from_m;
-            let flown_m2 = (own_m - from_m).dot(along_m);
-            let share = flown_m2 / along_m.length_squared().max(f64::MIN_POSITIVE);
-            from_m += along_m * share.limited(0.0, 1.0);
-        }
-        let rest_m = (*end_m - from_m).clamp_length_max(left_m);
-        let has_room = lines.push(Line::between(from_m, from_m + rest_m)).is_some();
-        left_m -= rest_m.length();
-        if left_m <= 0.0 || !has_room {
-            break;
-        }
-    }
-    lines
-}
-
-/// The way over the ground in the time of a full circle, at most, metres.
-fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
-    TAU / flyer.course_rate_radps() * (flyer.airspeed_mps() + wind_mps.length())
-}
-
-/// The least distance of some lines from a zone, metres; at most a given one, and negative on the wrong side.
-fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
-    let lines = lines.iter();
-    lines.fold(most_m, |least_m, line| zone.nearest_m(line, least_m))
-}
-
-/// Whether the aircraft is on the wrong side of a zone that binds.
-pub(super) fn has_entered(situation: &Situation<'_>, leg: usize, flyer: &Flyer) -> bool {
-    let mut zones = situation.mission.zones.iter();
-    zones.any(|zone| {
-        zone.is_entered(situation.ownship.position_m)
-            && nearest_m(zone, &mission_ahead(situation, leg, flyer), 0.0) >= 0.0
-    })
 }
 
 /// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that

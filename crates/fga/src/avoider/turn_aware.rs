@@ -13,7 +13,7 @@ mod way_back;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
-use crate::avoider::tracks::has_entered;
+use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
