@@ -1,8 +1,8 @@
 //! Zones: airspace that the aircraft keeps out of, or within.
 //!
-//! A zone is an upright prism or cylinder, fixed over the ground. Up and down, its places between floor and ceiling count as one:
-//! there a prism is a level polygon, and what flies straight moves straight above, within and below it. So a straight flight is
-//! nearest to a prism at an edge, or where it begins, ends, or meets floor or ceiling over the polygon.
+//! A zone is an upright prism or cylinder, fixed over the ground. All heights between floor and ceiling count as one height, so a prism
+//! is a level polygon, and a straight flight stays straight above, within and below the polygon. A straight flight is therefore
+//! nearest to a prism at an edge, or where the flight begins, ends, or meets floor or ceiling over the polygon.
 
 use crate::limit::Limit as _;
 use crate::{Vec2, Vec3};

@@ -13,7 +13,7 @@ pub struct Setting<'a> {
     pub seed: u64,
     /// Folder of the report; its data files are in `data`.
     pub folder: &'a Path,
-    /// Hears what comes next.
+    /// Receives the name of each part before the part begins.
     pub announce: &'a (dyn Fn(&str) + Sync),
     /// Whether to go on.
     pub goes_on: &'a (dyn Fn() -> bool + Sync),

@@ -431,7 +431,7 @@ fn a_flight_among_zones_keeps_to_them_and_says_so() {
         let file = fs::read_to_string(folder.path().join("f").join(file)).unwrap();
         assert!(file.contains(holds));
     }
-    // A mission over the village is flown, and told before.
+    // A mission over the village is flown; a warning comes before the flight.
     let vehicles = repository().join("vehicles");
     let text = text.replace("../vehicles", vehicles.to_str().unwrap());
     let across = text.replace(

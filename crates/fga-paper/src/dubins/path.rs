@@ -133,7 +133,7 @@ impl DubinsPath {
             PathType::LRL => [LEFT, RIGHT, LEFT],
         };
         let segment = |kind, length: f64| {
-            // An arc that is a full circle except for rounding is none.
+            // Rounding makes a full circle of no arc.
             let full = kind != SegmentKind::Straight && length > TAU - 1e-7;
             let length_m = if full { 0.0 } else { length * radius_m };
             Segment { kind, length_m }

@@ -74,7 +74,7 @@ impl Zones {
         spare_m: 0.0,
     };
 
-    /// Whether there is none.
+    /// Whether no zone is known.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }

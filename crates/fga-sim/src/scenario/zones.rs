@@ -84,7 +84,7 @@ impl AreaFile<'_> {
             let is_near = self.keep_in || whole.margin_m(start_m) <= beyond_m;
             all.push((area, whole, holes, is_near));
         }
-        // A file without any near one is for another place: it is read as a whole, and told as such.
+        // A file whose zones are all far away is for another place: it is read as a whole, and a warning says so.
         let count = all.len();
         if all.iter().any(|(.., is_near)| *is_near) {
             all.retain(|(.., is_near)| *is_near);
@@ -166,7 +166,7 @@ impl AreaFile<'_> {
     }
 }
 
-/// A limit beyond these altitudes is none, metres.
+/// Beyond these altitudes a limit counts as missing, metres.
 const ALTITUDES_M: (f64, f64) = (-1e3, 5e4);
 
 /// Floor and ceiling of a zone of a file, metres, with those of its table for what the file does not state or nothing can place, and
