@@ -334,7 +334,12 @@ impl Companion {
             // An item before that was asked for earlier, or set by a ground station: it stays.
             if let Some(index) = self.flown_to(self.passing.next + 1..self.way.items.len()) {
                 self.passing.next = index;
-                self.passing.pending.clear();
+                // The vehicle goes on where it was asked to, and the commands there wait for AUTO.
+                let is_asked = known >= self.passing.asked
+                    && self.way.items[index - 1] < self.passing.asked;
+                if !is_asked {
+                    self.passing.pending.clear();
+                }
             }
         }
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);

@@ -463,10 +463,11 @@ fn guided_is_never_nobodys_on_a_late_link_or_after_forged_heartbeats() {
 }
 
 /// A fault ends a manoeuvre, and the next one begins while the vehicle flies to a waypoint that the decider has long passed; two
-/// programs are killed after they asked for an item and before the vehicle went on with it (4535, 6543).
+/// programs are killed after they asked for an item and before the vehicle went on with it (4535, 6543). The vehicle's answer to
+/// that is heard only after a lost link (9477).
 #[test]
 fn l2_no_command_vanishes_between_two_manoeuvres_or_two_runs() {
-    for seed in [2023, 6003, 6643, 7041, 8839, 2275, 4535, 6543, 8313] {
+    for seed in [2023, 6003, 6643, 7041, 8839, 2275, 4535, 6543, 8313, 9477] {
         assert_eq!(fly(seed, false), None);
     }
 }
