@@ -33,6 +33,9 @@ pub struct Flight {
     pub mission: Vec<Vec3>,
     /// The obstacles.
     pub obstacles: Vec<FlightObstacle>,
+    /// The zones that bound it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub zones: Vec<FlightZone>,
     /// Events and decisions, in time order.
     pub events: Vec<FlightEvent>,
 }
@@ -76,6 +79,23 @@ pub struct ObstacleSample {
     /// Position, metres, local frame.
     #[serde(with = "vector")]
     pub position_m: Vec3,
+}
+
+/// A zone: what is above an outline between two altitudes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightZone {
+    /// Its name.
+    pub name: String,
+    /// Whether the aircraft keeps within it, not out of it.
+    pub keep_in: bool,
+    /// Its outline, metres east and north; the last place is the first one again.
+    pub ring_m: Vec<[f64; 2]>,
+    /// Its lowest altitude, metres in the local frame.
+    #[serde(default)]
+    pub floor_m: Option<f64>,
+    /// Its highest altitude, metres in the local frame.
+    #[serde(default)]
+    pub ceiling_m: Option<f64>,
 }
 
 /// An event.
@@ -207,6 +227,19 @@ impl Flight {
             }
             grows(&name, obstacle.track.iter().map(|row| row.time_s))?;
         }
+        for zone in &self.zones {
+            let heights = [zone.floor_m, zone.ceiling_m].into_iter().flatten();
+            let is_closed = zone.ring_m.len() > 3 && zone.ring_m.first() == zone.ring_m.last();
+            if !is_closed
+                || !finite(zone.ring_m.as_flattened())
+                || !heights.clone().all(f64::is_finite)
+            {
+                let name = shown(&zone.name);
+                return Err(format!(
+                    "the outline of zone {name} is not a closed ring of finite places"
+                ));
+            }
+        }
         let place_ok = self.origin.is_none_or(|place| {
             Geodetic::new(place.latitude_deg, place.longitude_deg, place.altitude_m).is_some()
         });
@@ -234,6 +267,13 @@ fn grows(what: &str, times_s: impl Iterator<Item = f64>) -> Result<(), String> {
         last_s = time_s;
     }
     Ok(())
+}
+
+impl FlightZone {
+    /// What it is for, as in scenarios: `keep-in` or `keep-out`.
+    pub const fn kind(&self) -> &'static str {
+        if self.keep_in { "keep-in" } else { "keep-out" }
+    }
 }
 
 impl FlightObstacle {

@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use fga_formats::OutputError;
-use fga_formats::flight::{Flight, FlightEvent, FlightObstacle, FlightSample, ObstacleSample};
+use fga_formats::flight::{
+    Flight, FlightEvent, FlightObstacle, FlightSample, FlightZone, ObstacleSample,
+};
 use fga_formats::geodesy::{Earth, LocalFrame};
 use fga_sim::run::RunLog;
 use fga_sim::track::Track;
+use fga_sim::zone::WorldZone;
 use serde_json::Value;
 
 /// The file's name within the folder of a run.
@@ -68,6 +71,7 @@ pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
         samples,
         mission: log.plan.world.mission_m.clone(),
         obstacles,
+        zones: log.plan.world.zones.iter().map(zone).collect(),
         events: events
             .iter()
             .map(|(time_s, event)| FlightEvent {
@@ -79,6 +83,18 @@ pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
                 detail: event.clone(),
             })
             .collect(),
+    }
+}
+
+fn zone(zone: &WorldZone) -> FlightZone {
+    let (floor_m, ceiling_m) = zone.heights_m();
+    let limit_m = |height_m: f64| height_m.is_finite().then_some(height_m);
+    FlightZone {
+        name: zone.name().to_owned(),
+        keep_in: zone.keep_in(),
+        ring_m: zone.ring_m().iter().map(fga::Vec2::to_array).collect(),
+        floor_m: limit_m(floor_m),
+        ceiling_m: limit_m(ceiling_m),
     }
 }
 

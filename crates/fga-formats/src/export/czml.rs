@@ -1,8 +1,9 @@
-//! CZML for Cesium: the flight with its attitude, the protected volumes, the events.
+//! CZML for Cesium: the flight with its attitude, the protected volumes, the zones, the events.
 
-use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
+use super::shapes::zone_heights_m;
 use super::time::iso;
-use crate::flight::{Flight, FlightObstacle, FlightSample};
+use crate::flight::{Flight, FlightObstacle, FlightSample, FlightZone};
 use crate::geodesy::LocalFrame;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
@@ -39,6 +40,9 @@ pub fn text(flight: &Flight) -> String {
     }
     for (index, obstacle) in flight.obstacles.iter().enumerate() {
         packets.push(self::obstacle(flight, index, obstacle, &interval));
+    }
+    for (index, zone) in flight.zones.iter().enumerate() {
+        packets.push(self::zone(flight, index, zone));
     }
     for (index, event) in flight.events.iter().enumerate() {
         let Some(position_m) = flight.position_at(event.time_s) else {
@@ -163,6 +167,44 @@ fn aircraft(flight: &Flight, interval: &str) -> Value {
             "dimensions": { "cartesian": [4.0, 6.0, 1.0] },
             "material": { "solidColor": { "color": rgba(state_color("cruise"), 255) } },
         },
+    })
+}
+
+/// A zone between two altitudes; of one to keep within the wall alone, through which the flight is seen.
+fn zone(flight: &Flight, index: usize, zone: &FlightZone) -> Value {
+    let frame = flight.frame();
+    let (floor_m, ceiling_m) = zone_heights_m(flight, zone);
+    let places = zone.ring_m.iter();
+    let degrees: Vec<[f64; 3]> = places
+        .map(|[x_m, y_m]| degrees(&frame, Vec3::new(*x_m, *y_m, floor_m)))
+        .collect();
+    let [floor_m, ceiling_m] =
+        [floor_m, ceiling_m].map(|z_m| self::degrees(&frame, Vec3::Z * z_m)[2]);
+    let material = json!({ "solidColor": { "color": rgba(ZONE_COLOR, 80) } });
+    let positions = json!({ "cartographicDegrees": degrees.as_flattened() });
+    let (key, shape) = if zone.keep_in {
+        let count = degrees.len();
+        let wall = json!({
+            "positions": positions,
+            "minimumHeights": { "array": vec![floor_m; count] },
+            "maximumHeights": { "array": vec![ceiling_m; count] },
+            "material": material,
+        });
+        ("wall", wall)
+    } else {
+        let body = json!({
+            "positions": positions,
+            "height": floor_m,
+            "extrudedHeight": ceiling_m,
+            "material": material,
+        });
+        ("polygon", body)
+    };
+    json!({
+        "id": format!("zone/{index}"),
+        "name": zone.name,
+        "description": html(zone.kind()),
+        key: shape,
     })
 }
 

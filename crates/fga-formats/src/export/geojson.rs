@@ -1,10 +1,10 @@
 //! GeoJSON for maps: the flown track in pieces of one state, the mission, the obstacles' tracks
-//! and footprints, the events.
+//! and footprints, the zones, the events.
 //!
-//! The property `kind` of a feature is `track`, `mission`, `obstacle`, `volume` or `event`. The
+//! The property `kind` of a feature is `track`, `mission`, `obstacle`, `volume`, `zone` or `event`. The
 //! footprint of a moving obstacle is at its position of the least margin.
 
-use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
 use super::shapes::circle;
 use super::time::iso;
 use crate::flight::{Flight, FlightObstacle};
@@ -46,6 +46,30 @@ pub fn text(flight: &Flight) -> String {
     }
     for obstacle in &flight.obstacles {
         push_obstacle(&mut features, flight, &frame, obstacle);
+    }
+    for zone in &flight.zones {
+        let altitude_m = |z_m: f64| place(&frame, Vec3::Z * z_m)[2];
+        let places = (zone.ring_m.iter()).map(|[x_m, y_m]| {
+            let [longitude_deg, latitude_deg, _] = place(&frame, Vec3::new(*x_m, *y_m, 0.0));
+            [longitude_deg, latitude_deg]
+        });
+        let mut ring: Vec<[f64; 2]> = places.collect();
+        // The format requires outlines that are anticlockwise.
+        let edges = ring.iter().zip(ring.iter().skip(1));
+        if edges.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>() < 0.0 {
+            ring.reverse();
+        }
+        features.push(feature(
+            GeometryValue::new_polygon([ring]),
+            json!({
+                "kind": "zone",
+                "name": zone.name,
+                "zone": zone.kind(),
+                "floor_m": zone.floor_m.map(altitude_m),
+                "ceiling_m": zone.ceiling_m.map(altitude_m),
+                "stroke": hex(ZONE_COLOR),
+            }),
+        ));
     }
     for event in &flight.events {
         if let Some(position_m) = flight.position_at(event.time_s) {

@@ -1,11 +1,11 @@
-//! KML for Google Earth: the flight with time, the protected volumes, the events.
+//! KML for Google Earth: the flight with time, the protected volumes, the zones, the events.
 //!
 //! The aircraft and moving obstacles are tracks with time (`gx:Track`); a second copy of the flown
 //! track has the colours of the states. A volume at rest is one surface; a moving one is a series of
 //! surfaces, each with its time span.
 
-use super::look::{MISSION_COLOR, OBSTACLE_COLOR, pieces, state_color};
-use super::shapes::surface;
+use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
+use super::shapes::{surface, zone_surface};
 use super::time::iso;
 use crate::flight::{Flight, FlightObstacle, FlightSample};
 use crate::geodesy::LocalFrame;
@@ -45,6 +45,7 @@ pub fn text(flight: &Flight) -> String {
         out.obstacle(flight, obstacle, volumes);
     }
     out.text.push_str("</Folder>\n");
+    out.zones(flight);
     out.events(flight);
     out.text.push_str("</Document>\n</kml>\n");
     out.text
@@ -128,13 +129,14 @@ impl Kml {
             "<Style id=\"mission\"><LineStyle><color>b0{blue:02x}{green:02x}{red:02x}</color>\
              <width>2</width></LineStyle></Style>"
         );
-        let [red, green, blue] = OBSTACLE_COLOR;
-        let _ = writeln!(
-            self.text,
-            "<Style id=\"volume\"><LineStyle><color>60{blue:02x}{green:02x}{red:02x}</color>\
-             <width>1</width></LineStyle><PolyStyle><color>50{blue:02x}{green:02x}{red:02x}</color>\
-             </PolyStyle></Style>"
-        );
+        for (id, [red, green, blue]) in [("volume", OBSTACLE_COLOR), ("zone", ZONE_COLOR)] {
+            let _ = writeln!(
+                self.text,
+                "<Style id=\"{id}\"><LineStyle><color>60{blue:02x}{green:02x}{red:02x}</color>\
+                 <width>1</width></LineStyle><PolyStyle><color>50{blue:02x}{green:02x}{red:02x}\
+                 </color></PolyStyle></Style>"
+            );
+        }
     }
 
     fn aircraft(&mut self, flight: &Flight) {
@@ -205,10 +207,15 @@ impl Kml {
                 "<TimeSpan><begin>{begin}</begin><end>{end}</end></TimeSpan>"
             );
         }
-        self.text
-            .push_str("<styleUrl>#volume</styleUrl><MultiGeometry>");
+        self.text.push_str("<styleUrl>#volume</styleUrl>");
         let bands = if span.is_some() { 4 } else { 12 };
-        for polygon in surface(position_m, obstacle.volume, bands) {
+        self.polygons(surface(position_m, obstacle.volume, bands));
+        self.text.push_str("</Placemark>\n");
+    }
+
+    fn polygons(&mut self, polygons: Vec<Vec<Vec3>>) {
+        self.text.push_str("<MultiGeometry>");
+        for polygon in polygons {
             self.text.push_str("<Polygon>");
             self.altitude_mode();
             self.text.push_str("<outerBoundaryIs><LinearRing>");
@@ -216,7 +223,23 @@ impl Kml {
             self.text
                 .push_str("</LinearRing></outerBoundaryIs></Polygon>");
         }
-        self.text.push_str("</MultiGeometry></Placemark>\n");
+        self.text.push_str("</MultiGeometry>");
+    }
+
+    fn zones(&mut self, flight: &Flight) {
+        if flight.zones.is_empty() {
+            return;
+        }
+        self.text.push_str("<Folder><name>Zones</name>\n");
+        for zone in &flight.zones {
+            self.text.push_str("<Placemark>");
+            self.element("name", &zone.name);
+            self.element("description", zone.kind());
+            self.text.push_str("<styleUrl>#zone</styleUrl>");
+            self.polygons(zone_surface(flight, zone));
+            self.text.push_str("</Placemark>\n");
+        }
+        self.text.push_str("</Folder>\n");
     }
 
     fn obstacle(&mut self, flight: &Flight, obstacle: &FlightObstacle, volumes: usize) {

@@ -17,6 +17,9 @@ pub const fn state_color(state: &str) -> [u8; 3] {
 /// Red, green, blue of obstacles and their volumes.
 pub const OBSTACLE_COLOR: [u8; 3] = [0xCC, 0x79, 0xA7];
 
+/// Red, green, blue of zones.
+pub(super) const ZONE_COLOR: [u8; 3] = [0x80, 0x80, 0x80];
+
 /// Red, green, blue of the mission.
 pub const MISSION_COLOR: [u8; 3] = [0x56, 0xB4, 0xE9];
 

@@ -1,11 +1,47 @@
-//! Outlines of protected volumes.
+//! Outlines of protected volumes and zones.
 
 use core::f64::consts::{PI, TAU};
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 
+use crate::flight::{Flight, FlightZone};
+
 /// Corners of the polygons that stand for a circle.
 pub(super) const CORNERS: u32 = 24;
+
+/// A zone without a floor or a ceiling is drawn this far beyond the flight, metres.
+const BEYOND_M: f64 = 100.0;
+
+/// Floor and ceiling with which a zone is drawn, metres in the local frame.
+pub(super) fn zone_heights_m(flight: &Flight, zone: &FlightZone) -> (f64, f64) {
+    let heights_m = flight.samples.iter().map(|sample| sample.position_m.z);
+    let lowest_m = heights_m.clone().fold(f64::INFINITY, f64::min);
+    let highest_m = heights_m.fold(f64::NEG_INFINITY, f64::max);
+    let below_m = zone
+        .ceiling_m
+        .map_or(lowest_m, |ceiling_m| ceiling_m.min(lowest_m));
+    let floor_m = zone.floor_m.unwrap_or(below_m - BEYOND_M);
+    (
+        floor_m,
+        zone.ceiling_m.unwrap_or(highest_m.max(floor_m) + BEYOND_M),
+    )
+}
+
+/// The surface of a zone as closed polygons: of one to keep within its wall alone, through which the flight is seen.
+pub(super) fn zone_surface(flight: &Flight, zone: &FlightZone) -> Vec<Vec<Vec3>> {
+    let (floor_m, ceiling_m) = zone_heights_m(flight, zone);
+    let [floor, lid] = [floor_m, ceiling_m].map(|z_m| -> Vec<Vec3> {
+        let places = zone.ring_m.iter();
+        places
+            .map(|[x_m, y_m]| Vec3::new(*x_m, *y_m, z_m))
+            .collect()
+    });
+    let mut polygons = wall(&floor, &lid);
+    if !zone.keep_in {
+        polygons.extend([floor, lid]);
+    }
+    polygons
+}
 
 /// A horizontal circle about `centre`, closed (the first corner again at the end), anticlockwise
 /// from above. The polygon circumscribes the circle.

@@ -9,7 +9,7 @@ use crate::common::flight::{HOSTILE, flight, odd_flights};
 use alloc::collections::BTreeMap;
 use fga_formats::error::OutputError;
 use fga_formats::export::{self, Format, czml, flightgear, geojson as map, kml, mcap as log};
-use fga_formats::flight::Flight;
+use fga_formats::flight::{Flight, FlightZone};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -269,6 +269,125 @@ fn geojson_is_read_by_its_library() {
     assert_eq!(collection.features[4].property("name").unwrap(), HOSTILE);
     for odd in odd_flights() {
         assert!(map::text(&odd).parse::<geojson::GeoJson>().is_ok());
+    }
+}
+
+/// A village without a ceiling, clockwise, and a corridor to stay within.
+fn zones() -> [FlightZone; 2] {
+    [
+        FlightZone {
+            name: HOSTILE.into(),
+            keep_in: false,
+            ring_m: vec![[0.0, 0.0], [100.0, 300.0], [100.0, 0.0], [0.0, 0.0]],
+            floor_m: Some(10.0),
+            ceiling_m: None,
+        },
+        FlightZone {
+            name: "corridor".into(),
+            keep_in: true,
+            ring_m: vec![[-50.0, -90.0], [700.0, -90.0], [0.0, 90.0], [-50.0, -90.0]],
+            floor_m: Some(20.0),
+            ceiling_m: Some(80.0),
+        },
+    ]
+}
+
+/// The origin lies 100 m above the datum, and the flight 50 m above it.
+#[test]
+fn zones_are_drawn_between_their_altitudes() {
+    let flight = Flight {
+        zones: zones().to_vec(),
+        ..flight()
+    };
+    flight.check().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    flight.write(&path).unwrap();
+    assert_eq!(Flight::read(&path).unwrap(), flight);
+
+    let text = kml::text(&flight);
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let folder = document
+        .descendants()
+        .find(|node| {
+            node.has_tag_name("Folder") && node.descendants().any(|n| n.text() == Some("Zones"))
+        })
+        .unwrap();
+    let faces: Vec<Vec<f64>> = (folder.descendants())
+        .filter(|node| node.has_tag_name("coordinates"))
+        .map(|node| {
+            let places = node.text().unwrap().split_whitespace();
+            places
+                .map(|place| place.rsplit(',').next().unwrap().parse().unwrap())
+                .collect()
+        })
+        .collect();
+    // Three walls, floor and lid; and three walls. Without a ceiling the village ends 100 m above the flight.
+    assert_eq!(faces.len(), 5 + 3);
+    let heights = |faces: &[Vec<f64>]| {
+        let all = || faces.iter().flatten().copied();
+        (
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(0.0, f64::max),
+        )
+    };
+    assert_eq!(heights(&faces[..5]), (110.0, 250.0));
+    assert_eq!(heights(&faces[5..]), (120.0, 180.0));
+
+    let packets: Vec<Value> = serde_json::from_str(&czml::text(&flight)).unwrap();
+    let packet = |id: &str| packets.iter().find(|p| p["id"] == id).unwrap();
+    let village = &packet("zone/0")["polygon"];
+    assert_eq!(
+        (&village["height"], &village["extrudedHeight"]),
+        (&110.0.into(), &250.0.into())
+    );
+    let wall = &packet("zone/1")["wall"];
+    assert_eq!(
+        wall["maximumHeights"]["array"],
+        serde_json::json!([180.0, 180.0, 180.0, 180.0])
+    );
+
+    let map: Value = serde_json::from_str(&map::text(&flight)).unwrap();
+    let features = map["features"].as_array().unwrap();
+    let zones: Vec<&Value> = features
+        .iter()
+        .filter(|f| f["properties"]["kind"] == "zone")
+        .collect();
+    let [village, corridor] = zones[..] else {
+        panic!("{zones:?}")
+    };
+    assert_eq!(village["properties"]["zone"], "keep-out");
+    assert_eq!(village["properties"]["ceiling_m"], Value::Null);
+    assert_eq!(corridor["properties"]["ceiling_m"], 180.0);
+    for zone in [village, corridor] {
+        let ring: Vec<[f64; 2]> =
+            serde_json::from_value(zone["geometry"]["coordinates"][0].clone()).unwrap();
+        let edges = ring.windows(2);
+        assert!(
+            edges
+                .map(|e| e[0][0] * e[1][1] - e[1][0] * e[0][1])
+                .sum::<f64>()
+                > 0.0
+        );
+    }
+}
+
+/// An outline that is open, too short or not finite is refused.
+#[test]
+fn a_flight_whose_zone_is_no_outline_is_refused() {
+    for ring_m in [
+        vec![],
+        vec![[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]],
+        vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        vec![[0.0, 0.0], [1.0, f64::NAN], [1.0, 1.0], [0.0, 0.0]],
+    ] {
+        let [village, _] = zones();
+        let flight = Flight {
+            zones: vec![FlightZone { ring_m, ..village }],
+            ..flight()
+        };
+        let error = flight.check().unwrap_err();
+        assert!(error.contains("closed ring"), "{error}");
     }
 }
 
