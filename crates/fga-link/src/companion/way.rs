@@ -335,8 +335,8 @@ impl Companion {
             if let Some(index) = self.flown_to(self.passing.next + 1..self.way.items.len()) {
                 self.passing.next = index;
                 // The vehicle goes on where it was asked to, and the commands there wait for AUTO.
-                let is_asked =
-                    known >= self.passing.asked && self.way.items[index - 1] < self.passing.asked;
+                let before = self.way.items.get(index - 1).copied().flatten();
+                let is_asked = known >= self.passing.asked && before < self.passing.asked;
                 if !is_asked {
                     self.passing.pending.clear();
                 }
