@@ -57,6 +57,7 @@ pub const FLYING_SPEED_MPS: f64 = 5.0;
 #[derive(Debug, Clone, Copy)]
 struct Position {
     measured_s: f64,
+    late_s: f64,
     place: Geodetic,
     place_m: Vec3,
     velocity_mps: Vec3,
@@ -66,6 +67,7 @@ struct Position {
 #[derive(Debug, Clone, Copy)]
 struct Attitude {
     measured_s: f64,
+    late_s: f64,
     bank_rad: f64,
     pitch_rad: f64,
     heading_rad: f64,
@@ -160,6 +162,14 @@ impl OwnshipEstimate {
         self.attitude_clock.round_trip(sent_s, boot_s, now_s);
     }
 
+    /// How late the newest messages came, seconds: what came between them waited in the same queues.
+    pub fn late_s(&self) -> f64 {
+        match (self.position, self.attitude) {
+            (Some(position), Some(attitude)) => position.late_s.min(attitude.late_s),
+            _ => 0.0,
+        }
+    }
+
     /// Age of the older of position and attitude, seconds; `None` before both have come.
     pub fn age_s(&self, now_s: f64) -> Option<f64> {
         let oldest = self.position?.measured_s.min(self.attitude?.measured_s);
@@ -220,6 +230,7 @@ impl OwnshipEstimate {
         let above_home_m = self.above_home_m(reported_m, place_m, measured_s, update);
         self.position = Some(Position {
             measured_s,
+            late_s: now_s - measured_s,
             place,
             place_m,
             velocity_mps,
@@ -274,6 +285,7 @@ impl OwnshipEstimate {
         }
         self.attitude = Some(Attitude {
             measured_s,
+            late_s: now_s - measured_s,
             bank_rad,
             pitch_rad: f64::from(data.pitch),
             heading_rad: wrap_pi(FRAC_PI_2 - f64::from(data.yaw)),
