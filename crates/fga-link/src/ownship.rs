@@ -51,6 +51,8 @@ const FASTEST_NOSE_RADPS: f64 = 10.0;
 /// Home seldom moves up or down by more than this, metres: until it has done so for the time after which a position is believed
 /// again, the old height counts.
 const HOME_JUMP_M: f64 = 50.0;
+/// Each message is late by up to this for itself, seconds; by more where all wait in a queue.
+const JITTER_S: f64 = 0.3;
 /// Slower than this over the ground or through the air it does not fly, metres per second.
 pub const FLYING_SPEED_MPS: f64 = 5.0;
 
@@ -162,12 +164,14 @@ impl OwnshipEstimate {
         self.attitude_clock.round_trip(sent_s, boot_s, now_s);
     }
 
-    /// How late the newest messages came, seconds: what came between them waited in the same queues.
-    pub fn late_s(&self) -> f64 {
+    /// How long the newest messages waited in a queue, seconds: what came between them waited in it too.
+    pub fn queued_s(&self) -> f64 {
         match (self.position, self.attitude) {
-            (Some(position), Some(attitude)) => position.late_s.min(attitude.late_s),
-            _ => 0.0,
+            (Some(position), Some(attitude)) => Some(position.late_s.min(attitude.late_s)),
+            _ => None,
         }
+        .filter(|late_s| *late_s > JITTER_S)
+        .unwrap_or(0.0)
     }
 
     /// Age of the older of position and attitude, seconds; `None` before both have come.

@@ -111,7 +111,7 @@ impl Companion {
         };
         let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
         let sender = Sender::mavlink(source, system, header.component_id);
-        let sent_s = now_s - self.ownship.late_s();
+        let sent_s = now_s - self.ownship.queued_s();
         let report = Report::from_adsb(data, sender, sent_s, sigma_m);
         if let Err(defect) = report {
             let key = match adsb_address(data) {
