@@ -59,7 +59,6 @@ pub const FLYING_SPEED_MPS: f64 = 5.0;
 #[derive(Debug, Clone, Copy)]
 struct Position {
     measured_s: f64,
-    late_s: f64,
     place: Geodetic,
     place_m: Vec3,
     velocity_mps: Vec3,
@@ -69,13 +68,19 @@ struct Position {
 #[derive(Debug, Clone, Copy)]
 struct Attitude {
     measured_s: f64,
-    late_s: f64,
     bank_rad: f64,
     pitch_rad: f64,
     heading_rad: f64,
     yaw_rate_radps: f64,
     /// Whether it is rolling.
     rolls: bool,
+}
+
+/// The newest message.
+#[derive(Debug, Clone, Copy)]
+struct Arrival {
+    at_s: f64,
+    late_s: f64,
 }
 
 /// Whether a message was new.
@@ -112,6 +117,7 @@ pub struct OwnshipEstimate {
     frame: Option<LocalFrame>,
     position_clock: BootClock,
     attitude_clock: BootClock,
+    heard: Option<Arrival>,
     position: Option<Position>,
     attitude: Option<Attitude>,
     /// The last airspeeds, newest last; the middle one counts, so that a single wrong one does not.
@@ -164,14 +170,16 @@ impl OwnshipEstimate {
         self.attitude_clock.round_trip(sent_s, boot_s, now_s);
     }
 
-    /// How long the newest messages waited in a queue, seconds: what came between them waited in it too.
+    /// How long the newest message waited in a queue, seconds: what came with it waited in it too.
     pub fn queued_s(&self) -> f64 {
-        match (self.position, self.attitude) {
-            (Some(position), Some(attitude)) => Some(position.late_s.min(attitude.late_s)),
-            _ => None,
-        }
-        .filter(|late_s| *late_s > JITTER_S)
-        .unwrap_or(0.0)
+        let waited = self.heard.filter(|heard| heard.late_s > JITTER_S);
+        waited.map_or(0.0, |heard| heard.late_s)
+    }
+
+    /// Whether neither position nor attitude has come for a while, and the next message may have waited in a queue.
+    pub fn is_silent(&self, now_s: f64) -> bool {
+        self.heard
+            .is_some_and(|heard| now_s - heard.at_s > JITTER_S)
     }
 
     /// Age of the older of position and attitude, seconds; `None` before both have come.
@@ -216,6 +224,10 @@ impl OwnshipEstimate {
             Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
             Stamp::Old => return Update::Ignored,
         };
+        self.heard = Some(Arrival {
+            at_s: now_s,
+            late_s: now_s - measured_s,
+        });
         let frame = self
             .frame
             .get_or_insert_with(|| LocalFrame::new(place, Earth::Wgs84));
@@ -234,7 +246,6 @@ impl OwnshipEstimate {
         let above_home_m = self.above_home_m(reported_m, place_m, measured_s, update);
         self.position = Some(Position {
             measured_s,
-            late_s: now_s - measured_s,
             place,
             place_m,
             velocity_mps,
@@ -278,6 +289,10 @@ impl OwnshipEstimate {
             Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
             Stamp::Old => return Update::Ignored,
         };
+        self.heard = Some(Arrival {
+            at_s: now_s,
+            late_s: now_s - measured_s,
+        });
         let bank_rad = -f64::from(data.roll);
         if let Some(last) = self.attitude.filter(|_| update == Update::Fresh) {
             let gap_s = (measured_s - last.measured_s).max(0.0);
@@ -289,7 +304,6 @@ impl OwnshipEstimate {
         }
         self.attitude = Some(Attitude {
             measured_s,
-            late_s: now_s - measured_s,
             bank_rad,
             pitch_rad: f64::from(data.pitch),
             heading_rad: wrap_pi(FRAC_PI_2 - f64::from(data.yaw)),
