@@ -19,7 +19,7 @@ const WAITING_LINES: usize = 32;
 const LAST_WORDS: Duration = Duration::from_millis(200);
 
 /// A line for standard error.
-enum Line {
+enum TerminalLine {
     /// The state now; the next one takes its place.
     State(String),
     /// What the operator reads; it stays.
@@ -28,7 +28,7 @@ enum Line {
 
 /// The flight's side of its status line.
 pub(super) struct Status {
-    to: Option<SyncSender<Line>>,
+    to: Option<SyncSender<TerminalLine>>,
     shown: Instant,
 }
 
@@ -44,18 +44,20 @@ impl Status {
                 while let Ok(line) = lines.recv() {
                     // Without a reader there is nobody to report to.
                     let _ = match line {
-                        Line::State(line) if is_terminal => write!(io::stderr(), "\r\x1b[K{line}"),
-                        Line::State(line)
+                        TerminalLine::State(line) if is_terminal => {
+                            write!(io::stderr(), "\r\x1b[K{line}")
+                        }
+                        TerminalLine::State(line)
                             if written.is_none_or(|written| written.elapsed() >= EVERY_LINE) =>
                         {
                             written = Some(Instant::now());
                             writeln!(io::stderr(), "{line}")
                         }
-                        Line::State(_) => Ok(()),
-                        Line::Words(words) if is_terminal => {
+                        TerminalLine::State(_) => Ok(()),
+                        TerminalLine::Words(words) if is_terminal => {
                             writeln!(io::stderr(), "\r\x1b[K{words}")
                         }
-                        Line::Words(words) => writeln!(io::stderr(), "{words}"),
+                        TerminalLine::Words(words) => writeln!(io::stderr(), "{words}"),
                     };
                 }
                 if is_terminal {
@@ -78,14 +80,14 @@ impl Status {
             && self.shown.elapsed() >= EVERY
         {
             self.shown = Instant::now();
-            let _ = to.try_send(Line::State(line()));
+            let _ = to.try_send(TerminalLine::State(line()));
         }
     }
 
     /// Shows what the operator reads.
     pub(super) fn say(&self, words: &str) {
         if let Some(to) = &self.to {
-            let _ = to.try_send(Line::Words(words.to_owned()));
+            let _ = to.try_send(TerminalLine::Words(words.to_owned()));
         }
     }
 
