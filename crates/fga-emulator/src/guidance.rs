@@ -78,12 +78,16 @@ impl Emulator {
             Mode::Rtl | Mode::Loiter | Mode::Circle | Mode::AvoidAdsb | Mode::Newer => {
                 self.loiter_target()
             }
-            Mode::Cruise | Mode::FlyByWireB => self.stick_target(),
+            Mode::Cruise | Mode::FlyByWireB => Target {
+                airspeed_mps: self.stick_airspeed_mps(),
+                ..self.stick_target()
+            },
             Mode::Manual | Mode::Stabilize | Mode::FlyByWireA => {
                 let bank_rad = self.stick(1) * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
                 Target {
                     bank_rad,
                     vertical: Vertical::Pitch(self.plant.pitch_rad()),
+                    airspeed_mps: None,
                 }
             }
         }
@@ -100,6 +104,18 @@ impl Emulator {
             .channel(channel, self.time_s, lifetime_s)
             .unwrap_or(1500);
         ((f64::from(value) - 1500.0) / 500.0).clamp(-1.0, 1.0)
+    }
+
+    /// The airspeed that an overridden throttle stick asks for, metres per second.
+    fn stick_airspeed_mps(&self) -> Option<f64> {
+        let lifetime_s = self.parameters.value("RC_OVERRIDE_TIME");
+        let stick_us = self.overrides.channel(3, self.time_s, lifetime_s)?;
+        let share = ((f64::from(stick_us) - 1000.0) / 1000.0).clamp(0.0, 1.0);
+        let (least_mps, most_mps) = (
+            self.parameters.value("AIRSPEED_MIN"),
+            self.parameters.value("AIRSPEED_MAX"),
+        );
+        Some(least_mps + share * (most_mps - least_mps))
     }
 
     /// The target of a flown item, metres.
@@ -236,6 +252,7 @@ impl Emulator {
         Target {
             bank_rad: follow_line(&self.plant, period_s, from_m, to_m),
             vertical: Vertical::Altitude(to_m[2]),
+            airspeed_mps: None,
         }
     }
 
@@ -250,6 +267,7 @@ impl Emulator {
         Target {
             bank_rad: circle(&self.plant, self.guided.point_m, radius_m),
             vertical: Vertical::Altitude(self.guided.altitude_m),
+            airspeed_mps: None,
         }
     }
 
@@ -296,7 +314,11 @@ impl Emulator {
         }
         if self.mode == Mode::FlyByWireB || !centred {
             let bank_rad = roll * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
-            return Target { bank_rad, vertical };
+            return Target {
+                bank_rad,
+                vertical,
+                airspeed_mps: None,
+            };
         }
         let since = *self.guidance.centred_since_s.get_or_insert(self.time_s);
         if self.guidance.locked_heading_rad.is_none() && self.time_s - since >= HEADING_LOCK_S {
@@ -308,6 +330,7 @@ impl Emulator {
             return Target {
                 bank_rad: 0.0,
                 vertical,
+                airspeed_mps: None,
             };
         };
         let from_m = self.guidance.line_from_m;
@@ -320,6 +343,7 @@ impl Emulator {
         Target {
             bank_rad: follow_line(&self.plant, period_s, from_m, to_m),
             vertical,
+            airspeed_mps: None,
         }
     }
 }

@@ -11,8 +11,13 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 /// Parameters of the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantSettings {
-    /// Airspeed, metres per second.
+    /// Airspeed while no throttle stick sets it, metres per second.
     pub airspeed_mps: f64,
+    /// Where the throttle stick sets it (CRUISE, FBWB), the airspeed follows with this time constant, seconds, …
+    pub airspeed_time_constant_s: f64,
+    /// … and is higher in a turn, metres per second for each g of load beyond 1: measured 1.0 at a bank of 45°, where the
+    /// autopilot adds throttle for the load.
+    pub airspeed_in_turn_mps: f64,
     /// The wanted roll rate is the error of the bank divided by this, seconds (ArduPlane's
     /// `RLL2SRV_TCONST`) …
     pub roll_time_constant_s: f64,
@@ -40,6 +45,8 @@ impl Default for PlantSettings {
     fn default() -> Self {
         Self {
             airspeed_mps: 25.0,
+            airspeed_time_constant_s: 1.2,
+            airspeed_in_turn_mps: 2.4,
             roll_time_constant_s: 0.25,
             roll_rate_max_radps: 1.6,
             roll_rate_lag_s: 0.13,
@@ -60,6 +67,8 @@ pub(crate) struct Target {
     pub(crate) bank_rad: f64,
     /// The demand on the elevator.
     pub(crate) vertical: Vertical,
+    /// The airspeed that the throttle stick asks for, metres per second.
+    pub(crate) airspeed_mps: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +83,7 @@ pub(crate) enum Vertical {
 #[derive(Debug, Clone)]
 pub struct Plant {
     settings: PlantSettings,
+    airspeed_mps: f64,
     position_m: [f64; 3],
     heading_rad: f64,
     bank_rad: f64,
@@ -96,6 +106,7 @@ impl Plant {
     ) -> Self {
         Self {
             settings,
+            airspeed_mps: settings.airspeed_mps,
             position_m,
             heading_rad,
             bank_rad: 0.0,
@@ -151,7 +162,7 @@ impl Plant {
 
     /// Airspeed, metres per second.
     pub const fn airspeed_mps(&self) -> f64 {
-        self.settings.airspeed_mps
+        self.airspeed_mps
     }
 
     /// Wind velocity east and north, metres per second.
@@ -161,11 +172,11 @@ impl Plant {
 
     /// Velocity over the ground, metres per second: east, north, up.
     pub fn velocity_mps(&self) -> [f64; 3] {
-        let level = self.settings.airspeed_mps * libm::cos(self.climb_rad);
+        let level = self.airspeed_mps * libm::cos(self.climb_rad);
         [
             level * libm::sin(self.heading_rad) + self.wind_mps[0],
             level * libm::cos(self.heading_rad) + self.wind_mps[1],
-            self.settings.airspeed_mps * libm::sin(self.climb_rad),
+            self.airspeed_mps * libm::sin(self.climb_rad),
         ]
     }
 
@@ -189,9 +200,17 @@ impl Plant {
         self.bank_rad += self.roll_rate_radps * step_s;
     }
 
+    fn change_airspeed(&mut self, by_stick_mps: Option<f64>, step_s: f64) {
+        let load = 1.0 / libm::cos(self.bank_rad).max(0.1) - 1.0;
+        let in_turn_mps = self.settings.airspeed_in_turn_mps * load;
+        let wanted_mps = by_stick_mps.map_or(self.settings.airspeed_mps, |mps| mps + in_turn_mps);
+        let lag = 1.0 - libm::exp(-step_s / self.settings.airspeed_time_constant_s);
+        self.airspeed_mps += (wanted_mps - self.airspeed_mps) * lag;
+    }
+
     pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
         // The lift of the wing limits the bank, but never below 25°.
-        let load = (self.settings.airspeed_mps / parameters.value("AIRSPEED_MIN").max(1.0)).powi(2);
+        let load = (self.airspeed_mps / parameters.value("AIRSPEED_MIN").max(1.0)).powi(2);
         let stall_rad = libm::acos(1.0 / load.max(1.0)).max(25.0_f64.to_radians());
         let limit = parameters
             .value("ROLL_LIMIT_DEG")
@@ -199,7 +218,8 @@ impl Plant {
             .min(stall_rad);
         self.commanded_bank_rad = target.bank_rad.clamp(-limit, limit);
         self.roll(step_s);
-        let speed = self.settings.airspeed_mps;
+        self.change_airspeed(target.airspeed_mps, step_s);
+        let speed = self.airspeed_mps;
         let climb_max = libm::asin((parameters.value("TECS_CLMB_MAX") / speed).min(1.0));
         let climb_min = -libm::asin((parameters.value("TECS_SINK_MAX") / speed).min(1.0));
         let wanted = match target.vertical {

@@ -29,7 +29,8 @@ pub(crate) use receive::beat_of_plane;
 use fga::avoider::Decision;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
-use mavlink::dialects::ardupilotmega::MavMissionType;
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMissionType};
 use serde_json::{Value, json};
 
 use crate::authority::{
@@ -167,6 +168,8 @@ pub struct Companion {
     tracks: TrackTable,
     feeds: feeds::Feeds,
     defects: Defects,
+    /// Reports that broke a silence of the telemetry, and when, seconds.
+    held_reports: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
     /// The last trouble of the surrounding program.
     trouble: String,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
@@ -268,6 +271,7 @@ impl Companion {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
+            held_reports: Vec::new(),
             trouble: String::new(),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
@@ -457,6 +461,7 @@ impl Companion {
     /// Advances the time: sends due messages and decides if no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
         self.watch_link(now_s);
+        self.take_held_reports(now_s);
         if !self.is_silent(now_s) {
             let actions = self.keeper.tick(now_s);
             self.perform(&actions, now_s);

@@ -74,7 +74,7 @@ pub struct FlyOptions {
     pub dry_run: bool,
     /// Folder of the logs, and of the notes for a restarted program.
     pub out: PathBuf,
-    /// Whether to show a status line on standard error.
+    /// Whether to show a status line, and what the operator reads, on standard error.
     pub status: bool,
     /// Ends the program when its deciding thread stands still; `std::process::abort` in real flight.
     pub end_program: fn(),
@@ -397,6 +397,9 @@ impl Pilot<'_> {
             if outgoing.change.is_some() && !noted {
                 self.held.push(outgoing);
                 continue;
+            }
+            if let MavMessage::STATUSTEXT(data) = &outgoing.message {
+                self.status.say(data.text.to_str().unwrap_or_default());
             }
             let header = MavHeader {
                 system_id: u32::from(outgoing.system_id),

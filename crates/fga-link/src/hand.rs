@@ -20,6 +20,6 @@ pub fn of(mode: CommandMode) -> Box<dyn Hand> {
     match mode {
         CommandMode::Attitude => Box::new(attitude::AttitudeHand::default()),
         CommandMode::Heading => Box::new(heading::HeadingHand::default()),
-        CommandMode::Paper => Box::new(sticks::StickHand),
+        CommandMode::Paper => Box::new(sticks::StickHand::default()),
     }
 }

@@ -51,6 +51,8 @@ const FASTEST_NOSE_RADPS: f64 = 10.0;
 /// Home seldom moves up or down by more than this, metres: until it has done so for the time after which a position is believed
 /// again, the old height counts.
 const HOME_JUMP_M: f64 = 50.0;
+/// Each message is late by up to this for itself, seconds; by more where all wait in a queue.
+const JITTER_S: f64 = 0.3;
 /// Slower than this over the ground or through the air it does not fly, metres per second.
 pub const FLYING_SPEED_MPS: f64 = 5.0;
 
@@ -72,6 +74,13 @@ struct Attitude {
     yaw_rate_radps: f64,
     /// Whether it is rolling.
     rolls: bool,
+}
+
+/// The newest message.
+#[derive(Debug, Clone, Copy)]
+struct Arrival {
+    at_s: f64,
+    late_s: f64,
 }
 
 /// Whether a message was new.
@@ -108,6 +117,7 @@ pub struct OwnshipEstimate {
     frame: Option<LocalFrame>,
     position_clock: BootClock,
     attitude_clock: BootClock,
+    heard: Option<Arrival>,
     position: Option<Position>,
     attitude: Option<Attitude>,
     /// The last airspeeds, newest last; the middle one counts, so that a single wrong one does not.
@@ -160,6 +170,18 @@ impl OwnshipEstimate {
         self.attitude_clock.round_trip(sent_s, boot_s, now_s);
     }
 
+    /// How long the newest message waited in a queue, seconds: what came with it waited in it too.
+    pub fn queued_s(&self) -> f64 {
+        let waited = self.heard.filter(|heard| heard.late_s > JITTER_S);
+        waited.map_or(0.0, |heard| heard.late_s)
+    }
+
+    /// Whether neither position nor attitude has come for a while, and the next message may have waited in a queue.
+    pub fn is_silent(&self, now_s: f64) -> bool {
+        self.heard
+            .is_some_and(|heard| now_s - heard.at_s > JITTER_S)
+    }
+
     /// Age of the older of position and attitude, seconds; `None` before both have come.
     pub fn age_s(&self, now_s: f64) -> Option<f64> {
         let oldest = self.position?.measured_s.min(self.attitude?.measured_s);
@@ -202,6 +224,10 @@ impl OwnshipEstimate {
             Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
             Stamp::Old => return Update::Ignored,
         };
+        self.heard = Some(Arrival {
+            at_s: now_s,
+            late_s: now_s - measured_s,
+        });
         let frame = self
             .frame
             .get_or_insert_with(|| LocalFrame::new(place, Earth::Wgs84));
@@ -263,6 +289,10 @@ impl OwnshipEstimate {
             Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
             Stamp::Old => return Update::Ignored,
         };
+        self.heard = Some(Arrival {
+            at_s: now_s,
+            late_s: now_s - measured_s,
+        });
         let bank_rad = -f64::from(data.roll);
         if let Some(last) = self.attitude.filter(|_| update == Update::Fresh) {
             let gap_s = (measured_s - last.measured_s).max(0.0);

@@ -178,6 +178,24 @@ fn standard_error_into_a_pipe_that_nobody_reads_and_a_closed_one() {
     assert!(other.ended().success());
 }
 
+/// The vehicle passes the texts on to its other links, where perhaps nobody looks: the terminal shows them too.
+#[test]
+fn the_terminal_shows_what_the_operator_reads() {
+    let live = Live::udp(None, None);
+    let folder = live::folder("words");
+    let said = folder.join("said.txt");
+    let mut command = command("exec \"$@\"", &live, &folder, &[]);
+    let child = command.stderr(fs::File::create(&said).expect("a file"));
+    let mut program = Program(child.spawn().expect("the program starts"));
+    avoids(&live);
+    program.signal("TERM");
+    assert!(program.ended().success());
+    let said = fs::read_to_string(&said).expect("a file");
+    let begins = |words: &str| said.lines().filter(|line| line.starts_with(words)).count();
+    assert_eq!(begins("fga: avoiding "), 1, "{said}");
+    assert_eq!(begins("fga: ready"), 1, "{said}");
+}
+
 #[test]
 fn disk_full_in_a_manoeuvre_and_a_restart_on_the_full_disk() {
     // A file may grow to 48 KiB: reached after some seconds.

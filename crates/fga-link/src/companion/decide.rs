@@ -234,10 +234,10 @@ impl Companion {
         if let Some(decider) = &mut self.decider {
             decider.set_vehicle_in_need(in_need);
             let known = decider.vehicle();
-            // Worse limits count at once; better ones only between manoeuvres.
+            // Worse limits count at once; better ones only between manoeuvres, or where no proof rests on the limits.
             let worse = wanted.course_rate_radps() < known.course_rate_radps();
             let idle = decider.state() == AvoiderState::Cruise;
-            if differs(&wanted, known) && (worse || idle) {
+            if differs(&wanted, known) && (worse || idle || !decider.proves()) {
                 decider.retune(&wanted);
             }
             return Some(());

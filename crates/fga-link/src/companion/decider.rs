@@ -69,6 +69,12 @@ impl Decider {
         }
     }
 
+    /// Whether it has proven a manoeuvre with its limits. Algorithm 4 follows its circle by the airspeed that the vehicle flies
+    /// now.
+    pub(super) const fn proves(&self) -> bool {
+        matches!(self, Self::Avoider(_))
+    }
+
     /// The limits of plans in need; `None` where they are the ordinary ones.
     pub(super) fn vehicle_in_need(&self) -> Option<&Vehicle> {
         match self {

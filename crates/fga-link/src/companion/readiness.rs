@@ -99,8 +99,9 @@ pub(super) struct Told {
     pub(super) need: bool,
     /// Whether an obstacle without a way round was reported.
     pub(super) no_way: bool,
-    /// Whether a failing airspeed sensor was reported.
-    pub(super) airspeed: bool,
+    /// Whether a failing airspeed sensor was reported, and since when it fails, seconds.
+    airspeed: bool,
+    airspeed_fails_s: Option<f64>,
 }
 
 impl Told {
@@ -111,6 +112,7 @@ impl Told {
         need: false,
         no_way: false,
         airspeed: false,
+        airspeed_fails_s: None,
     };
 }
 
@@ -228,12 +230,17 @@ impl Companion {
 
     /// Reports once that ground speed and wind stand in for the airspeed sensor.
     pub(super) fn tell_airspeed(&mut self, now_s: f64) {
-        let fails = self.ownship.airspeed_fails();
-        if fails && !self.told.airspeed {
+        if !self.ownship.airspeed_fails() {
+            self.told.airspeed_fails_s = None;
+            return;
+        }
+        // In a take-off run the airspeed comes after the ground speed.
+        let since_s = *self.told.airspeed_fails_s.get_or_insert(now_s);
+        if now_s - since_s >= LOST_S && !self.told.airspeed {
+            self.told.airspeed = true;
             let words = "fga: airspeed sensor fails, ground speed used";
             self.tell(Severity::Warning, words, now_s);
         }
-        self.told.airspeed |= fails;
     }
 
     /// Reports to the operator a lost ability, or why it does not come.

@@ -66,6 +66,7 @@ impl Companion {
             self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         if from_vehicle {
             self.take_telemetry(message, now_s);
+            self.take_held_reports(now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
     }

@@ -28,6 +28,10 @@ const HIGHEST_M: f64 = 30_000.0;
 /// flies that slowly in air that thin.
 const SLOW_MPS: f64 = 40.0;
 const HIGHEST_SLOW_M: f64 = 7_500.0;
+/// A report that breaks a silence of the telemetry waits this long for it, seconds, …
+const HELD_S: f64 = 0.1;
+/// … with at most this number of others.
+const MOST_HELD: usize = 64;
 /// An obstacle without a number of its own.
 const UNNUMBERED: u16 = u16::MAX;
 
@@ -43,6 +47,12 @@ impl Companion {
         let on_board = Some(system) == self.vehicle_system();
         let sender = |source| Sender::mavlink(source, system, header.component_id);
         let report = match message {
+            MavMessage::ADSB_VEHICLE(data)
+                if self.ownship.is_silent(now_s) && self.held_reports.len() < MOST_HELD =>
+            {
+                self.held_reports.push((header, data.clone(), now_s));
+                None
+            }
             MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
                 let (remote_id, _) = self.tracks.remote_id();
@@ -95,6 +105,21 @@ impl Companion {
         })
     }
 
+    /// Takes the reports that broke a silence: the telemetry behind them shows whether they waited in its queue, or does not
+    /// come.
+    pub(super) fn take_held_reports(&mut self, now_s: f64) {
+        let waits = |heard_s: f64| self.ownship.is_silent(now_s) && now_s - heard_s < HELD_S;
+        let first = self.held_reports.first();
+        if first.is_none_or(|(_, _, heard_s)| waits(*heard_s)) {
+            return;
+        }
+        for (header, data, heard_s) in core::mem::take(&mut self.held_reports) {
+            if let Some(report) = self.adsb_report(&data, header, heard_s) {
+                self.take_report(&report, now_s);
+            }
+        }
+    }
+
     fn adsb_report(
         &mut self,
         data: &ADSB_VEHICLE_DATA,
@@ -111,7 +136,8 @@ impl Companion {
         };
         let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
         let sender = Sender::mavlink(source, system, header.component_id);
-        let report = Report::from_adsb(data, sender, now_s, sigma_m);
+        let sent_s = now_s - self.ownship.queued_s();
+        let report = Report::from_adsb(data, sender, sent_s, sigma_m);
         if let Err(defect) = report {
             let key = match adsb_address(data) {
                 0 => Key::Unnamed(sender),

@@ -1,24 +1,23 @@
 //! Roll by `RC_CHANNELS_OVERRIDE` in FBWB, as in Algorithm 4.
 
-use fga::maneuver::Maneuver;
-use fga::prediction::Flyer;
-use fga::situation::Ownship;
-use fga::vehicle::Vehicle;
 use fga_paper::algorithm_4::{PWM_NEUTRAL_US, pwm_us};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
+use super::attitude::attitude_for;
 use super::{Hand, Reach, Target};
 use crate::mode::Mode;
 use crate::number::to_u16;
 
-/// A turn ends this close to its course, radians.
-const REACHED_RAD: f64 = 0.01;
 /// Ground station's system id if the vehicle's parameter is unknown.
 const GROUND_SYSTEM: f64 = 255.0;
 
 /// Flies by the roll stick; full stick is the vehicle's own bank limit.
-#[derive(Debug)]
-pub struct StickHand;
+#[derive(Debug, Default)]
+pub struct StickHand {
+    /// The throttle stick of this manoeuvre, microseconds. In FBWB it sets the airspeed: a stick that followed the
+    /// measured airspeed would let it wander (on an ArduPlane by ±2.3 m/s every 8 s, with ±3 m of height).
+    throttle_us: Option<u16>,
+}
 
 impl StickHand {
     /// Overrides count only from the ground station's system id.
@@ -32,10 +31,13 @@ impl StickHand {
         reach.outbox.send_as(ground, message);
     }
 
-    fn roll(roll_us: u16, reach: &mut Reach<'_>) {
+    fn roll(&mut self, roll_us: u16, reach: &mut Reach<'_>) {
         let named = |name: &str| reach.parameters.get(name).unwrap_or(0.0);
         let (lowest_mps, highest_mps) = (named("AIRSPEED_MIN"), named("AIRSPEED_MAX"));
-        let throttle_us = throttle_us(reach.airspeed_mps, lowest_mps, highest_mps);
+        let airspeed_mps = reach.airspeed_mps;
+        let throttle_us = *self
+            .throttle_us
+            .get_or_insert_with(|| throttle_us(airspeed_mps, lowest_mps, highest_mps));
         Self::send(Some([roll_us, to_u16(PWM_NEUTRAL_US), throttle_us]), reach);
     }
 }
@@ -49,42 +51,28 @@ impl Hand for StickHand {
         Some(Mode::CRUISE)
     }
 
+    fn begin(&mut self) {
+        self.throttle_us = None;
+    }
+
     fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
         let full_rad = reach.parameters.get("ROLL_LIMIT_DEG")?.to_radians();
-        let bank_rad = bank_for(
-            target.maneuver,
-            target.elapsed_s,
-            &target.own.ownship,
-            target.vehicle,
-        );
-        let bank_rad = bank_rad.clamp(-target.bank_limit_rad, target.bank_limit_rad);
-        Self::roll(to_u16(pwm_us(bank_rad, full_rad)?), reach);
-        Some(bank_rad)
+        let own = &target.own.ownship;
+        let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
+        let wanted = attitude_for(target.maneuver, elapsed_s, own, target.vehicle, limit_rad);
+        self.roll(to_u16(pwm_us(wanted.bank_rad, full_rad)?), reach);
+        Some(wanted.bank_rad)
     }
 
     /// CRUISE locks its heading once the stick is centred.
     fn fly_straight(&mut self, reach: &mut Reach<'_>) {
-        Self::roll(to_u16(PWM_NEUTRAL_US), reach);
+        self.roll(to_u16(PWM_NEUTRAL_US), reach);
     }
 
     /// The vehicle would hold the sticks for seconds, and CRUISE would go on turning.
     fn let_go(&mut self, reach: &mut Reach<'_>) {
         Self::send(None, reach);
     }
-}
-
-/// The bank of a manoeuvre, radians, positive to the left: the stage's bank until rolling out ends on its course.
-fn bank_for(maneuver: &Maneuver, elapsed_s: f64, own: &Ownship, vehicle: &Vehicle) -> f64 {
-    let Some(stage) = maneuver.stage_at(elapsed_s) else {
-        return 0.0;
-    };
-    let flyer = Flyer::new(vehicle);
-    let left_rad = stage.course_rad - own.course_rad - flyer.rollout_rad(own.bank_rad);
-    if left_rad.abs() < REACHED_RAD {
-        return 0.0;
-    }
-    let rate_radps = vehicle.course_rate_radps() * stage.rate_share.clamp(0.0, 1.0);
-    flyer.bank_rad(rate_radps.copysign(left_rad))
 }
 
 /// Leaves a channel unchanged.
@@ -124,28 +112,6 @@ pub fn throttle_us(airspeed_mps: f64, lowest_mps: f64, highest_mps: f64) -> u16 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fga::Vec3;
-
-    #[test]
-    fn a_turn_is_flown_at_full_bank_until_rolling_out_ends_it() {
-        let vehicle = Vehicle::from_bank(20.0, 0.7).unwrap();
-        let own = |course_rad| Ownship {
-            position_m: Vec3::ZERO,
-            course_rad,
-            climb_rad: 0.0,
-            bank_rad: 0.0,
-            airspeed_mps: 20.0,
-        };
-        let bank_at = |course_rad: f64, at_s: f64| {
-            let maneuver = Maneuver::turn(1.0, 0.5, 0.0);
-            bank_for(&maneuver, at_s, &own(course_rad), &vehicle)
-        };
-        assert_eq!(bank_at(0.0, 0.5), 0.0);
-        assert!((bank_at(0.0, 1.0) - 0.7).abs() < 1e-9);
-        assert!((bank_at(0.4, 1.0) - 0.7).abs() < 1e-9);
-        assert_eq!(bank_at(0.495, 1.0), 0.0);
-        assert!((bank_at(0.6, 1.0) + 0.7).abs() < 1e-9);
-    }
 
     #[test]
     fn the_throttle_stick_spans_the_airspeeds() {

@@ -512,6 +512,18 @@ fn an_arduplane_meets_a_fence_a_pilot_and_a_death() {
     }
 }
 
+#[test]
+#[ignore = "needs an ArduPlane in software in the loop, named by FGA_SITL"]
+fn an_arduplane_keeps_its_fence_in_a_wind_towards_it() {
+    if let Some(mut bench) = arduplane() {
+        let home = take_off(&mut bench);
+        bench.ground.set_parameter("SIM_WIND_DIR", 270.0);
+        bench.ground.set_parameter("SIM_WIND_SPD", 8.0);
+        bench.run_for(20.0);
+        meet_a_fence(&mut bench, home);
+    }
+}
+
 /// The emulator behind a TCP port; it flies a step for each `go`.
 fn serve_emulator(server: &TcpListener, go: &Receiver<u64>, done: &SyncSender<(f64, u64)>) {
     let mut emulator = Emulator::new(Settings {

@@ -151,3 +151,29 @@ fn a_cut_link_is_flown_through() {
     let wrong = all(Gap::Cut);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// A stalled link delivers what waited all at once: the reports' places are as old as the telemetry that waited with them, also where a
+/// report comes first.
+#[test]
+fn reports_that_waited_in_a_stalled_link_show_no_false_velocity() {
+    for begins_s in [0.0, 0.1] {
+        let mut world = World::new("", GOOD, 3);
+        let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
+        intruder.shown_m = 1200.0;
+        world.add(intruder);
+        world.run_while(140.0, "the turn", |w| !is_at(w, When::Turning));
+        world.run_until(world.time_s + begins_s);
+        let open_s = world.time_s + 3.0;
+        while world.time_s < open_s {
+            world.network.delay_s = open_s - world.time_s;
+            world.step();
+        }
+        world.network = GOOD;
+        world.run_until(150.0);
+        let texts = world.emulator.texts();
+        let false_velocity = texts.iter().find(|text| text.contains("false velocity"));
+        assert_eq!(false_velocity, None, "{begins_s}");
+        assert_eq!(world.emulator.mode_changes().len(), 2);
+        assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
+    }
+}

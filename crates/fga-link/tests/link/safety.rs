@@ -330,22 +330,28 @@ fn lost_traffic_ends_in_the_mission_again() {
 }
 
 /// A static obstacle 150 m wide on the leg, flown round as in the paper: CRUISE, FBWB, CRUISE.
+const PAPER: &str = "[command]\nmode = \"paper\"\n[protection]\nmargin_m = 5.0\n[[obstacle]]\nname = \"disc\"\nlatitude_deg = 37.6324141\nlongitude_deg = -122.3748\naltitude_m = 104.0\nradius_m = 150.0\n";
+
 fn paper_world(network: Network) -> World {
-    let config = "[command]\nmode = \"paper\"\n[protection]\nmargin_m = 5.0\n[[obstacle]]\nname = \"disc\"\nlatitude_deg = 37.6324141\nlongitude_deg = -122.3748\naltitude_m = 104.0\nradius_m = 150.0\n";
-    let mut world = World::new(config, network, 5);
+    let mut world = World::new(PAPER, network, 5);
     world.emulator.pilot_mode(Mode::Cruise);
     world
+}
+
+/// The disc, in the emulator's frame, metres.
+fn disc_m(world: &World) -> [f64; 3] {
+    world.emulator.home().to_local_m(fga_emulator::Place {
+        latitude_e7: 376_324_141,
+        longitude_e7: -1_223_748_000,
+        altitude_mm: 104_000,
+    })
 }
 
 #[test]
 fn algorithm_4_flies_round_a_static_obstacle() {
     for network in [GOOD, BAD] {
         let mut world = paper_world(network);
-        let at = world.emulator.home().to_local_m(fga_emulator::Place {
-            latitude_e7: 376_324_141,
-            longitude_e7: -1_223_748_000,
-            altitude_mm: 104_000,
-        });
+        let at = disc_m(&world);
         let mut least_m = f64::INFINITY;
         while world.time_s < 110.0 {
             world.step();
@@ -364,6 +370,40 @@ fn algorithm_4_flies_round_a_static_obstacle() {
         // Back on its course, north.
         assert!(world.off_leg().1 < 0.1, "{:?}", world.off_leg());
     }
+}
+
+/// In a turn an ArduPlane flies faster than its throttle stick asks for. A stick that follows the measured airspeed lets it
+/// wander; a plan with the airspeed of the fastest turn makes the circle too tight.
+#[test]
+fn algorithm_4_holds_its_throttle_and_follows_the_circle_at_the_airspeed_flown() {
+    // Two and a half times as much as was seen.
+    let mut settings = Settings::default();
+    settings.plant.airspeed_in_turn_mps = 6.0;
+    let mut world = World::with(settings, PAPER, GOOD, 5);
+    world.emulator.pilot_mode(Mode::Cruise);
+    world.keep_sent = true;
+    let at = disc_m(&world);
+    let (mut least_m, mut fastest_mps) = (f64::INFINITY, 0.0_f64);
+    while world.time_s < 110.0 {
+        world.step();
+        let plant = world.emulator.plant();
+        let own = plant.position_m();
+        least_m = least_m.min((own[0] - at[0]).hypot(own[1] - at[1]));
+        fastest_mps = fastest_mps.max(plant.airspeed_mps());
+    }
+    let sticks = world.sent.iter().filter_map(|(_, message)| match message {
+        MavMessage::RC_CHANNELS_OVERRIDE(data) if data.chan3_raw > 0 => Some(data.chan3_raw),
+        _ => None,
+    });
+    let (lowest_us, highest_us) =
+        sticks.fold((u16::MAX, 0), |(low, high), us| (low.min(us), high.max(us)));
+    eprintln!(
+        "least {least_m:.1} m, up to {fastest_mps:.1} m/s, throttle {lowest_us} to {highest_us} us"
+    );
+    assert_eq!(lowest_us, highest_us);
+    assert!((26.0..28.0).contains(&fastest_mps), "{fastest_mps}");
+    // The disc and its margin of 5 m.
+    assert!(least_m >= 154.5, "{least_m}");
 }
 
 /// Winds up to 0.8 of the airspeed from every side: the disc is kept, and the mode comes back. A disc that is seen too
@@ -401,11 +441,7 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
             );
             let mut world = World::with(settings, &config, GOOD, 5);
             world.emulator.pilot_mode(Mode::Cruise);
-            let at = world.emulator.home().to_local_m(fga_emulator::Place {
-                latitude_e7: 376_324_141,
-                longitude_e7: -1_223_748_000,
-                altitude_mm: 104_000,
-            });
+            let at = disc_m(&world);
             let mut least_m = f64::INFINITY;
             let mut is_past = false;
             while world.time_s < 1500.0 && !(is_past && world.mode() == Mode::Cruise) {
