@@ -12,8 +12,8 @@ mod hazards;
 mod zones;
 
 pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
-pub use hazards::{HazardSet, Hazards, MAX_HAZARDS, Rows};
-pub use zones::{MAX_ZONES, Zones};
+pub use hazards::{Around, HazardSet, Hazards, MAX_HAZARDS, Rows};
+pub use zones::{Fixed, MAX_ZONES, Zones};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
@@ -122,7 +122,7 @@ impl Certified {
 pub fn prove(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &Hazards,
+    hazards: Around<'_>,
     (horizon_s, target_m, enough_m): (f64, f64, f64),
     meter: &Meter,
 ) -> Option<Certified> {
@@ -131,7 +131,7 @@ pub fn prove(
         floor_m: target_m,
         enough_m,
     };
-    let found = bounded(flyer, path, hazards, &asked, (MOST_SPLITS, meter));
+    let found = bounded(flyer, path, &hazards, &asked, (MOST_SPLITS, meter));
     found.holds(target_m).then_some(Certified {
         margin_m: found.margin_m,
         target_m,
@@ -203,25 +203,27 @@ fn bounded<H: HazardSet + ?Sized>(
     effort: (u32, &Meter),
 ) -> Certificate {
     let found = bounded_from(flyer, path, hazards, asked, effort);
-    let zones = hazards.zones().filter(|_| found.status == Status::Proven);
-    let Some(zones) = zones else { return found };
-    // What is spared counts only for flights that enter none.
+    let is_proven = found.status == Status::Proven;
+    let fixed = (hazards.fixed()).filter(|fixed| is_proven && !fixed.is_empty());
+    let Some(fixed) = fixed else { return found };
+    // What is spared counts only for flights that enter nothing.
+    let spare_m = fixed.zones.spare_m;
     let asked = Asked {
-        floor_m: (asked.floor_m - zones.spare_m).max(asked.floor_m.min(0.0)),
-        enough_m: (found.margin_m - zones.spare_m).max(0.0),
+        floor_m: (asked.floor_m - spare_m).max(asked.floor_m.min(0.0)),
+        enough_m: (found.margin_m - spare_m).max(0.0),
         ..*asked
     };
-    let nearest = bounded_from(flyer, path, zones, &asked, effort);
+    let nearest = bounded_from(flyer, path, &fixed, &asked, effort);
     if nearest.holds(asked.enough_m) {
         return found;
     }
     Certificate {
-        margin_m: found.margin_m.min(zones.margin_m(nearest.margin_m)),
+        margin_m: found.margin_m.min(fixed.margin_m(nearest.margin_m)),
         ..nearest
     }
 }
 
-/// The same for a set without the zones beside it.
+/// The same for a set without what is fixed beside it.
 fn bounded_from<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,

@@ -1,6 +1,7 @@
-//! The zones near an aircraft, for the certificate: how close a line comes to them.
+//! What is fixed over the ground, for the certificate: how close a line comes to the zones near an aircraft, and to the ground.
 
 use super::hazard::{Hazard, Line, Obstruction};
+use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LOOK, Meter};
@@ -60,6 +61,38 @@ pub struct Zones {
     until_s: f64,
     /// The margin of a flight that enters none is its distance from the nearest one and this, metres.
     pub spare_m: f64,
+    /// What binds of the ground.
+    pub binding: Binding,
+}
+
+/// The zones near an aircraft, and the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct Fixed<'a> {
+    pub(super) zones: &'a Zones,
+    pub(super) ground: Option<&'a Ground<'a>>,
+}
+
+impl Fixed<'_> {
+    /// Whether there is neither.
+    pub fn is_empty(&self) -> bool {
+        self.zones.is_empty() && self.ground.is_none()
+    }
+
+    /// Least margin on a line and its time, where it is lower than another one.
+    pub fn lower(&self, line: &Line, least: (f64, f64), meter: &Meter) -> (f64, f64) {
+        let below_m = (least.0 - self.zones.spare_m).max(0.0);
+        let found = (!self.is_empty()).then(|| self.least_on_line(line, below_m, meter));
+        let found = found.flatten();
+        found.map_or(least, |(distance_m, at_s)| {
+            (self.margin_m(distance_m), at_s)
+        })
+    }
+
+    /// The margin of a flight at a distance, metres.
+    pub(super) fn margin_m(&self, distance_m: f64) -> f64 {
+        let is_entered = distance_m < 0.0;
+        distance_m + if is_entered { 0.0 } else { self.zones.spare_m }
+    }
 }
 
 impl Zones {
@@ -72,6 +105,7 @@ impl Zones {
         wind_mps: Vec3::ZERO,
         until_s: 0.0,
         spare_m: 0.0,
+        binding: Binding::ALL,
     };
 
     /// Whether no zone is known.
@@ -79,26 +113,12 @@ impl Zones {
         self.all.is_empty()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one.
-    pub fn lower(&self, line: &Line, least: (f64, f64), meter: &Meter) -> (f64, f64) {
-        let below_m = (least.0 - self.spare_m).max(0.0);
-        let found = (!self.is_empty()).then(|| self.least_on_line(line, below_m, meter));
-        let found = found.flatten();
-        found.map_or(least, |(distance_m, at_s)| {
-            (self.margin_m(distance_m), at_s)
-        })
-    }
-
-    /// The margin of a flight at a distance, metres.
-    pub(super) fn margin_m(&self, distance_m: f64) -> f64 {
-        distance_m + if distance_m < 0.0 { 0.0 } else { self.spare_m }
-    }
-
     /// Forgets all, in a wind, metres per second; those that follow count up to a moment, seconds.
     pub const fn clear(&mut self, wind_mps: Vec3, until_s: f64) {
         self.all.clear();
         self.runs.clear();
         (self.wind_mps, self.until_s, self.spare_m) = (wind_mps, until_s, 0.0);
+        self.binding = Binding::ALL;
     }
 
     /// Adds what of a zone is within a distance of the place where flights begin, metres. False where that place is on the wrong
@@ -152,28 +172,29 @@ impl Zones {
 }
 
 /// All as one, by the distance from the nearest.
-impl Obstruction for Zones {
+impl Obstruction for Fixed<'_> {
     fn index(&self) -> u32 {
         u32::MAX
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
         // Over the ground, where they are at rest.
+        let zones = self.zones;
         let over = Line {
-            from_m: line.from_m + self.wind_mps * line.at_s,
-            velocity_mps: line.velocity_mps + self.wind_mps,
+            from_m: line.from_m + zones.wind_mps * line.at_s,
+            velocity_mps: line.velocity_mps + zones.wind_mps,
             at_s: line.at_s,
-            duration_s: line.duration_s.min(self.until_s - line.at_s),
+            duration_s: line.duration_s.min(zones.until_s - line.at_s),
         };
         if over.duration_s < 0.0 {
             return None;
         }
-        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
+        if !meter.take(LOOK + zones.all.len().max(zones.runs.len())) {
             return Some((f64::NEG_INFINITY, line.at_s));
         }
         let mut least = None;
-        for Near { zone, runs } in self.all.iter() {
-            let runs = self.runs.get(runs.0..runs.1).unwrap_or(&[]);
+        for Near { zone, runs } in zones.all.iter() {
+            let runs = zones.runs.get(runs.0..runs.1).unwrap_or(&[]);
             let edges = |near_m: Span| {
                 let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
                 runs.flat_map(|run| {
@@ -184,7 +205,11 @@ impl Obstruction for Zones {
             let most_m = least.map_or(below_m, |(least_m, _)| least_m);
             least = zone.least_on_line(edges, &over, most_m).or(least);
         }
-        least
+        let most_m = least.map_or(below_m, |(least_m, _)| least_m);
+        let ground = self.ground;
+        let found =
+            ground.and_then(|ground| ground.least_on_line(&over, most_m, zones.binding, meter));
+        found.or(least)
     }
 }
 

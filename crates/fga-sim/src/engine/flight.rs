@@ -530,6 +530,7 @@ pub(super) fn situation<'a>(
             passing: &world.passing,
             limits_m: world.limits_m,
             zones,
+            ground: None,
         },
         wind_mps: world.wind_mps,
     }
