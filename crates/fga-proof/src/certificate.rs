@@ -326,25 +326,6 @@ pub fn mark_close(
     marks
 }
 
-/// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
-/// moment, seconds. Zones, which count for a shorter time, must be looked at again.
-pub fn keeps_on(
-    path: &FlightPath,
-    hazards: &Hazards,
-    (horizon_s, until_s): (f64, f64),
-    margin_m: f64,
-    meter: &Meter,
-) -> bool {
-    let margin_m = margin_m + path.remainder_m();
-    let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
-    hazards.zones.is_empty()
-        && line.is_some_and(|line| {
-            hazards.each_close(&line, margin_m, meter, |hazard| {
-                hazard.least_on_line(&line, margin_m, meter).is_none()
-            })
-        })
-}
-
 /// The straight line between two moments of a flight, at constant speed.
 #[derive(Debug, Clone, Copy)]
 pub struct Chord<'a> {
@@ -638,24 +619,6 @@ mod tests {
         assert!(found.holds(50.0));
         assert!(path.nodes().len() > 15);
         assert!(meter.done() <= 3, "{} looks", meter.done());
-    }
-
-    #[test]
-    fn the_flight_after_a_path_keeps_on_where_nothing_is_ahead_of_it() {
-        let flyer = flyer();
-        let path = turned(&flyer, core::f64::consts::PI);
-        let keeps = |(x, y): (f64, f64), margin_m, horizon_s| {
-            let mut hazards = Hazards::new();
-            hazards.put(0, sphere(0, Vec3::new(x, y, 0.0)));
-            let ahead_s = (horizon_s, 120.0);
-            keeps_on(&path, &hazards, ahead_s, margin_m, &Meter::unlimited())
-        };
-        // It flies back along y = 200 m for 100 s, some 2 km.
-        let ahead_m = (-1500.0, 220.0);
-        assert!(keeps(ahead_m, 18.9, 60.0) && !keeps(ahead_m, 19.1, 60.0));
-        assert!(keeps((-2500.0, 220.0), 100.0, 60.0) && keeps((2500.0, 220.0), 100.0, 60.0));
-        // A path that goes on after the horizon tells nothing of what follows.
-        assert!(!keeps((2500.0, 220.0), 100.0, 10.0));
     }
 
     #[test]

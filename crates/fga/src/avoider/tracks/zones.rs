@@ -26,6 +26,9 @@ const TURNS_ROUND: f64 = 2.9;
 /// Below what it takes to clear the ground a manoeuvre may come lower by this, metres: the way out takes a moment to begin.
 const LOWER_M: f64 = 1.0;
 
+/// Most work for what binds of the ground.
+const GROUND_WORK: u32 = 4_000;
+
 /// The aircraft begins to turn into a direction within this time, seconds, and this number of its bank's time constants.
 const DECIDES_S: f64 = 1.0;
 const ROLLS: f64 = 3.0;
@@ -71,7 +74,7 @@ impl Tracks {
             }
         }
         if let Some(ground) = mission.ground {
-            let meter = Meter::unlimited();
+            let meter = Meter::new(GROUND_WORK, GROUND_WORK);
             let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
             self.work += meter.done() as usize;
             self.hazards.zones.binding = binding;
@@ -145,7 +148,8 @@ fn bound(
     };
     let margins_m = margins_m(most_m, binding);
     let lowest_m = margins_m[0].min(margins_m[1]);
-    let lowered_m = if lowest_m < 0.0 {
+    // What is not known of the mission for lack of work does not count.
+    let lowered_m = if lowest_m < 0.0 && lowest_m.is_finite() {
         LOWER_M - lowest_m
     } else {
         0.0
@@ -203,7 +207,7 @@ pub(in crate::avoider) fn has_entered(
     let ahead = || mission_ahead(situation, leg, flyer);
     let mut zones = situation.mission.zones.iter();
     let is_low = |ground: &Ground<'_>| {
-        let meter = Meter::unlimited();
+        let meter = Meter::new(GROUND_WORK, GROUND_WORK);
         let here = Line::at(own_m);
         (ground.least_on_line(&here, 0.0, Binding::ALL, &meter)).is_some() && {
             let (_, [of_mission_m, of_own_m]) = bound(ground, &ahead(), own_m, 0.0, &meter);
