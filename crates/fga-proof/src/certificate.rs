@@ -122,7 +122,7 @@ impl Certified {
 pub fn prove(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: Around<'_>,
+    around: Around<'_>,
     (horizon_s, target_m, enough_m): (f64, f64, f64),
     meter: &Meter,
 ) -> Option<Certified> {
@@ -131,12 +131,12 @@ pub fn prove(
         floor_m: target_m,
         enough_m,
     };
-    let found = bounded(flyer, path, &hazards, &asked, (MOST_SPLITS, meter));
+    let found = bounded(flyer, path, &around, &asked, (MOST_SPLITS, meter));
     found.holds(target_m).then_some(Certified {
         margin_m: found.margin_m,
         target_m,
         horizon_s,
-        hazards: u32::try_from(hazards.rows().len()).unwrap_or(u32::MAX),
+        hazards: u32::try_from(around.hazards.rows().len()).unwrap_or(u32::MAX),
     })
 }
 

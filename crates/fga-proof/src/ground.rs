@@ -1,9 +1,8 @@
 //! The ground: a grid of heights, and how high a line is above what it takes to clear them.
 //!
 //! Between four posts the ground is bilinear. A flight clears it by a margin if all within that margin of it, to each side, up and down,
-//! is higher than the ground, its vertical error and the clearance. A piece of a line is clear where the lowest of it is above the
-//! highest ground within the margin of it, and a hierarchy of the largest heights says how high that is; otherwise it is halved, until
-//! one of its ends is too low, or it is so short that it counts as too low.
+//! is higher than ground, vertical error and clearance. A piece of a line is clear where its lowest point is above the highest ground
+//! within the margin, which a hierarchy knows; otherwise it is halved, until an end of it is too low, or it is so short that it counts as that.
 
 use crate::certificate::Line;
 use crate::meter::{GROUND, Meter};

@@ -89,15 +89,6 @@ struct Now<'a> {
     ground: Option<&'a Ground<'a>>,
 }
 
-impl<'a> Now<'a> {
-    fn of(situation: &Situation<'a>) -> Self {
-        Self {
-            state: MotionState::of(&situation.ownship),
-            ground: situation.mission.ground,
-        }
-    }
-}
-
 impl core::ops::Deref for Now<'_> {
     type Target = MotionState;
 
@@ -407,7 +398,10 @@ impl Avoider {
     }
 
     fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
-        let now = Now::of(situation);
+        let now = Now {
+            state: MotionState::of(&situation.ownship),
+            ground: situation.mission.ground,
+        };
         self.on_mission(situation, |progress, route| {
             progress.update(route, &now, situation.time_s);
         });

@@ -197,12 +197,6 @@ impl Hazards {
         &self.rows
     }
 
-    /// Number of blocks of four in use.
-    #[inline]
-    pub(crate) fn block_count(&self) -> usize {
-        self.rows.len().div_ceil(LANES)
-    }
-
     /// The hazards and the ground below.
     pub const fn over<'a>(&'a self, ground: Option<&'a Ground<'a>>) -> Around<'a> {
         let hazards = self;
@@ -232,7 +226,7 @@ impl HazardSet for Hazards {
         meter: &Meter,
         mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
-        if !meter.take(self.block_count().max(1)) {
+        if !meter.take(self.rows.len().div_ceil(LANES).max(1)) {
             return false;
         }
         if self.rows.len() <= FEW {
@@ -261,7 +255,7 @@ impl HazardSet for Hazards {
 /// Hazards, and the ground below.
 #[derive(Debug, Clone, Copy)]
 pub struct Around<'a> {
-    hazards: &'a Hazards,
+    pub(super) hazards: &'a Hazards,
     ground: Option<&'a Ground<'a>>,
 }
 
@@ -272,15 +266,6 @@ impl<'a> Around<'a> {
             zones: &self.hazards.zones,
             ground: self.ground,
         }
-    }
-}
-
-impl core::ops::Deref for Around<'_> {
-    type Target = Hazards;
-
-    #[inline]
-    fn deref(&self) -> &Hazards {
-        self.hazards
     }
 }
 

@@ -500,7 +500,10 @@ mod tests {
             obstacles: Obstacles::Rows(rows),
             ..situation
         };
-        let now = Now::of(&situation);
+        let now = Now {
+            state: MotionState::of(&situation.ownship),
+            ground: None,
+        };
         avoider.meter = crate::meter::Meter::unlimited();
         avoider.load_tracks(&situation, None);
         avoider.far_s = avoider.far_horizon_s(&now);
