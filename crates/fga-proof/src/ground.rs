@@ -20,8 +20,9 @@ const ROUNDED_M: f64 = 1e-6;
 /// How deep a line comes is known to this, metres.
 const DEEP_M: f64 = 0.1;
 
-/// A margin is known to one part in two to the power of this.
-const HALVINGS: u32 = 8;
+/// A margin is known to this, metres, or to this share of it.
+const KNOWN_M: f64 = 0.01;
+const KNOWN_SHARE: f64 = 0.1;
 
 /// Most looks along a line.
 const MOST_LOOKS: u32 = 10_000;
@@ -195,7 +196,7 @@ impl<'a> Ground<'a> {
 
     /// How high a line over the ground and all within a distance of it is above what it takes to clear the ground, metres, where that is
     /// least, and the moment, seconds after its start: 0 if it clears it; otherwise what is known of it, or anything below a stop.
-    fn lowest(
+    pub fn lowest(
         &self,
         line: &Line,
         (beside_m, stop_m): (f64, f64),
@@ -237,8 +238,8 @@ impl<'a> Ground<'a> {
         (f64::NEG_INFINITY, from_s)
     }
 
-    /// The least margin of a line over the ground, metres, and its moment, seconds, if it is below one; negative, by its depth, if it
-    /// comes lower than it takes to clear the ground. Minus infinity if the meter refuses work.
+    /// The least margin of a line over the ground, metres, and its moment, seconds, if it is below one; negative, by how deep a place of it
+    /// is, if it comes lower than it takes to clear the ground. Minus infinity if the meter refuses work.
     pub fn least_on_line(
         &self,
         line: &Line,
@@ -246,23 +247,23 @@ impl<'a> Ground<'a> {
         binding: Binding,
         meter: &Meter,
     ) -> Option<(f64, f64)> {
-        let short = |beside_m, stop_m| self.lowest(line, (beside_m, stop_m), binding, meter);
+        let above = |beside_m| self.lowest(line, (beside_m, 0.0), binding, meter);
         let (mut margin_m, mut high_m) = (0.0, below_m.max(0.0));
-        let mut found = short(high_m, 0.0);
+        let mut found = above(high_m);
         if found.0 >= 0.0 {
             return None;
         }
-        let deepest = short(0.0, f64::NEG_INFINITY);
-        if deepest.0 < 0.0 {
-            (margin_m, found) = (deepest.0, deepest);
-        } else {
-            for _ in 0..HALVINGS {
-                let middle_m = 0.5 * (margin_m + high_m);
-                if short(middle_m, 0.0).0 < 0.0 {
-                    high_m = middle_m;
-                } else {
-                    margin_m = middle_m;
-                }
+        let entered = above(0.0);
+        if entered.0 < 0.0 {
+            (margin_m, found) = (entered.0, entered);
+        }
+        while margin_m >= 0.0 && high_m - margin_m > KNOWN_M.max(KNOWN_SHARE * margin_m) {
+            let share = if margin_m == 0.0 { 0.25 } else { 0.5 };
+            let between_m = margin_m + share * (high_m - margin_m);
+            if above(between_m).0 < 0.0 {
+                high_m = between_m;
+            } else {
+                margin_m = between_m;
             }
         }
         if meter.is_spent() {

@@ -309,8 +309,9 @@ fn over_level_ground_the_margin_is_the_height() {
     // The depth is known to 0.1 m, at the moment at which it is lowest.
     let line = Line::between(Vec3::from_array(low.0), Vec3::from_array(low.1));
     let ground = grid.ground(10.0, 20.0);
-    let found = ground.least_on_line(&line, 5.0, Binding::ALL, &Meter::unlimited());
-    let (depth_m, at_s) = found.unwrap();
+    let (deepest, meter) = ((0.0, f64::NEG_INFINITY), Meter::unlimited());
+    let found = ground.lowest(&line, deepest, Binding::ALL, &meter);
+    let (depth_m, at_s) = found;
     assert!((-1.2..=-1.0).contains(&depth_m) && at_s == 1.0, "{found:?}");
 }
 

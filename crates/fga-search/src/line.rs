@@ -94,7 +94,7 @@ impl Search<'_> {
             least.0 >= floor_m
         });
         let around = scene.hazards.over(scene.ground);
-        around.all_fixed().lower(line, least, meter)
+        around.all_fixed().lower(line, least, floor_m, meter)
     }
 
     /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the

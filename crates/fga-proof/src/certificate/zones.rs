@@ -78,14 +78,40 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one.
-    pub fn lower(&self, line: &Line, least: (f64, f64), meter: &Meter) -> (f64, f64) {
-        let below_m = (least.0 - self.zones.spare_m).max(0.0);
-        let found = (!self.is_empty()).then(|| self.least_on_line(line, below_m, meter));
-        let found = found.flatten();
-        found.map_or(least, |(distance_m, at_s)| {
-            (self.margin_m(distance_m), at_s)
-        })
+    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or
+    /// that the line enters it.
+    pub fn lower(
+        &self,
+        line: &Line,
+        mut least: (f64, f64),
+        floor_m: f64,
+        meter: &Meter,
+    ) -> (f64, f64) {
+        let zones = self.zones;
+        if !zones.is_empty() {
+            let below_m = (least.0 - zones.spare_m).max(0.0);
+            let found = Fixed {
+                zones,
+                ground: None,
+            }
+            .least_on_line(line, below_m, meter);
+            least = found.map_or(least, |(distance_m, at_s)| {
+                (self.margin_m(distance_m), at_s)
+            });
+        }
+        let ground = self.ground.filter(|_| least.0 >= floor_m);
+        let (Some(ground), Some(over)) = (ground, zones.over(line)) else {
+            return least;
+        };
+        let asked_m = (floor_m - zones.spare_m).max(0.0);
+        let (above_m, after_s) = ground.lowest(&over, (asked_m, 0.0), zones.binding, meter);
+        if above_m < 0.0 {
+            least = (
+                least.0.min(floor_m.max(0.0) - ROUNDED_M),
+                line.at_s + after_s,
+            );
+        }
+        least
     }
 
     /// The margin of a flight at a distance, metres.
@@ -111,6 +137,17 @@ impl Zones {
     /// Whether no zone is known.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
+    }
+
+    /// The part of a line that counts, over the ground, where all are at rest.
+    fn over(&self, line: &Line) -> Option<Line> {
+        let duration_s = line.duration_s.min(self.until_s - line.at_s);
+        (duration_s >= 0.0).then_some(Line {
+            from_m: line.from_m + self.wind_mps * line.at_s,
+            velocity_mps: line.velocity_mps + self.wind_mps,
+            at_s: line.at_s,
+            duration_s,
+        })
     }
 
     /// Forgets all, in a wind, metres per second; those that follow count up to a moment, seconds.
@@ -178,17 +215,8 @@ impl Obstruction for Fixed<'_> {
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        // Over the ground, where they are at rest.
         let zones = self.zones;
-        let over = Line {
-            from_m: line.from_m + zones.wind_mps * line.at_s,
-            velocity_mps: line.velocity_mps + zones.wind_mps,
-            at_s: line.at_s,
-            duration_s: line.duration_s.min(zones.until_s - line.at_s),
-        };
-        if over.duration_s < 0.0 {
-            return None;
-        }
+        let over = zones.over(line)?;
         if !meter.take(LOOK + zones.all.len().max(zones.runs.len())) {
             return Some((f64::NEG_INFINITY, line.at_s));
         }

@@ -7,6 +7,7 @@ mod data;
 mod dead_time;
 mod departures;
 mod encounters;
+mod ground;
 mod identification;
 mod judged;
 mod lost_once;

@@ -130,18 +130,26 @@ fn bound(
     let margins_m = |most_m, binding| {
         [ahead, &own].map(|lines| {
             lines.iter().fold(most_m, |least_m: f64, line| {
-                let found = ground.least_on_line(line, least_m, binding, meter);
-                found.map_or(least_m, |(margin_m, _)| margin_m)
+                match ground.least_on_line(line, least_m, binding, meter) {
+                    Some((margin_m, _)) if margin_m < 0.0 => {
+                        let deepest = (0.0, f64::NEG_INFINITY);
+                        least_m.min(ground.lowest(line, deepest, binding, meter).0)
+                    }
+                    found => found.map_or(least_m, |(margin_m, _)| margin_m),
+                }
             })
         })
     };
+    let all_m = margins_m(most_m, Binding::ALL);
+    if all_m.iter().all(|margin_m| *margin_m >= 0.0) {
+        return (Binding::ALL, all_m);
+    }
     let only_unknown = Binding {
         lowered_m: f64::INFINITY,
         unknown: true,
     };
-    let unknown = margins_m(0.0, only_unknown)
-        .iter()
-        .all(|margin_m| *margin_m >= 0.0);
+    let is_known = |margin_m: &f64| *margin_m >= 0.0;
+    let unknown = margins_m(0.0, only_unknown).iter().all(is_known);
     let binding = Binding {
         unknown,
         ..Binding::ALL
