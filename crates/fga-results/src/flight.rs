@@ -94,7 +94,6 @@ pub fn summary(log: &RunLog) -> Value {
         })
         .collect();
     let [floor_broken, ceiling_broken] = log.limits_broken();
-    let ground = log.ground.as_ref().map(|ground| ground.least);
     let mut summary = json!({
         "name": log.plan.name,
         "policy": log.policy,
@@ -119,13 +118,15 @@ pub fn summary(log: &RunLog) -> Value {
         "decision_max_us": times.max_us,
         "obstacles": obstacles,
         "zones": zones,
-        "min_terrain_clearance_m": ground.map(|ground| finite(ground.value_m)),
-        "min_terrain_clearance_t_s": ground.map(|ground| ground.time_s),
     });
     let mut path = FlownPath::default();
     log.samples.iter().for_each(|sample| path.sample(sample));
     if let Some(metrics) = metrics_of(&log.plan.world, &path, outcome) {
         summary["standards"] = standards(&metrics);
+    }
+    if let Some(ground) = log.ground {
+        summary["min_terrain_clearance_m"] = finite(ground.least.value_m).into();
+        summary["min_terrain_clearance_t_s"] = ground.least.time_s.into();
     }
     if let Some(failure) = log.failure {
         summary["policy_failure"] = failure.name().into();
