@@ -70,12 +70,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
-    if !plan.world.zones.is_empty() || plan.world.ground.is_some() {
+    let unknown = match (plan.world.zones.is_empty(), &plan.world.ground) {
+        (true, None) => None,
+        (true, Some(_)) => Some("no ground, which only judges"),
+        (false, None) => Some("no zones, which only judge"),
+        (false, Some(_)) => Some("no zones and no ground, which only judge"),
+    };
+    if let Some(unknown) = unknown {
         for policy in policies.clone().filter(|policy| !policy.knows_zones()) {
             let (shown, policy) = (args.file.display(), policy.name());
-            eprintln!(
-                "fga: {shown}: warning: {policy} knows no zones and no ground, which only judge its flight"
-            );
+            eprintln!("fga: {shown}: warning: {policy} knows {unknown} its flight");
         }
     }
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {

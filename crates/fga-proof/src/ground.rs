@@ -124,15 +124,14 @@ impl<'a> Ground<'a> {
 
     /// The highest ground of a cell within a box in cells, metres; `None` where a post is unknown.
     fn of_cell_m(&self, (column, row): (usize, usize), (low, high): (Vec2, Vec2)) -> Option<f64> {
-        let mut posts_m = [[0.0; 2]; 2];
-        for (row, posts_m) in (row..).zip(&mut posts_m) {
-            let first = row * self.columns + column;
-            let known_m = self.heights_m.get(first..first + 2)?;
-            for (post_m, known_m) in posts_m.iter_mut().zip(known_m) {
-                *post_m = f64::from(*known_m);
-            }
-        }
-        let [[a, b], [c, d]] = posts_m;
+        let south = row * self.columns + column;
+        let post_m = |place| {
+            self.heights_m
+                .get(place)
+                .map_or(f64::NAN, |post_m| f64::from(*post_m))
+        };
+        let [a, b] = [south, south + 1].map(post_m);
+        let [c, d] = [south, south + 1].map(|place| post_m(place + self.columns));
         let corner = Vec2::new(column as f64, row as f64);
         let [low, high] = [low, high].map(|at| (at - corner).max(Vec2::ZERO).min(Vec2::ONE));
         let along_m = |north: f64, east: f64| {

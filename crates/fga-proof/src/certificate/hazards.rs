@@ -262,10 +262,8 @@ pub struct Around<'a> {
 impl<'a> Around<'a> {
     /// What is fixed over the ground.
     pub const fn all_fixed(&self) -> Fixed<'a> {
-        Fixed {
-            zones: &self.hazards.zones,
-            ground: self.ground,
-        }
+        let (zones, ground) = (&self.hazards.zones, self.ground);
+        Fixed { zones, ground }
     }
 }
 

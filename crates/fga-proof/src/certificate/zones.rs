@@ -78,8 +78,7 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or
-    /// that the line enters it.
+    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor.
     pub fn lower(
         &self,
         line: &Line,
@@ -87,29 +86,20 @@ impl Fixed<'_> {
         floor_m: f64,
         meter: &Meter,
     ) -> (f64, f64) {
-        let zones = self.zones;
-        if !zones.is_empty() {
-            let below_m = (least.0 - zones.spare_m).max(0.0);
-            let found = Fixed {
-                zones,
-                ground: None,
-            }
-            .least_on_line(line, below_m, meter);
-            least = found.map_or(least, |(distance_m, at_s)| {
-                (self.margin_m(distance_m), at_s)
-            });
-        }
-        let ground = self.ground.filter(|_| least.0 >= floor_m);
-        let (Some(ground), Some(over)) = (ground, zones.over(line)) else {
+        let (zones, spare_m) = (self.zones, self.zones.spare_m);
+        let Some(over) = zones.over(line).filter(|_| !self.is_empty()) else {
             return least;
         };
-        let asked_m = (floor_m - zones.spare_m).max(0.0);
-        let (above_m, after_s) = ground.lowest(&over, (asked_m, 0.0), zones.binding, meter);
-        if above_m < 0.0 {
-            least = (
-                least.0.min(floor_m.max(0.0) - ROUNDED_M),
-                line.at_s + after_s,
-            );
+        if let Some(found) = zones.least_on(&over, (least.0 - spare_m).max(0.0), meter) {
+            least = (self.margin_m(found.0), found.1);
+        }
+        if let Some(ground) = self.ground.filter(|_| least.0 >= floor_m) {
+            let asked = ((floor_m - spare_m).max(0.0), 0.0);
+            let (above_m, after_s) = ground.lowest(&over, asked, zones.binding, meter);
+            if above_m < 0.0 {
+                let below_m = floor_m.max(0.0) - ROUNDED_M;
+                least = (least.0.min(below_m), line.at_s + after_s);
+            }
         }
         least
     }
@@ -148,6 +138,27 @@ impl Zones {
             at_s: line.at_s,
             duration_s,
         })
+    }
+
+    /// The least distance of a line over the ground from the nearest, metres, and its moment, seconds, if below one.
+    fn least_on(&self, over: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
+            return Some((f64::NEG_INFINITY, over.at_s));
+        }
+        let mut least = None;
+        for Near { zone, runs } in self.all.iter() {
+            let runs = self.runs.get(runs.0..runs.1).unwrap_or(&[]);
+            let edges = |near_m: Span| {
+                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
+                runs.flat_map(|run| {
+                    let next_m = run.corners_m.iter().copied().skip(1);
+                    run.corners_m.iter().copied().zip(next_m)
+                })
+            };
+            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
+            least = zone.least_on_line(edges, over, most_m).or(least);
+        }
+        least
     }
 
     /// Forgets all, in a wind, metres per second; those that follow count up to a moment, seconds.
@@ -215,28 +226,12 @@ impl Obstruction for Fixed<'_> {
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        let zones = self.zones;
-        let over = zones.over(line)?;
-        if !meter.take(LOOK + zones.all.len().max(zones.runs.len())) {
-            return Some((f64::NEG_INFINITY, line.at_s));
-        }
-        let mut least = None;
-        for Near { zone, runs } in zones.all.iter() {
-            let runs = zones.runs.get(runs.0..runs.1).unwrap_or(&[]);
-            let edges = |near_m: Span| {
-                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
-                runs.flat_map(|run| {
-                    let next_m = run.corners_m.iter().copied().skip(1);
-                    run.corners_m.iter().copied().zip(next_m)
-                })
-            };
-            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
-            least = zone.least_on_line(edges, &over, most_m).or(least);
-        }
+        let over = self.zones.over(line)?;
+        let least = self.zones.least_on(&over, below_m, meter);
         let most_m = least.map_or(below_m, |(least_m, _)| least_m);
-        let ground = self.ground;
-        let found =
-            ground.and_then(|ground| ground.least_on_line(&over, most_m, zones.binding, meter));
+        let found = self
+            .ground
+            .and_then(|ground| ground.least_on_line(&over, most_m, self.zones.binding, meter));
         found.or(least)
     }
 }

@@ -78,7 +78,7 @@ impl Tracks {
             let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
             self.work += meter.done() as usize;
             self.hazards.zones.binding = binding;
-            if of_own_m < 0.0 && of_mission_m >= 0.0 {
+            if is_only_own([of_mission_m, of_own_m]) {
                 self.lead_out(Vec3::Z * -of_own_m, (flyer, climb_limits_rad), wanted_m);
             }
             least_m = of_mission_m.min(of_own_m).max(0.0);
@@ -117,6 +117,11 @@ impl Tracks {
     }
 }
 
+/// Whether the aircraft itself is too low, but not its mission.
+fn is_only_own([of_mission_m, of_own_m]: [f64; 2]) -> bool {
+    of_own_m < 0.0 && of_mission_m >= 0.0
+}
+
 /// What of the ground binds, and the margins of the mission ahead and of the aircraft itself, at most one, metres; negative where it is
 /// lower than it takes to clear the ground. A manoeuvre may be as low as these are, and over unknown ground where they are.
 fn bound(
@@ -140,29 +145,21 @@ fn bound(
             })
         })
     };
-    let all_m = margins_m(most_m, Binding::ALL);
-    if all_m.iter().all(|margin_m| *margin_m >= 0.0) {
-        return (Binding::ALL, all_m);
+    let mut binding = Binding::ALL;
+    let mut found_m = margins_m(most_m, binding);
+    if found_m[0].min(found_m[1]) < 0.0 {
+        binding.lowered_m = f64::INFINITY;
+        let unknown_m = margins_m(0.0, binding);
+        binding.unknown = unknown_m[0].min(unknown_m[1]) >= 0.0;
+        binding.lowered_m = 0.0;
+        found_m = margins_m(most_m, binding);
+        let lowest_m = found_m[0].min(found_m[1]);
+        // What is not known for lack of work lowers nothing.
+        if lowest_m < 0.0 && lowest_m.is_finite() {
+            binding.lowered_m = LOWER_M - lowest_m;
+        }
     }
-    let only_unknown = Binding {
-        lowered_m: f64::INFINITY,
-        unknown: true,
-    };
-    let is_known = |margin_m: &f64| *margin_m >= 0.0;
-    let unknown = margins_m(0.0, only_unknown).iter().all(is_known);
-    let binding = Binding {
-        unknown,
-        ..Binding::ALL
-    };
-    let margins_m = margins_m(most_m, binding);
-    let lowest_m = margins_m[0].min(margins_m[1]);
-    // What is not known of the mission for lack of work does not count.
-    let lowered_m = if lowest_m < 0.0 && lowest_m.is_finite() {
-        LOWER_M - lowest_m
-    } else {
-        0.0
-    };
-    (Binding { lowered_m, unknown }, margins_m)
+    (binding, found_m)
 }
 
 /// The lines of the mission from beside the aircraft on the leg that begins at a waypoint, for the way of a full circle.
@@ -216,11 +213,8 @@ pub(in crate::avoider) fn has_entered(
     let mut zones = situation.mission.zones.iter();
     let is_low = |ground: &Ground<'_>| {
         let meter = Meter::new(GROUND_WORK, GROUND_WORK);
-        let here = Line::at(own_m);
-        (ground.least_on_line(&here, 0.0, Binding::ALL, &meter)).is_some() && {
-            let (_, [of_mission_m, of_own_m]) = bound(ground, &ahead(), own_m, 0.0, &meter);
-            of_own_m < 0.0 && of_mission_m >= 0.0
-        }
+        let here = ground.lowest(&Line::at(own_m), (0.0, 0.0), Binding::ALL, &meter);
+        here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
     };
     zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, &ahead(), 0.0) >= 0.0)
         || situation.mission.ground.is_some_and(is_low)
