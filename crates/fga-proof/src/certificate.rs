@@ -7,6 +7,7 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
+mod ground;
 mod hazard;
 mod hazards;
 mod zones;

@@ -4,7 +4,7 @@ pub use crate::ground::WorldGround;
 pub use crate::obstacle::{TrackReport, WorldObstacle};
 pub use crate::zone::{WorldOutline, WorldZone};
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use fga::Vec3;
 use fga::situation::Passing;

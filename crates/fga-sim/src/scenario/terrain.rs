@@ -1,7 +1,7 @@
 //! The `[terrain]` table of a scenario.
 
+use alloc::sync::Arc;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use fga::Vec3;
 use fga_files::scenario::{TerrainFiles, TerrainTable};

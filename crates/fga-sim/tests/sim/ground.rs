@@ -2,7 +2,7 @@
 //!
 //! 60 flights by default; `FGA_GROUND_FLIGHTS` sets another number.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use fga::Vec2;
 use fga::avoider::Start;

@@ -15,17 +15,17 @@ const NEEDED_M: f64 = 25.0;
 
 /// Ground from 1 km behind to 7 km ahead and 1 km to both sides, by its height at a place; it lasts as long as the tests.
 fn ground(height_m: impl Fn(f64, f64) -> f64) -> Ground<'static> {
-    let (columns, rows) = (401, 101);
-    let heights: Vec<f32> = (0..columns * rows)
+    let (columns, rows) = (401_u16, 101_u16);
+    let heights: Vec<f32> = (0..u32::from(columns) * u32::from(rows))
         .map(|index| {
-            let x = f64::from(index % columns) * SPACING_M - 1000.0;
-            let y = f64::from(index / columns) * SPACING_M - 1000.0;
+            let x = f64::from(index % u32::from(columns)) * SPACING_M - 1000.0;
+            let y = f64::from(index / u32::from(columns)) * SPACING_M - 1000.0;
             #[expect(clippy::cast_possible_truncation, reason = "heights of a test")]
             let height = height_m(x, y) as f32;
             height
         })
         .collect();
-    let columns = columns as usize;
+    let columns = usize::from(columns);
     let mut peaks = vec![0.0; Ground::peak_count(columns, heights.len())];
     Ground::fill_peaks(columns, &heights, &mut peaks);
     let slices = (&*heights.leak(), &*peaks.leak());
@@ -103,10 +103,11 @@ fn in_a_valley_the_aircraft_climbs() {
 }
 
 /// The decisions of two flights without and with ground, side by side.
-fn are_the_same(mut flights: [Flight; 2], obstacles: &[Obstacle]) {
+fn are_the_same(mut free: Flight, mut bound: Flight, obstacles: &[Obstacle]) {
     let mut rows = [obstacles.to_vec(), obstacles.to_vec()];
     for _ in 0..400 {
-        let [one, other] = [0, 1].map(|which| flights[which].cycle(&mut rows[which]).command);
+        let one = free.cycle(&mut rows[0]).command;
+        let other = bound.cycle(&mut rows[1]).command;
         assert_eq!(one, other);
     }
 }
@@ -116,12 +117,12 @@ fn a_mission_that_clears_the_ground_or_leads_into_it_is_flown_as_given() {
     let free = || avoider(settings(Start::AtDetection), planar());
     let ridge = |x: f64, y: f64| -60.0 + 59.0 * (0.01 * x).sin() * (0.01 * y).cos();
     for height_m in [0.0, -40.0] {
-        are_the_same([free(), flight(move |x, y| ridge(x, y) + height_m)], &[]);
+        are_the_same(free(), flight(move |x, y| ridge(x, y) + height_m), &[]);
     }
     // Over unknown ground nothing binds, and far above the ground there is nothing to bind.
     let far_or_unknown = |level_m: f64| flight(move |_, _| level_m);
-    are_the_same([free(), far_or_unknown(f64::NAN)], &standing());
-    are_the_same([free(), far_or_unknown(-2000.0)], &standing());
+    are_the_same(free(), far_or_unknown(f64::NAN), &standing());
+    are_the_same(free(), far_or_unknown(-2000.0), &standing());
 }
 
 /// The mission leads 5 m above what it takes, its beginning lies 15 m below that.
