@@ -521,12 +521,14 @@ fn each_near<H: HazardSet + ?Sized>(
         let goes_on = chord.map_or(is_one, |chord| {
             hazards.each_close(&chord.line, worst.margin_m + chord.bow_m, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
-                let least = hazard.least_on_line(&chord.line, below_m, meter);
-                let Some(least) = least else { return true };
-                if is_one {
-                    look(&chord, hazard, least, worst);
+                if !is_one {
+                    return !hazard.is_near(&chord.line, below_m, meter);
                 }
-                is_one && worst.margin_m >= floor_m
+                if let Some(least) = hazard.least_on_line(&chord.line, below_m, meter) {
+                    look(&chord, hazard, least, worst);
+                    return worst.margin_m >= floor_m;
+                }
+                true
             }) && !meter.is_met()
         });
         if goes_on {

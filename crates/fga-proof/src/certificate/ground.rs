@@ -16,7 +16,7 @@ const DEEP_M: f64 = 0.1;
 
 /// A margin is known to this, metres, or to this share of it.
 const KNOWN_M: f64 = 0.01;
-const KNOWN_SHARE: f64 = 0.1;
+const KNOWN_SHARE: f64 = 0.25;
 
 /// Most looks along a line.
 const MOST_LOOKS: u32 = 10_000;
@@ -85,9 +85,11 @@ impl Ground<'_> {
         if entered.0 < 0.0 {
             (margin_m, found) = (entered.0, entered);
         }
+        // No margin is larger than a height.
+        let lowest_m = line.from_m + line.velocity_mps * found.1;
+        high_m = high_m.min(self.above_m((lowest_m, lowest_m), 0.0, binding));
         while margin_m >= 0.0 && high_m - margin_m > KNOWN_M.max(KNOWN_SHARE * margin_m) {
-            let share = if margin_m == 0.0 { 0.25 } else { 0.5 };
-            let between_m = margin_m + share * (high_m - margin_m);
+            let between_m = 0.5 * (margin_m + high_m);
             if above(between_m).0 < 0.0 {
                 high_m = between_m;
             } else {

@@ -78,7 +78,7 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor.
+    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or entered.
     pub fn lower(
         &self,
         line: &Line,
@@ -97,7 +97,9 @@ impl Fixed<'_> {
             let asked = ((floor_m - spare_m).max(0.0), 0.0);
             let (above_m, after_s) = ground.lowest(&over, asked, zones.binding, meter);
             if above_m < 0.0 {
-                let below_m = floor_m.max(0.0) - ROUNDED_M;
+                let at_m = over.from_m + over.velocity_mps * after_s;
+                let is_entered = ground.above_m((at_m, at_m), 0.0, zones.binding) < 0.0;
+                let below_m = if is_entered { 0.0 } else { floor_m.max(0.0) } - ROUNDED_M;
                 least = (least.0.min(below_m), line.at_s + after_s);
             }
         }
@@ -223,6 +225,18 @@ impl Zones {
 impl Obstruction for Fixed<'_> {
     fn index(&self) -> u32 {
         u32::MAX
+    }
+
+    fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {
+        let zones = self.zones;
+        let over = zones.over(line);
+        over.is_some_and(|over| {
+            zones.least_on(&over, below_m, meter).is_some()
+                || self.ground.is_some_and(|ground| {
+                    let asked = (below_m.max(0.0), 0.0);
+                    ground.lowest(&over, asked, zones.binding, meter).0 < 0.0
+                })
+        })
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {

@@ -79,7 +79,7 @@ impl Avoider {
                 break;
             }
         }
-        let first = first.or_else(|| self.entered_fixed(now, reach))?;
+        let first = first.or_else(|| self.entered_fixed(now, horizon_s))?;
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
@@ -87,11 +87,11 @@ impl Avoider {
     }
 
     /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
-    fn entered_fixed(&self, now: &Now<'_>, (horizon_s, enough_m): (f64, f64)) -> Option<Threat> {
+    fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
         let asked = Asked {
             horizon_s,
             floor_m: f64::MIN,
-            enough_m,
+            enough_m: 0.0,
         };
         let fixed = self.tracks.hazards().over(now.ground).all_fixed();
         let found = certify_set(&self.flyer, &self.path, &fixed, &asked, &self.meter);
