@@ -4,8 +4,11 @@
 
 use crate::{Vec2, Vec3};
 
-/// A block of the hierarchy has this many smaller ones a side, and a look takes this many a side at most.
-const SIDE: usize = 4;
+/// A block of the hierarchy has two to the power of this smaller ones a side, ...
+const BITS: u32 = 2;
+
+/// ... and a look takes as many a side at most.
+const SIDE: usize = 1 << BITS;
 
 /// Heights, and where ground begins, are this uncertain by rounding, metres; what is unknown is too high by this.
 const ROUNDED_M: f64 = 1e-6;
@@ -44,11 +47,15 @@ fn cells(columns: usize, posts: usize) -> (usize, usize) {
     (columns.saturating_sub(1), rows.saturating_sub(1))
 }
 
-/// The levels of the hierarchy: cells a side of a block, blocks a row, and rows of them.
-fn levels((wide, high): (usize, usize)) -> impl Iterator<Item = (usize, usize, usize)> {
-    let sides = core::iter::successors(Some(SIDE), |side| side.checked_mul(SIDE));
-    let sides = sides.take_while(move |side| *side < wide.max(high));
-    sides.map(move |side| (side, wide.div_ceil(side), high.div_ceil(side)))
+/// The levels of the hierarchy: the cells a side of a block, as a power of two, blocks a row, and rows of them.
+fn levels((wide, high): (usize, usize)) -> impl Iterator<Item = (u32, usize, usize)> {
+    let most = wide.max(high).saturating_sub(1);
+    let all = core::iter::successors(Some(BITS), |bits| Some(bits + BITS));
+    let all = all.take_while(move |bits| most.checked_shr(*bits).is_some_and(|left| left > 0));
+    all.map(move |bits| {
+        let [wide, high] = [wide, high].map(|count| (count.saturating_sub(1) >> bits) + 1);
+        (bits, wide, high)
+    })
 }
 
 impl<'a> Ground<'a> {
@@ -61,13 +68,18 @@ impl<'a> Ground<'a> {
     /// Fills in the hierarchy: of heights row by row, so many a row, the largest of each block of 4 x 4 cells, then of 16 x 16, and so on.
     pub fn fill_peaks(columns: usize, heights_m: &[f32], peaks_m: &mut [f32]) {
         let levels = levels(cells(columns, heights_m.len()));
-        let blocks = levels.flat_map(|(side, wide, high)| {
-            (0..wide * high).map(move |place| (side, side * (place % wide), side * (place / wide)))
+        let blocks = levels.flat_map(|(bits, wide, high)| {
+            let rows = (0..high).map(move |row| row << bits);
+            let of_row = move |row| (0..wide).map(move |column| (bits, column << bits, row));
+            rows.flat_map(of_row)
         });
-        for (slot, (side, column, row)) in peaks_m.iter_mut().zip(blocks) {
+        for (slot, (bits, column, row)) in peaks_m.iter_mut().zip(blocks) {
             // The posts at its far edges belong to a block.
-            let rows = heights_m.chunks(columns).skip(row).take(side + 1);
-            let posts_m = rows.flat_map(|row| row.iter().skip(column).take(side + 1));
+            let count = (1 << bits) + 1;
+            let posts_m = (row..row + count).flat_map(|row| {
+                let of_row = heights_m.get(row * columns..).unwrap_or(&[]).iter();
+                of_row.take(columns).skip(column).take(count)
+            });
             *slot = posts_m.fold(f32::NEG_INFINITY, |most_m, post_m| {
                 let is_known = post_m.is_finite() && !most_m.is_nan();
                 if is_known {
@@ -137,17 +149,25 @@ impl<'a> Ground<'a> {
             return (peak_m, false);
         }
         let [first, last] = [low, high].map(|at| (index(at.x, count.0), index(at.y, count.1)));
-        let (mut side, mut wide, mut begin, mut next) = (1, 0, 0, 0);
+        let (mut bits, mut wide, mut begin, mut next) = (0, 0, 0, 0);
+        let span = |bits: u32| {
+            let along = [(first.0, last.0), (first.1, last.1)];
+            along.map(|(first, last)| first >> bits..=last >> bits)
+        };
         for level in levels(count) {
-            if (last.0 / side - first.0 / side).max(last.1 / side - first.1 / side) < SIDE {
+            if span(bits)
+                .iter()
+                .all(|cells| cells.end() - cells.start() < SIDE)
+            {
                 break;
             }
-            (side, wide, begin) = (level.0, level.1, next);
+            (bits, wide, begin) = (level.0, level.1, next);
             next += wide * level.2;
         }
-        for row in first.1 / side..=last.1 / side {
-            for column in first.0 / side..=last.0 / side {
-                let most_m = if side == 1 {
+        let [columns, rows] = span(bits);
+        for row in rows {
+            for column in columns.clone() {
+                let most_m = if bits == 0 {
                     self.of_cell_m((column, row), (low, high))
                 } else {
                     let block_m = self.peaks_m.get(begin + row * wide + column);
@@ -158,7 +178,7 @@ impl<'a> Ground<'a> {
                 };
                 match most_m {
                     Some(most_m) => peak_m = peak_m.max(most_m),
-                    None if side > 1 => return (f64::INFINITY, false),
+                    None if bits > 0 => return (f64::INFINITY, false),
                     None => is_known = false,
                 }
             }
