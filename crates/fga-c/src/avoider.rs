@@ -432,6 +432,7 @@ pub unsafe extern "C" fn fga_avoider_step(
                 passing: core::slice::from_raw_parts(passing, count),
                 limits_m: flying.limits_m,
                 zones: &[],
+                ground: None,
             };
             let decided = flying.avoider.step(&Situation {
                 time_s,

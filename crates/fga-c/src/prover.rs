@@ -183,7 +183,8 @@ impl Proving {
         self.path
             .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
-        let proven = prove(&self.flyer, &self.path, &self.hazards, asked, &meter);
+        let around = self.hazards.over(None);
+        let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
             return Ok(Found {
                 verdict: fga_verdict::Proven,

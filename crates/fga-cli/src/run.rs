@@ -21,7 +21,8 @@ use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs, t
 use crate::failure::Failure;
 use crate::live::LiveView;
 
-/// Exit code of a run in which the aircraft entered a protected volume, broke a limit of altitude, or was on the wrong side of a zone.
+/// Exit code of a run in which the aircraft entered a protected volume or the ground, broke a limit of altitude, or was on the wrong side of a
+/// zone.
 const ENTERED: u8 = 2;
 
 /// Options of `fga run`.
@@ -69,12 +70,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
-    if !plan.world.zones.is_empty() {
+    let unknown = match (plan.world.zones.is_empty(), &plan.world.ground) {
+        (true, None) => None,
+        (true, Some(_)) => Some("no ground, which only judges"),
+        (false, None) => Some("no zones, which only judge"),
+        (false, Some(_)) => Some("no zones and no ground, which only judge"),
+    };
+    if let Some(unknown) = unknown {
         for policy in policies.clone().filter(|policy| !policy.knows_zones()) {
             let (shown, policy) = (args.file.display(), policy.name());
-            eprintln!(
-                "fga: {shown}: warning: {policy} knows no zones, which only judge its flight"
-            );
+            eprintln!("fga: {shown}: warning: {policy} knows {unknown} its flight");
         }
     }
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
@@ -100,13 +105,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     flight_files::write_guided(&folder, &log, &overlaid, &document, guidance)?;
     args.answer
         .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
-    Ok(
-        if log.outcome.separated() && log.limits_broken() == [false; 2] && log.zones_kept() {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::from(ENTERED)
-        },
-    )
+    let is_clear = log.outcome.separated() && log.zones_kept() && log.ground_kept();
+    Ok(if is_clear && log.limits_broken() == [false; 2] {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(ENTERED)
+    })
 }
 
 /// Says on standard error who flies a file that names no vehicle, what of it is not flown, and what probably is not meant.
@@ -222,6 +226,34 @@ fn describe_zones(text: &mut String, log: &RunLog) -> core::fmt::Result {
     Ok(())
 }
 
+/// One line for the ground.
+fn describe_ground(text: &mut String, log: &RunLog) -> core::fmt::Result {
+    let Some((flown, ground)) = log.ground.as_ref().zip(log.plan.world.ground.as_ref()) else {
+        return Ok(());
+    };
+    let Least { value_m, time_s } = flown.least;
+    let (asked_m, error_m) = (ground.clearance_m(), ground.error_m());
+    if value_m < 0.0 {
+        write!(
+            text,
+            "ground: ENTERED by {:.1} m at {time_s:.2} s",
+            -value_m
+        )?;
+    } else if value_m.is_finite() {
+        write!(text, "ground: least height {value_m:.1} m at {time_s:.2} s")?;
+    } else {
+        write!(text, "ground: not known")?;
+    }
+    write!(
+        text,
+        ", {asked_m:.1} m of clearance and {error_m:.1} m of vertical error are asked for"
+    )?;
+    match flown.unknown_s {
+        Some(from_s) => writeln!(text, "; over unknown ground first at {from_s:.2} s"),
+        None => writeln!(text),
+    }
+}
+
 /// One line for each conflict.
 fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
     let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
@@ -275,6 +307,7 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
     )?;
     describe_obstacles(text, log)?;
     describe_zones(text, log)?;
+    describe_ground(text, log)?;
     describe_conflicts(text, log)?;
     writeln!(
         text,

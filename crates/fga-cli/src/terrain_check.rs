@@ -254,6 +254,7 @@ impl<'a> Check<'a> {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned(),
+            path: "mission",
             is_clear: self.fault().is_none(),
             datum: self.datum.to_owned(),
             required_m: self.required_m(),

@@ -47,6 +47,8 @@ pub struct ScenarioFile {
     /// Zones.
     #[serde(default)]
     pub zone: Vec<Spanned<ZoneTable>>,
+    /// The ground.
+    pub terrain: Option<Spanned<TerrainTable>>,
 }
 
 impl ScenarioFile {
@@ -174,6 +176,26 @@ pub struct ZoneTable {
     pub floor_m: Option<Spanned<f64>>,
     /// Its highest altitude, metres.
     pub ceiling_m: Option<Spanned<f64>>,
+}
+
+/// `[terrain]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TerrainTable {
+    /// Files of heights of the ground, beside this file.
+    pub file: Spanned<TerrainFiles>,
+    /// Least height above the ground beyond its vertical error, metres.
+    pub clearance_m: Spanned<f64>,
+}
+
+/// One file of heights, or several.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "a file of heights or a list of files")]
+pub enum TerrainFiles {
+    /// One.
+    One(PathBuf),
+    /// Where several know a height, the first one counts.
+    Several(Vec<PathBuf>),
 }
 
 /// Word for the side of a zone that the aircraft keeps to.

@@ -7,13 +7,14 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
+mod ground;
 mod hazard;
 mod hazards;
 mod zones;
 
 pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
-pub use hazards::{HazardSet, Hazards, MAX_HAZARDS, Rows};
-pub use zones::{MAX_ZONES, Zones};
+pub use hazards::{Around, HazardSet, Hazards, MAX_HAZARDS, Rows};
+pub use zones::{Fixed, MAX_ZONES, Zones};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
@@ -122,7 +123,7 @@ impl Certified {
 pub fn prove(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &Hazards,
+    around: Around<'_>,
     (horizon_s, target_m, enough_m): (f64, f64, f64),
     meter: &Meter,
 ) -> Option<Certified> {
@@ -131,12 +132,12 @@ pub fn prove(
         floor_m: target_m,
         enough_m,
     };
-    let found = bounded(flyer, path, hazards, &asked, (MOST_SPLITS, meter));
+    let found = bounded(flyer, path, &around, &asked, (MOST_SPLITS, meter));
     found.holds(target_m).then_some(Certified {
         margin_m: found.margin_m,
         target_m,
         horizon_s,
-        hazards: u32::try_from(hazards.rows().len()).unwrap_or(u32::MAX),
+        hazards: u32::try_from(around.hazards.rows().len()).unwrap_or(u32::MAX),
     })
 }
 
@@ -203,25 +204,27 @@ fn bounded<H: HazardSet + ?Sized>(
     effort: (u32, &Meter),
 ) -> Certificate {
     let found = bounded_from(flyer, path, hazards, asked, effort);
-    let zones = hazards.zones().filter(|_| found.status == Status::Proven);
-    let Some(zones) = zones else { return found };
-    // What is spared counts only for flights that enter none.
+    let is_proven = found.status == Status::Proven;
+    let fixed = (hazards.fixed()).filter(|fixed| is_proven && !fixed.is_empty());
+    let Some(fixed) = fixed else { return found };
+    // What is spared counts only for flights that enter nothing.
+    let spare_m = fixed.zones.spare_m;
     let asked = Asked {
-        floor_m: (asked.floor_m - zones.spare_m).max(asked.floor_m.min(0.0)),
-        enough_m: (found.margin_m - zones.spare_m).max(0.0),
+        floor_m: (asked.floor_m - spare_m).max(asked.floor_m.min(0.0)),
+        enough_m: (found.margin_m - spare_m).max(0.0),
         ..*asked
     };
-    let nearest = bounded_from(flyer, path, zones, &asked, effort);
+    let nearest = bounded_from(flyer, path, &fixed, &asked, effort);
     if nearest.holds(asked.enough_m) {
         return found;
     }
     Certificate {
-        margin_m: found.margin_m.min(zones.margin_m(nearest.margin_m)),
+        margin_m: found.margin_m.min(fixed.margin_m(nearest.margin_m)),
         ..nearest
     }
 }
 
-/// The same for a set without the zones beside it.
+/// The same for a set without what is fixed beside it.
 fn bounded_from<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
@@ -322,25 +325,6 @@ pub fn mark_close(
         return [true; MAX_HAZARDS];
     }
     marks
-}
-
-/// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
-/// moment, seconds. Zones, which count for a shorter time, must be looked at again.
-pub fn keeps_on(
-    path: &FlightPath,
-    hazards: &Hazards,
-    (horizon_s, until_s): (f64, f64),
-    margin_m: f64,
-    meter: &Meter,
-) -> bool {
-    let margin_m = margin_m + path.remainder_m();
-    let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
-    hazards.zones.is_empty()
-        && line.is_some_and(|line| {
-            hazards.each_close(&line, margin_m, meter, |hazard| {
-                hazard.least_on_line(&line, margin_m, meter).is_none()
-            })
-        })
 }
 
 /// The straight line between two moments of a flight, at constant speed.
@@ -537,12 +521,14 @@ fn each_near<H: HazardSet + ?Sized>(
         let goes_on = chord.map_or(is_one, |chord| {
             hazards.each_close(&chord.line, worst.margin_m + chord.bow_m, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
-                let least = hazard.least_on_line(&chord.line, below_m, meter);
-                let Some(least) = least else { return true };
-                if is_one {
-                    look(&chord, hazard, least, worst);
+                if !is_one {
+                    return !hazard.is_near(&chord.line, below_m, meter);
                 }
-                is_one && worst.margin_m >= floor_m
+                if let Some(least) = hazard.least_on_line(&chord.line, below_m, meter) {
+                    look(&chord, hazard, least, worst);
+                    return worst.margin_m >= floor_m;
+                }
+                true
             }) && !meter.is_met()
         });
         if goes_on {
@@ -636,24 +622,6 @@ mod tests {
         assert!(found.holds(50.0));
         assert!(path.nodes().len() > 15);
         assert!(meter.done() <= 3, "{} looks", meter.done());
-    }
-
-    #[test]
-    fn the_flight_after_a_path_keeps_on_where_nothing_is_ahead_of_it() {
-        let flyer = flyer();
-        let path = turned(&flyer, core::f64::consts::PI);
-        let keeps = |(x, y): (f64, f64), margin_m, horizon_s| {
-            let mut hazards = Hazards::new();
-            hazards.put(0, sphere(0, Vec3::new(x, y, 0.0)));
-            let ahead_s = (horizon_s, 120.0);
-            keeps_on(&path, &hazards, ahead_s, margin_m, &Meter::unlimited())
-        };
-        // It flies back along y = 200 m for 100 s, some 2 km.
-        let ahead_m = (-1500.0, 220.0);
-        assert!(keeps(ahead_m, 18.9, 60.0) && !keeps(ahead_m, 19.1, 60.0));
-        assert!(keeps((-2500.0, 220.0), 100.0, 60.0) && keeps((2500.0, 220.0), 100.0, 60.0));
-        // A path that goes on after the horizon tells nothing of what follows.
-        assert!(!keeps((2500.0, 220.0), 100.0, 10.0));
     }
 
     #[test]

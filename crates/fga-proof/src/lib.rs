@@ -11,6 +11,7 @@
 //! | [`maneuver`] | what does a command say, and when? |
 //! | [`prediction`] | where would that take the aircraft? |
 //! | [`certificate`] | how close to the obstacles, in continuous time? |
+//! | [`ground`] | how high is a line above the ground? |
 //! | [`zone`] | which airspace may not be flown in? |
 //! | [`list`] | what holds a number of things that is known only in flight? |
 //! | [`meter`] | how much work is left in this step? |
@@ -27,6 +28,7 @@ extern crate std;
 
 pub mod angle;
 pub mod certificate;
+pub mod ground;
 pub mod limit;
 pub mod list;
 pub mod maneuver;

@@ -23,6 +23,9 @@ pub(crate) const LOOK: usize = 1;
 /// A step towards the least margin without a closed form.
 pub(crate) const LEAST_STEP: usize = 2;
 
+/// A look at the ground below a piece of a line, and at its ends.
+pub(crate) const GROUND: usize = 6;
+
 /// A line that is set up by hand: a sweep, a manoeuvre in the terms of the search.
 pub const SETUP: usize = 15;
 

@@ -6,6 +6,7 @@ pub use movement::{Movement, MovementBounds};
 
 use crate::Vec3;
 use crate::angle::direction;
+use crate::ground::Ground;
 use crate::zone::Zone;
 
 /// The aircraft's own state in the air mass.
@@ -236,6 +237,9 @@ pub struct Mission<'a> {
     /// The zones that a manoeuvre keeps out of or within. One that the present leg soon is on the wrong side of does
     /// not bind: the mission is flown as it is given.
     pub zones: &'a [Zone<'a>],
+    /// The ground that a manoeuvre keeps above. Where the mission itself soon comes lower, or is over unknown ground, so may
+    /// a manoeuvre.
+    pub ground: Option<&'a Ground<'a>>,
 }
 
 impl<'a> Mission<'a> {
@@ -246,6 +250,7 @@ impl<'a> Mission<'a> {
             passing: &[],
             limits_m: (f64::NEG_INFINITY, f64::INFINITY),
             zones: &[],
+            ground: None,
         }
     }
 }

@@ -8,25 +8,21 @@
     reason = "small counts drawn from floats"
 )]
 
+#[path = "common/flown.rs"]
+mod flown;
 #[path = "common/random.rs"]
 mod random;
 
 use core::f64::consts::TAU;
 
 use fga_proof::certificate::{Asked, Hazards, MAX_ZONES, Status, certify_set, prove};
-use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
-use fga_proof::vehicle::{Response, Vehicle};
 use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga_proof::{Vec2, Vec3};
+use flown::{Flown, INTEGRATED_M, number};
 use random::Random;
-
-/// Step of the integration, seconds.
-const STEP_S: f64 = 1e-3;
-
-/// Error of integration and rounding, metres.
-const INTEGRATED_M: f64 = 1e-3;
 
 /// Most corners of a drawn polygon.
 const MAX_CORNERS: usize = 256;
@@ -79,98 +75,6 @@ impl Random {
             *corner = center + Vec2::new(cos * at.x - sin * at.y, sin * at.x + cos * at.y);
         }
         corners
-    }
-
-    fn vehicle(&mut self) -> Vehicle {
-        let climb = if self.chance(0.3) {
-            0.0
-        } else {
-            self.within(0.05, 0.6)
-        };
-        Vehicle {
-            airspeed_mps: self.within(8.0, 60.0),
-            turn_radius_m: self.within(15.0, 300.0),
-            climb_min_rad: -climb,
-            climb_max_rad: climb,
-            climb_rate_radps: self.within(0.02, 0.6),
-            response: Response::default(),
-        }
-    }
-
-    fn maneuver(&mut self) -> Maneuver {
-        let mut maneuver = Maneuver::hold();
-        let mut start_s = if self.chance(0.5) {
-            0.0
-        } else {
-            self.within(0.0, 8.0)
-        };
-        let mut course = 0.0;
-        for _ in 0..=(self.unit() * 3.0) as usize {
-            course += self.within(-4.0, 4.0);
-            assert!(maneuver.push(Stage {
-                start_s,
-                course_rad: course,
-                climb_rad: self.within(-0.5, 0.5),
-                rate_share: if self.chance(0.7) {
-                    1.0
-                } else {
-                    self.within(0.2, 1.0)
-                },
-            }));
-            start_s += self.within(0.0, 12.0);
-        }
-        maneuver
-    }
-}
-
-fn number(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
-}
-
-/// The flight of an ideal aircraft, integrated by mid-points.
-struct Flown<'a> {
-    vehicle: &'a Vehicle,
-    rates_radps: (f64, f64),
-    maneuver: &'a Maneuver,
-    wind: Vec3,
-    at: Vec3,
-    course: f64,
-    climb: f64,
-    time_s: f64,
-}
-
-impl Flown<'_> {
-    fn step(&mut self) {
-        let stage = self
-            .maneuver
-            .stages()
-            .iter()
-            .rfind(|stage| stage.start_s <= self.time_s + 1e-9);
-        // A stage may begin within the step.
-        let begins_s = (self.maneuver.stages().iter().map(|stage| stage.start_s))
-            .filter(|start_s| *start_s > self.time_s + 1e-9)
-            .fold(f64::INFINITY, f64::min);
-        let step_s = STEP_S.min(begins_s - self.time_s);
-        let toward = |from: f64, to: f64, most: f64| from + (to - from).clamp(-most, most);
-        let (course, climb) = stage.map_or((self.course, self.climb), |stage| {
-            let to_climb = stage
-                .climb_rad
-                .clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
-            (
-                toward(
-                    self.course,
-                    stage.course_rad,
-                    stage.rate_share * self.rates_radps.0 * step_s,
-                ),
-                toward(self.climb, to_climb, self.rates_radps.1 * step_s),
-            )
-        });
-        let (sin, cos) = (0.5 * (self.course + course)).sin_cos();
-        let (up, level) = (0.5 * (self.climb + climb)).sin_cos();
-        let air = Vec3::new(level * cos, level * sin, up) * self.vehicle.airspeed_mps;
-        self.at += (air + self.wind) * step_s;
-        (self.course, self.climb) = (course, climb);
-        self.time_s += step_s;
     }
 }
 
@@ -309,19 +213,10 @@ fn no_zone_is_nearer_than_certified() {
         // Also less than is spared: even then none is entered.
         let target_m = random.within(-20.0, 30.0).max(-spare_m);
         let scene = (horizon_s, target_m + spare_m, 1e3 + spare_m);
-        let proven = prove(&flyer, &path, &hazards, scene, &meter);
+        let proven = prove(&flyer, &path, hazards.over(None), scene, &meter);
         let proven_m = proven.map_or(f64::MIN, |proven| proven.margin_m());
         let bound_m = found.margin_m.max(proven_m) - spare_m;
-        let mut flown = Flown {
-            vehicle: &vehicle,
-            rates_radps: (flyer.course_rate_radps(), flyer.climb_rate_radps()),
-            maneuver: &maneuver,
-            wind,
-            at: Vec3::ZERO,
-            course: 0.0,
-            climb: 0.0,
-            time_s: 0.0,
-        };
+        let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
         let speed_mps = vehicle.airspeed_mps + wind.length();
         let (mut least_m, mut look_s) = (f64::INFINITY, 0.0);
         while flown.time_s <= horizon_s {
@@ -470,7 +365,14 @@ fn without_room_for_all_zones_nothing_is_proven() {
     hazards.zones.clear(Vec3::ZERO, 10.0);
     let proven = |hazards: &Hazards| {
         let scene = (10.0, 0.0, 1e3);
-        prove(&flyer, &path, hazards, scene, &Meter::unlimited()).is_some()
+        prove(
+            &flyer,
+            &path,
+            hazards.over(None),
+            scene,
+            &Meter::unlimited(),
+        )
+        .is_some()
     };
     for _ in 0..2 {
         assert!(hazards.zones.add(&zone, (Vec3::ZERO, 1e9)));

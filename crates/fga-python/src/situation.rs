@@ -526,6 +526,7 @@ impl Situation {
                 passing: &mission.passing,
                 limits_m: mission.limits_m,
                 zones: &[],
+                ground: None,
             },
             wind_mps: self.wind_mps,
         })

@@ -30,6 +30,8 @@ pub struct Profile {
     pub title: String,
     /// One sentence: whether the ground is cleared.
     pub verdict: String,
+    /// What the path is of, in a word.
+    pub path: &'static str,
     /// Whether the ground is known and cleared everywhere.
     pub is_clear: bool,
     /// What altitudes are above, in words.
@@ -74,7 +76,7 @@ impl Profile {
         let required = format!("{} m above the ground", mark_text(self.required_m, 0.1));
         let unknown = self.points.iter().any(|point| point.ground_m.is_none());
         let entries = [
-            (path_look(BLUE), "mission", true),
+            (path_look(BLUE), self.path, true),
             (path_look(VERMILION), "too low", !self.is_clear),
             (ground_look(), "ground", true),
             (required_look(), required.as_str(), true),

@@ -124,6 +124,10 @@ pub fn summary(log: &RunLog) -> Value {
     if let Some(metrics) = metrics_of(&log.plan.world, &path, outcome) {
         summary["standards"] = standards(&metrics);
     }
+    if let Some(ground) = log.ground {
+        summary["min_terrain_clearance_m"] = finite(ground.least.value_m).into();
+        summary["min_terrain_clearance_t_s"] = ground.least.time_s.into();
+    }
     if let Some(failure) = log.failure {
         summary["policy_failure"] = failure.name().into();
     }

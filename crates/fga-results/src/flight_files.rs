@@ -8,6 +8,7 @@ use fga_formats::atomic;
 use fga_formats::decision;
 use fga_formats::words::decision_words;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
+use fga_report::profile::{Profile, ProfilePoint};
 use fga_sim::batch::push_sample;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
@@ -46,11 +47,56 @@ pub fn write_guided(
     atomic::write(&folder.join("events.jsonl"), events_jsonl(&events))?;
     flight_file::write(folder, log, &events)?;
     atomic::write(&folder.join("overview.svg"), overview(log).to_svg())?;
+    if let Some(profile) = profile(log) {
+        atomic::write(&folder.join("profile.svg"), profile.to_svg())?;
+    }
     atomic::write(
         &folder.join("replay.html"),
         replay_page::guided_page(core::iter::once(log).chain(overlaid), guidance),
     )?;
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
+}
+
+/// The flown path over the ground, where that is known.
+fn profile(log: &RunLog) -> Option<Profile> {
+    let ground = log.plan.world.ground.as_ref()?;
+    let origin_m = (log.plan.frame.as_ref()).map_or(0.0, |frame| frame.origin().altitude_m);
+    let (mut along_m, mut before_m) = (0.0, log.samples.first()?.position_m);
+    let mut lowest: Option<(f64, [f64; 2])> = None;
+    let mut points = Vec::new();
+    for sample in &log.samples {
+        let at_m = sample.position_m;
+        along_m += at_m.truncate().distance(before_m.truncate());
+        before_m = at_m;
+        let ground_m = ground.height_m(at_m.truncate());
+        let above_m = ground_m.map_or(f64::INFINITY, |ground_m| at_m.z - ground_m);
+        if lowest.is_none_or(|(least_m, _)| above_m < least_m) {
+            lowest = Some((above_m, [along_m, at_m.z + origin_m]));
+        }
+        points.push(ProfilePoint {
+            along_m,
+            path_m: at_m.z + origin_m,
+            ground_m: ground_m.map(|ground_m| ground_m + origin_m),
+        });
+    }
+    let required_m = ground.clearance_m() + ground.error_m();
+    let least = log.ground?.least;
+    let is_clear =
+        least.value_m >= required_m && points.iter().all(|point| point.ground_m.is_some());
+    Some(Profile {
+        title: format!("{} ({}) over the ground", log.plan.name, log.policy),
+        verdict: format!(
+            "Lowest {:.1} m above the ground, at {:.1} s.",
+            least.value_m, least.time_s
+        ),
+        is_clear,
+        path: "flight",
+        datum: "mean sea level".into(),
+        points,
+        waypoints_m: Vec::new(),
+        required_m,
+        lowest_m: lowest.map(|(_, at_m)| at_m),
+    })
 }
 
 /// `track.csv`: the flown path, a row for each sample.

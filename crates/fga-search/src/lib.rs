@@ -38,6 +38,7 @@ use fga_proof::angle::direction;
 use fga_proof::certificate::{
     Asked, Certificate, Certified, Hazards, MAX_HAZARDS, certify_set, prove,
 };
+use fga_proof::ground::Ground;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -61,6 +62,8 @@ pub struct Scene<'a> {
     pub original: (f64, f64),
     /// The obstacles.
     pub hazards: &'a Hazards,
+    /// The ground.
+    pub ground: Option<&'a Ground<'a>>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -255,7 +258,8 @@ impl<'a> Search<'a> {
             floor_m,
             enough_m,
         };
-        certify_set(self.scene.flyer, self.path, hazards, &asked, &self.meter)
+        let around = hazards.over(self.scene.ground);
+        certify_set(self.scene.flyer, self.path, &around, &asked, &self.meter)
     }
 
     /// The commands of a manoeuvre: the mission up to its start, then its turns.
@@ -313,7 +317,8 @@ impl<'a> Search<'a> {
         let maneuver = self.maneuver(&found.turns, &departure);
         self.predict(&maneuver);
         let asked = (scene.horizon_s, scene.target_m, scene.target_m);
-        prove(scene.flyer, self.path, scene.hazards, asked, &self.meter)
+        let around = scene.hazards.over(scene.ground);
+        prove(scene.flyer, self.path, around, asked, &self.meter)
     }
 
     /// An answer with its certificate; none where that does not prove it.
@@ -368,6 +373,7 @@ mod tests {
             nominal,
             original: (0.0, 0.0),
             hazards,
+            ground: None,
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

@@ -93,7 +93,8 @@ impl Search<'_> {
             }
             least.0 >= floor_m
         });
-        scene.hazards.zones.lower(line, least, meter)
+        let around = scene.hazards.over(scene.ground);
+        around.all_fixed().lower(line, least, floor_m, meter)
     }
 
     /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the

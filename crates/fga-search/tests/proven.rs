@@ -121,6 +121,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             nominal: &nominal,
             original: (0.0, 0.0),
             hazards: &hazards,
+            ground: None,
             horizon_s: 60.0,
             target_m: draw.one_of(&[0.05, 0.05, 2.7]),
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

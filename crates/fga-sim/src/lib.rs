@@ -48,6 +48,7 @@ pub mod encounters;
 pub mod engine;
 pub mod fine;
 mod fingerprint;
+pub mod ground;
 pub mod identification;
 pub mod obstacle;
 pub mod oracle;

@@ -126,6 +126,7 @@ pub fn plan(
             passing: Vec::new(),
             limits_m: model.limits_m,
             zones: Vec::new(),
+            ground: None,
             start: StartState {
                 position_m,
                 course_rad: course_of(air_mps),

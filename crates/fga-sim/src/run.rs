@@ -16,6 +16,7 @@ use fga_files::from_mission::scenario_text;
 use fga_formats::{InputError, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use crate::ground::GroundSeparation;
 use crate::own::FailureKind;
 use crate::policy::PolicyChoice;
 use crate::progress::{MissedWaypoint, mission_line_m};
@@ -126,6 +127,8 @@ pub struct RunLog {
     pub obstacles: Vec<ObstacleOutcome>,
     /// The result for each zone, in the order of the world's.
     pub zones: Vec<ZoneOutcome>,
+    /// Height above the ground, where that is known.
+    pub ground: Option<GroundSeparation>,
     /// The result of the flight.
     pub outcome: Outcome,
     /// Missed waypoints.
@@ -245,6 +248,7 @@ pub fn fly(
         .collect();
     Ok(RunLog {
         zones,
+        ground: engine.ground_separation(),
         policy: policy.name(),
         samples: logger.samples,
         decisions: logger.decisions,
@@ -260,6 +264,12 @@ impl RunLog {
     /// Whether the aircraft was on the allowed side of every zone all the time.
     pub fn zones_kept(&self) -> bool {
         self.zones.iter().all(|zone| zone.margin.value_m >= 0.0)
+    }
+
+    /// Whether the aircraft stayed above the known ground.
+    pub fn ground_kept(&self) -> bool {
+        let ground = self.ground.as_ref();
+        ground.is_none_or(|ground| ground.least.value_m >= 0.0)
     }
 
     /// Whether the aircraft flew below the floor, and above the ceiling, by more than the accuracy of the samples, once it was

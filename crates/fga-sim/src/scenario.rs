@@ -29,6 +29,10 @@
 //! polygon_m = [[300, 50], [400, 50], [350, 150]]    # or center_m and radius_m
 //! floor_m = 0.0                           # optional, as ceiling_m
 //! ceiling_m = 150.0
+//!
+//! [terrain]                               # needs an [origin]
+//! file = "valley.tif"
+//! clearance_m = 50.0
 //! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
@@ -37,6 +41,7 @@
 //! the keys of vehicle files. An unknown key is an error.
 
 mod places;
+mod terrain;
 mod zones;
 
 use std::path::Path;
@@ -111,6 +116,10 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
     let (zones, notes) = zones::all(&file.zone, &places, (start.position_m, flies_m))?;
+    let flown_m = [mission_m.as_slice(), &[start.position_m]].concat();
+    let terrain = file.terrain.as_ref();
+    let ground = terrain.map(|table| terrain::ground(table, &places, &flown_m));
+    let ground = ground.transpose()?;
     let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;
@@ -153,6 +162,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
             passing,
             limits_m,
             zones,
+            ground,
             start,
             vehicle: model.vehicle,
             autopilot: model.autopilot,

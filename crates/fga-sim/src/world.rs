@@ -1,7 +1,10 @@
 //! The parts of one flight.
 
+pub use crate::ground::WorldGround;
 pub use crate::obstacle::{TrackReport, WorldObstacle};
 pub use crate::zone::{WorldOutline, WorldZone};
+
+use alloc::sync::Arc;
 
 use fga::Vec3;
 use fga::situation::Passing;
@@ -51,6 +54,8 @@ pub struct World {
     pub limits_m: (f64, f64),
     /// The zones of its airspace.
     pub zones: Vec<WorldZone>,
+    /// Its ground, where that is known.
+    pub ground: Option<Arc<WorldGround>>,
     /// The aircraft at the start.
     pub start: StartState,
     /// The aircraft's limits.

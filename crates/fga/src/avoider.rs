@@ -28,6 +28,7 @@ use fga_index::quiet;
 
 use crate::Vec3;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
+use crate::ground::Ground;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
@@ -78,6 +79,21 @@ impl Outlook {
             && (self.position_m - other.position_m).abs().max_element() < SAME_M
             && (self.velocity_mps - other.velocity_mps).abs().max_element() < 0.1 * SAME_M
             && (self.size_m - other.size_m).abs() < SAME_M
+    }
+}
+
+/// The aircraft now, and the ground that is known.
+#[derive(Debug, Clone, Copy)]
+struct Now<'a> {
+    state: MotionState,
+    ground: Option<&'a Ground<'a>>,
+}
+
+impl core::ops::Deref for Now<'_> {
+    type Target = MotionState;
+
+    fn deref(&self) -> &MotionState {
+        &self.state
     }
 }
 
@@ -382,7 +398,10 @@ impl Avoider {
     }
 
     fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
-        let now = MotionState::of(&situation.ownship);
+        let now = Now {
+            state: MotionState::of(&situation.ownship),
+            ground: situation.mission.ground,
+        };
         self.on_mission(situation, |progress, route| {
             progress.update(route, &now, situation.time_s);
         });

@@ -256,6 +256,7 @@ fn core_runs(out: &Path) -> Result<Vec<Run>, String> {
         .map_err(|error| format!("scenarios: {error}"))?
         .flatten()
         .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
         .collect();
     scenarios.sort();
     for scenario in scenarios {

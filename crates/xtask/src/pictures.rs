@@ -19,7 +19,7 @@ struct Shot {
 }
 
 /// The runs: the arguments of `fga` without `--out`, and the folder of the results.
-const RUNS: [(&[&str], &str); 5] = [
+const RUNS: [(&[&str], &str); 6] = [
     (&["run", "scenarios/first-flight.toml"], "first-flight"),
     (
         &[
@@ -32,6 +32,7 @@ const RUNS: [(&[&str], &str); 5] = [
     ),
     (&["run", "scenarios/fig-10.toml"], "fig-10"),
     (&["run", "scenarios/fenced-valley.toml"], "fenced-valley"),
+    (&["run", "scenarios/ridge.toml"], "ridge"),
     (
         &[
             "campaign",
@@ -45,9 +46,10 @@ const RUNS: [(&[&str], &str); 5] = [
 ];
 
 /// Pictures that the program itself draws: the file of a run, and its name in `docs/pictures`.
-const DRAWN: [(&str, &str); 2] = [
+const DRAWN: [(&str, &str); 3] = [
     ("first-flight/overview.svg", "first-flight.svg"),
     ("fenced-valley/overview.svg", "zones.svg"),
+    ("ridge/profile.svg", "ground.svg"),
 ];
 
 /// Pictures of pages.

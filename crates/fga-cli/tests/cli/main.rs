@@ -17,6 +17,7 @@ mod export;
 mod files;
 #[cfg(all(feature = "fly", target_os = "linux"))]
 mod fly;
+mod ground;
 mod identify;
 mod league;
 mod left_out;

@@ -360,6 +360,12 @@ pub trait Obstruction {
     /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
     /// the look.
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)>;
+
+    /// Whether that is below `below_m`.
+    #[inline]
+    fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {
+        self.least_on_line(line, below_m, meter).is_some()
+    }
 }
 
 impl Obstruction for Hazard {

@@ -3,7 +3,8 @@
 use glam::{BVec4, DVec4};
 
 use super::hazard::{Hazard, Line, Obstruction};
-use super::zones::Zones;
+use super::zones::{Fixed, Zones};
+use crate::ground::Ground;
 use crate::list::List;
 use crate::meter::Meter;
 
@@ -31,8 +32,8 @@ pub trait HazardSet {
         visit: impl FnMut(&Self::Each) -> bool,
     ) -> bool;
 
-    /// The zones beside them.
-    fn zones(&self) -> Option<&Zones> {
+    /// What is fixed over the ground beside them.
+    fn fixed(&self) -> Option<Fixed<'_>> {
         None
     }
 }
@@ -51,7 +52,7 @@ impl HazardSet for [Hazard] {
     }
 }
 
-impl HazardSet for Zones {
+impl HazardSet for Fixed<'_> {
     type Each = Self;
 
     #[inline]
@@ -196,10 +197,10 @@ impl Hazards {
         &self.rows
     }
 
-    /// Number of blocks of four in use.
-    #[inline]
-    pub(crate) fn block_count(&self) -> usize {
-        self.rows.len().div_ceil(LANES)
+    /// The hazards and the ground below.
+    pub const fn over<'a>(&'a self, ground: Option<&'a Ground<'a>>) -> Around<'a> {
+        let hazards = self;
+        Around { hazards, ground }
     }
 
     /// Puts a hazard at an index: replaces one, or appends behind the last one. False for any other
@@ -225,7 +226,7 @@ impl HazardSet for Hazards {
         meter: &Meter,
         mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
-        if !meter.take(self.block_count().max(1)) {
+        if !meter.take(self.rows.len().div_ceil(LANES).max(1)) {
             return false;
         }
         if self.rows.len() <= FEW {
@@ -246,7 +247,41 @@ impl HazardSet for Hazards {
         true
     }
 
-    fn zones(&self) -> Option<&Zones> {
-        (!self.zones.is_empty()).then_some(&self.zones)
+    fn fixed(&self) -> Option<Fixed<'_>> {
+        Some(self.over(None).all_fixed())
+    }
+}
+
+/// Hazards, and the ground below.
+#[derive(Debug, Clone, Copy)]
+pub struct Around<'a> {
+    pub(super) hazards: &'a Hazards,
+    ground: Option<&'a Ground<'a>>,
+}
+
+impl<'a> Around<'a> {
+    /// What is fixed over the ground.
+    pub const fn all_fixed(&self) -> Fixed<'a> {
+        let (zones, ground) = (&self.hazards.zones, self.ground);
+        Fixed { zones, ground }
+    }
+}
+
+impl HazardSet for Around<'_> {
+    type Each = Hazard;
+
+    #[inline]
+    fn each_close(
+        &self,
+        line: &Line,
+        below_m: f64,
+        meter: &Meter,
+        visit: impl FnMut(&Hazard) -> bool,
+    ) -> bool {
+        self.hazards.each_close(line, below_m, meter, visit)
+    }
+
+    fn fixed(&self) -> Option<Fixed<'_>> {
+        Some(self.all_fixed())
     }
 }

@@ -1,6 +1,7 @@
-//! The zones near an aircraft, for the certificate: how close a line comes to them.
+//! What is fixed over the ground, for the certificate: how close a line comes to the zones near an aircraft, and to the ground.
 
 use super::hazard::{Hazard, Line, Obstruction};
+use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LOOK, Meter};
@@ -60,6 +61,56 @@ pub struct Zones {
     until_s: f64,
     /// The margin of a flight that enters none is its distance from the nearest one and this, metres.
     pub spare_m: f64,
+    /// What binds of the ground.
+    pub binding: Binding,
+}
+
+/// The zones near an aircraft, and the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct Fixed<'a> {
+    pub(super) zones: &'a Zones,
+    pub(super) ground: Option<&'a Ground<'a>>,
+}
+
+impl Fixed<'_> {
+    /// Whether there is neither.
+    pub fn is_empty(&self) -> bool {
+        self.zones.is_empty() && self.ground.is_none()
+    }
+
+    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or entered.
+    pub fn lower(
+        &self,
+        line: &Line,
+        mut least: (f64, f64),
+        floor_m: f64,
+        meter: &Meter,
+    ) -> (f64, f64) {
+        let (zones, spare_m) = (self.zones, self.zones.spare_m);
+        let Some(over) = zones.over(line).filter(|_| !self.is_empty()) else {
+            return least;
+        };
+        if let Some(found) = zones.least_on(&over, (least.0 - spare_m).max(0.0), meter) {
+            least = (self.margin_m(found.0), found.1);
+        }
+        if let Some(ground) = self.ground.filter(|_| least.0 >= floor_m) {
+            let asked = ((floor_m - spare_m).max(0.0), 0.0);
+            let (above_m, after_s) = ground.lowest(&over, asked, zones.binding, meter);
+            if above_m < 0.0 {
+                let at_m = over.from_m + over.velocity_mps * after_s;
+                let is_entered = ground.above_m((at_m, at_m), 0.0, zones.binding) < 0.0;
+                let below_m = if is_entered { 0.0 } else { floor_m.max(0.0) } - ROUNDED_M;
+                least = (least.0.min(below_m), line.at_s + after_s);
+            }
+        }
+        least
+    }
+
+    /// The margin of a flight at a distance, metres.
+    pub(super) fn margin_m(&self, distance_m: f64) -> f64 {
+        let is_entered = distance_m < 0.0;
+        distance_m + if is_entered { 0.0 } else { self.zones.spare_m }
+    }
 }
 
 impl Zones {
@@ -72,6 +123,7 @@ impl Zones {
         wind_mps: Vec3::ZERO,
         until_s: 0.0,
         spare_m: 0.0,
+        binding: Binding::ALL,
     };
 
     /// Whether no zone is known.
@@ -79,19 +131,36 @@ impl Zones {
         self.all.is_empty()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one.
-    pub fn lower(&self, line: &Line, least: (f64, f64), meter: &Meter) -> (f64, f64) {
-        let below_m = (least.0 - self.spare_m).max(0.0);
-        let found = (!self.is_empty()).then(|| self.least_on_line(line, below_m, meter));
-        let found = found.flatten();
-        found.map_or(least, |(distance_m, at_s)| {
-            (self.margin_m(distance_m), at_s)
+    /// The part of a line that counts, over the ground, where all are at rest.
+    fn over(&self, line: &Line) -> Option<Line> {
+        let duration_s = line.duration_s.min(self.until_s - line.at_s);
+        (duration_s >= 0.0).then_some(Line {
+            from_m: line.from_m + self.wind_mps * line.at_s,
+            velocity_mps: line.velocity_mps + self.wind_mps,
+            at_s: line.at_s,
+            duration_s,
         })
     }
 
-    /// The margin of a flight at a distance, metres.
-    pub(super) fn margin_m(&self, distance_m: f64) -> f64 {
-        distance_m + if distance_m < 0.0 { 0.0 } else { self.spare_m }
+    /// The least distance of a line over the ground from the nearest, metres, and its moment, seconds, if below one.
+    fn least_on(&self, over: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
+            return Some((f64::NEG_INFINITY, over.at_s));
+        }
+        let mut least = None;
+        for Near { zone, runs } in self.all.iter() {
+            let runs = self.runs.get(runs.0..runs.1).unwrap_or(&[]);
+            let edges = |near_m: Span| {
+                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
+                runs.flat_map(|run| {
+                    let next_m = run.corners_m.iter().copied().skip(1);
+                    run.corners_m.iter().copied().zip(next_m)
+                })
+            };
+            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
+            least = zone.least_on_line(edges, over, most_m).or(least);
+        }
+        least
     }
 
     /// Forgets all, in a wind, metres per second; those that follow count up to a moment, seconds.
@@ -99,6 +168,7 @@ impl Zones {
         self.all.clear();
         self.runs.clear();
         (self.wind_mps, self.until_s, self.spare_m) = (wind_mps, until_s, 0.0);
+        self.binding = Binding::ALL;
     }
 
     /// Adds what of a zone is within a distance of the place where flights begin, metres. False where that place is on the wrong
@@ -152,39 +222,31 @@ impl Zones {
 }
 
 /// All as one, by the distance from the nearest.
-impl Obstruction for Zones {
+impl Obstruction for Fixed<'_> {
     fn index(&self) -> u32 {
         u32::MAX
     }
 
-    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        // Over the ground, where they are at rest.
-        let over = Line {
-            from_m: line.from_m + self.wind_mps * line.at_s,
-            velocity_mps: line.velocity_mps + self.wind_mps,
-            at_s: line.at_s,
-            duration_s: line.duration_s.min(self.until_s - line.at_s),
-        };
-        if over.duration_s < 0.0 {
-            return None;
-        }
-        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
-            return Some((f64::NEG_INFINITY, line.at_s));
-        }
-        let mut least = None;
-        for Near { zone, runs } in self.all.iter() {
-            let runs = self.runs.get(runs.0..runs.1).unwrap_or(&[]);
-            let edges = |near_m: Span| {
-                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
-                runs.flat_map(|run| {
-                    let next_m = run.corners_m.iter().copied().skip(1);
-                    run.corners_m.iter().copied().zip(next_m)
+    fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {
+        let zones = self.zones;
+        let over = zones.over(line);
+        over.is_some_and(|over| {
+            zones.least_on(&over, below_m, meter).is_some()
+                || self.ground.is_some_and(|ground| {
+                    let asked = (below_m.max(0.0), 0.0);
+                    ground.lowest(&over, asked, zones.binding, meter).0 < 0.0
                 })
-            };
-            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
-            least = zone.least_on_line(edges, &over, most_m).or(least);
-        }
-        least
+        })
+    }
+
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        let over = self.zones.over(line)?;
+        let least = self.zones.least_on(&over, below_m, meter);
+        let most_m = least.map_or(below_m, |(least_m, _)| least_m);
+        let found = self
+            .ground
+            .and_then(|ground| ground.least_on_line(&over, most_m, self.zones.binding, meter));
+        found.or(least)
     }
 }
 

@@ -41,6 +41,7 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
         passing: Vec::new(),
         limits_m: (f64::NEG_INFINITY, f64::INFINITY),
         zones: Vec::new(),
+        ground: None,
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad: 0.0,

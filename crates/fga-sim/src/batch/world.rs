@@ -37,6 +37,7 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
         passing: Vec::new(),
         limits_m: settings.model.limits_m,
         zones: Vec::new(),
+        ground: None,
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad,

@@ -5,6 +5,7 @@ use std::time::Instant;
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 use fga::avoider::{Decision, Reason, State};
+use fga::ground::Ground;
 use fga::maneuver::Maneuver;
 use fga::pilot::Pilot;
 use fga::situation::Ownship;
@@ -15,6 +16,7 @@ use fga::zone::Zone;
 use super::measured::Measured;
 use super::observer::{DecisionMoment, Observer, Outcome};
 use super::steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
+use crate::ground::GroundSeparation;
 use crate::plant::{Arc, Plant, unwrap_near};
 use crate::progress::{MissedWaypoint, MissionProgress};
 use crate::sensor::Sensor;
@@ -30,6 +32,7 @@ pub struct Engine {
     pub(super) sensor: Sensor,
     pub(super) separations: Vec<Separation>,
     from_zones: Vec<ZoneSeparation>,
+    from_ground: Option<GroundSeparation>,
     pub(super) elapsed_ns: Vec<u64>,
     pub(super) missed: Vec<MissedWaypoint>,
 }
@@ -98,6 +101,7 @@ impl Engine {
             sensor: Sensor::new(),
             separations: Vec::new(),
             from_zones: Vec::new(),
+            from_ground: None,
             elapsed_ns: Vec::new(),
             missed: Vec::new(),
         }
@@ -116,6 +120,11 @@ impl Engine {
     /// Least margins of the last flight from the world's zones, in their order; negative where it was on the wrong side.
     pub fn zone_margins(&self) -> impl Iterator<Item = Least> {
         self.from_zones.iter().map(|separation| separation.least)
+    }
+
+    /// Least height of the last flight above the world's ground.
+    pub const fn ground_separation(&self) -> Option<GroundSeparation> {
+        self.from_ground
     }
 
     /// First sight of each obstacle in the last flight, in the order of the world's.
@@ -169,6 +178,8 @@ impl Engine {
         let from_zones =
             (world.zones.iter()).map(|zone| ZoneSeparation::begun(zone, start.position_m));
         self.from_zones.extend(from_zones);
+        let ground = world.ground.as_ref();
+        self.from_ground = ground.map(|ground| GroundSeparation::begun(ground, start.position_m));
         FlightState {
             milestones: Milestones::default(),
             progress: MissionProgress::of(world),
@@ -196,6 +207,8 @@ impl Engine {
             separations: &mut self.separations,
             zones: world.zones.iter().map(WorldZone::zone).collect(),
             from_zones: &mut self.from_zones,
+            ground: world.ground.as_ref().and_then(|ground| ground.ground()),
+            from_ground: &mut self.from_ground,
             elapsed_ns: &mut self.elapsed_ns,
             missed: &mut self.missed,
             state,
@@ -229,6 +242,9 @@ pub(super) struct Flight<'a> {
     /// The world's zones.
     pub(super) zones: Vec<Zone<'a>>,
     from_zones: &'a mut [ZoneSeparation],
+    /// The world's ground.
+    pub(super) ground: Option<Ground<'a>>,
+    from_ground: &'a mut Option<GroundSeparation>,
     pub(super) elapsed_ns: &'a mut Vec<u64>,
     pub(super) missed: &'a mut Vec<MissedWaypoint>,
     pub(super) state: &'a mut FlightState,
@@ -363,7 +379,8 @@ impl<'a> Flight<'a> {
     ) -> Decision {
         self.look(time_s, |vehicle| pilot.retune(vehicle));
         let own = self.plant.ownship();
-        let situation = situation((self.world, &self.zones), own, self.sensor, time_s);
+        let fixed = (self.zones.as_slice(), self.ground.as_ref());
+        let situation = situation((self.world, fixed), own, self.sensor, time_s);
         let begun = Instant::now();
         let decision = pilot.step(&situation);
         let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
@@ -404,6 +421,8 @@ impl<'a> Flight<'a> {
             separations: self.separations,
             zones: &self.world.zones,
             from_zones: self.from_zones,
+            ground: self.world.ground.as_deref(),
+            from_ground: self.from_ground,
             straight: &mut self.state.straight,
             flown_m: &mut self.state.flown_m,
         };
@@ -478,6 +497,8 @@ impl<'a> Flight<'a> {
             separations: self.separations,
             zones: &self.world.zones,
             from_zones: self.from_zones,
+            ground: self.world.ground.as_deref(),
+            from_ground: self.from_ground,
             straight: &mut self.state.straight,
             flown_m: &mut self.state.flown_m,
         }
@@ -516,7 +537,7 @@ impl<'a> Flight<'a> {
 
 /// The known obstacles at a time, after a look.
 pub(super) fn situation<'a>(
-    (world, zones): (&'a World, &'a [Zone<'a>]),
+    (world, (zones, ground)): (&'a World, (&'a [Zone<'a>], Option<&'a Ground<'a>>)),
     ownship: Ownship,
     sensor: &'a Sensor,
     time_s: f64,
@@ -530,6 +551,7 @@ pub(super) fn situation<'a>(
             passing: &world.passing,
             limits_m: world.limits_m,
             zones,
+            ground,
         },
         wind_mps: world.wind_mps,
     }

@@ -5,9 +5,10 @@
 
 use fga::Vec3;
 
+use crate::ground::GroundSeparation;
 use crate::plant::Arc;
 use crate::separation::Separation;
-use crate::world::{WorldObstacle, WorldZone};
+use crate::world::{WorldGround, WorldObstacle, WorldZone};
 use crate::zone::ZoneSeparation;
 
 /// Measures the arcs of a flight.
@@ -16,6 +17,8 @@ pub(super) struct Measured<'a> {
     pub(super) separations: &'a mut [Separation],
     pub(super) zones: &'a [WorldZone],
     pub(super) from_zones: &'a mut [ZoneSeparation],
+    pub(super) ground: Option<&'a WorldGround>,
+    pub(super) from_ground: &'a mut Option<GroundSeparation>,
     /// A straight arc that may go on, and its end.
     pub(super) straight: &'a mut Option<(Arc, Vec3)>,
     /// Path over the ground, metres.
@@ -54,6 +57,9 @@ impl Measured<'_> {
         }
         for (separation, zone) in self.from_zones.iter_mut().zip(self.zones) {
             separation.observe(zone, arc, end_m);
+        }
+        if let (Some(separation), Some(ground)) = (self.from_ground.as_mut(), self.ground) {
+            separation.observe(ground, arc);
         }
     }
 }

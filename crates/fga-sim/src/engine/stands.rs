@@ -23,7 +23,7 @@ impl Flight<'_> {
         pilot: &(impl Pilot + ?Sized),
     ) -> u32 {
         let now = situation(
-            (self.world, &self.zones),
+            (self.world, (self.zones.as_slice(), self.ground.as_ref())),
             self.plant.ownship(),
             self.sensor,
             time_s,

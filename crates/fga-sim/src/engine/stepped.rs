@@ -88,12 +88,17 @@ impl SteppedFlight {
         &self.ownship
     }
 
-    /// The known obstacles now; without the world's zones, which only [`Engine::fly`] shows to its pilot. `None` once the flight has ended.
+    /// The known obstacles now; without the world's zones and its ground, which only [`Engine::fly`] shows to its pilot. `None` once the flight has ended.
     pub fn situation(&self) -> Option<Situation<'_>> {
         let sensor = &self.engine.sensor;
-        self.ended_s
-            .is_none()
-            .then(|| situation((&self.world, &[]), self.ownship, sensor, self.time_s()))
+        self.ended_s.is_none().then(|| {
+            situation(
+                (&self.world, (&[], None)),
+                self.ownship,
+                sensor,
+                self.time_s(),
+            )
+        })
     }
 
     /// Changed limits of the vehicle, once: the caller applies them before the next decision, as

@@ -36,6 +36,7 @@ impl Plan {
             warnings.extend(self.absent());
             warnings.extend(self.crossed());
             warnings.extend(self.distant());
+            warnings.extend(self.low());
         }
         warnings.extend(self.unseen());
         warnings
@@ -105,6 +106,42 @@ impl Plan {
                 }
                 None => None,
             }
+        })
+    }
+
+    /// The leg of the mission, or the start, that is lower than it takes to clear the ground, or over unknown ground.
+    fn low(&self) -> Option<String> {
+        let World {
+            mission_m,
+            start,
+            ground,
+            ..
+        } = &self.world;
+        let ground = ground.as_ref()?;
+        let needed_m = ground.clearance_m() + ground.error_m();
+        let asked = format!(
+            "expected at least {needed_m:.1} m above it, {:.1} m of clearance and {:.1} m of vertical error",
+            ground.clearance_m(),
+            ground.error_m()
+        );
+        let flown = "it is flown as it is given, and there a manoeuvre may be as low";
+        for (leg, number) in mission_m.windows(2).zip(1..) {
+            let (above_m, is_known) = ground.along_m(leg[0], leg[1]);
+            if above_m < needed_m {
+                return Some(format!(
+                    "leg {number} of the mission comes as low as {above_m:.1} m above the ground, {asked}: {flown}"
+                ));
+            }
+            if !is_known {
+                return Some(format!(
+                    "leg {number} of the mission is over unknown ground, expected files that know it: it is flown as it is given, and \
+                     there unknown ground holds back no manoeuvre"
+                ));
+            }
+        }
+        let above_m = ground.above_m(start.position_m)?;
+        (above_m < needed_m).then(|| {
+            format!("the aircraft starts {above_m:.1} m above the ground, {asked}: it climbs first")
         })
     }
 

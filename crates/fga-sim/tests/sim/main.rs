@@ -1,12 +1,15 @@
 //! The simulated world: plant, oracle, missions, sources of encounters. One program, so that both cores are
 //! busy to its end: `cargo test -p fga-sim --test sim oracle::` runs the tests of one file.
 
+extern crate alloc;
+
 mod certificates;
 mod charted;
 mod data;
 mod dead_time;
 mod departures;
 mod encounters;
+mod ground;
 mod identification;
 mod judged;
 mod lost_once;

@@ -15,9 +15,9 @@ use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Kept, Now, Plan, Reason, Start, State, Threat, Verdict,
 };
-use crate::certificate::{Asked, Certificate, Certified, certify_set, prove};
+use crate::certificate::{Asked, Certified, certify_set, prove};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
@@ -99,7 +99,7 @@ impl Avoider {
     pub(super) fn step_turn_aware(
         &mut self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         if self.state == State::Cruise
@@ -125,7 +125,7 @@ impl Avoider {
     fn quiet(
         &mut self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         kept: Option<&mut Kept<'_>>,
     ) -> Option<Decision> {
         let horizon_s = self.settings.horizon_s;
@@ -151,7 +151,7 @@ impl Avoider {
     }
 
     /// On the mission: is it clear, and if not, when and where should the aircraft turn?
-    fn watch(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
+    fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
         let time_s = situation.time_s;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
@@ -192,7 +192,7 @@ impl Avoider {
     fn plan_anew(
         &mut self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         nominal: &Maneuver,
         threat: (Threat, Against),
     ) -> Decision {
@@ -267,7 +267,7 @@ impl Avoider {
     }
 
     /// Flying the manoeuvre: returns, keeps it, or replaces it.
-    fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
+    fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
         let time_s = situation.time_s;
         let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
@@ -348,7 +348,7 @@ impl Avoider {
     fn search<T: Default>(
         &mut self,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         demand: &Demand,
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> T {
@@ -363,13 +363,14 @@ impl Avoider {
             let (low, high) = avoider.climb_limits_rad();
             let scene = Scene {
                 flyer: &avoider.flyer,
-                start: *now,
+                start: now.state,
                 nominal,
                 original: (
                     now.course_rad + leg.turn_onto_rad(now),
                     leg.climb_rad.limited(low, high),
                 ),
                 hazards: avoider.tracks.hazards(),
+                ground: now.ground,
                 horizon_s: demand.horizon_s,
                 target_m: demand.margin_m,
                 climb_limits_rad: (low, high),
@@ -394,26 +395,22 @@ impl Avoider {
     }
 
     /// Margin of a manoeuvre up to a horizon, between `floor_m`, below which it stops, and `enough_m`.
-    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, asked: (f64, f64, f64)) -> f64 {
+    fn margin_of(&mut self, maneuver: &Maneuver, now: &Now<'_>, asked: (f64, f64, f64)) -> f64 {
         self.predict(maneuver, now, asked.0);
-        self.certificate_of_path(asked).proven_m()
-    }
-
-    /// The certificate of the manoeuvre predicted last, between the same limits.
-    fn certificate_of_path(&self, (horizon_s, floor_m, enough_m): (f64, f64, f64)) -> Certificate {
+        let (horizon_s, floor_m, enough_m) = asked;
         let asked = Asked {
             horizon_s,
             floor_m,
             enough_m,
         };
-        let hazards = self.tracks.hazards();
-        certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter)
+        let around = self.tracks.hazards().over(now.ground);
+        certify_set(&self.flyer, &self.path, &around, &asked, &self.meter).proven_m()
     }
 
     /// The certificate of the manoeuvre predicted last: that it keeps a target up to a horizon; its margin is capped.
-    fn prove(&self, asked: (f64, f64, f64)) -> Option<Certified> {
-        let hazards = self.tracks.hazards();
-        prove(&self.flyer, &self.path, hazards, asked, &self.meter)
+    fn prove(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> Option<Certified> {
+        let around = self.tracks.hazards().over(now.ground);
+        prove(&self.flyer, &self.path, around, asked, &self.meter)
     }
 
     /// The decision to fly the rest of a plan.
@@ -480,7 +477,7 @@ mod tests {
     /// Looks at a moment of an avoider: its aircraft is at the origin and flies along x, as does its mission.
     pub(super) fn among<T>(
         rows: &[Obstacle],
-        look: impl FnOnce(&mut Avoider, &Situation<'_>, &MotionState) -> T,
+        look: impl FnOnce(&mut Avoider, &Situation<'_>, &Now<'_>) -> T,
     ) -> T {
         let mut avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
         let waypoints_m = [Vec3::ZERO, Vec3::new(9000.0, 0.0, 0.0)];
@@ -503,7 +500,10 @@ mod tests {
             obstacles: Obstacles::Rows(rows),
             ..situation
         };
-        let now = MotionState::of(&situation.ownship);
+        let now = Now {
+            state: MotionState::of(&situation.ownship),
+            ground: None,
+        };
         avoider.meter = crate::meter::Meter::unlimited();
         avoider.load_tracks(&situation, None);
         avoider.far_s = avoider.far_horizon_s(&now);

@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 use fga::avoider::Decision;
+use fga::ground::Ground;
 use fga::pilot::Pilot;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
@@ -48,6 +49,7 @@ pub(crate) struct Flight {
     pub(crate) time_s: f64,
     pub(crate) waypoints_m: Vec<Vec3>,
     pub(crate) zones: Vec<Zone<'static>>,
+    pub(crate) ground: Option<Ground<'static>>,
     pub(crate) wind_mps: Vec3,
     pub(crate) flyer: Flyer,
     pub(crate) path: FlightPath,
@@ -67,6 +69,7 @@ impl Flight {
             time_s: 0.0,
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e5],
             zones: Vec::new(),
+            ground: None,
             wind_mps: Vec3::ZERO,
             flyer: Flyer::new(&vehicle),
             path: FlightPath::new(),
@@ -80,6 +83,7 @@ impl Flight {
             obstacles: Obstacles::Rows(obstacles),
             mission: Mission {
                 zones: &self.zones,
+                ground: self.ground.as_ref(),
                 ..Mission::new(&self.waypoints_m)
             },
             wind_mps: self.wind_mps,

@@ -3,6 +3,7 @@
 mod aircraft;
 mod entered;
 mod flight;
+mod ground;
 mod inside;
 mod kept;
 mod lane_change;

@@ -148,12 +148,6 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
-    /// How much later than without bank lag a turn is over at least, seconds: while the aircraft rolls out and settles, it turns
-    /// by no more than it would in one time constant at its full rate.
-    pub fn settles_late_s(&self) -> f64 {
-        (SETTLED_AFTER - 1.0) * self.bank_time_constant_s
-    }
-
     /// Whether it keeps the rolls from a bank.
     pub fn keeps_rolls_from(&self, bank_rad: f64) -> bool {
         self.is_ideal()

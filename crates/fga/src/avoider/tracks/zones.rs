@@ -1,11 +1,13 @@
-//! The zones that bind, and the way out of an entered one.
+//! The zones that bind and what binds of the ground, and the way out of an entered zone, or up from the ground.
 
 use core::f64::consts::TAU;
 
 use super::{FLAT_M, LEAVING_SHARE, Tracks};
 use crate::Vec3;
 use crate::certificate::Line;
+use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
+use crate::meter::Meter;
 use crate::prediction::Flyer;
 use crate::situation::{Obstacle, ProtectedVolume, Situation};
 use crate::zone::Zone;
@@ -20,6 +22,12 @@ const MAX_LEGS_AHEAD: usize = 16;
 /// A plane follows the aircraft out of a zone: its share of the airspeed, and its distance behind at the start, turn radii.
 const OUT_SHARE: f64 = 0.9;
 const TURNS_ROUND: f64 = 2.9;
+
+/// Below what it takes to clear the ground a manoeuvre may come lower by this, metres: the way out takes a moment to begin.
+const LOWER_M: f64 = 1.0;
+
+/// Most work for what binds of the ground.
+const GROUND_WORK: u32 = 4_000;
 
 /// The aircraft begins to turn into a direction within this time, seconds, and this number of its bank's time constants.
 const DECIDES_S: f64 = 1.0;
@@ -36,10 +44,11 @@ impl Tracks {
         wanted_m: f64,
         situation: &Situation<'_>,
     ) {
-        if situation.mission.zones.is_empty() {
+        let mission = &situation.mission;
+        if mission.zones.is_empty() && mission.ground.is_none() {
             return;
         }
-        let (own_m, speed_mps) = (situation.ownship.position_m, flyer.airspeed_mps());
+        let own_m = situation.ownship.position_m;
         let circle_s = TAU / flyer.course_rate_radps();
         let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
         let ahead = mission_ahead(situation, leg, flyer);
@@ -55,19 +64,7 @@ impl Tracks {
             }
             let of_own_m = zone.nearest_m(&Line::at(own_m), of_mission_m);
             if of_own_m < 0.0 {
-                let (way_m, (low_rad, high_rad)) = (zone.way_out_m(own_m), climb_limits_rad);
-                let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
-                let out_mps = OUT_SHARE * speed_mps * if way_m.z == 0.0 { 1.0 } else { climbs };
-                let direction = way_m.normalize_or(Vec3::X);
-                // Turning round to the way out takes the aircraft back by less.
-                let rolls_s = DECIDES_S + ROLLS * flyer.bank_time_constant_s();
-                let behind_m = TURNS_ROUND * flyer.turn_radius_m() + rolls_s * speed_mps + wanted_m;
-                let center_m = own_m - direction * (FLAT_M + behind_m);
-                let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
-                let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
-                let out_s = (way_m.length() + behind_m + wanted_m) / out_mps;
-                self.inside = true;
-                self.add_limit(&plane, out_s);
+                self.lead_out(zone.way_out_m(own_m), (flyer, climb_limits_rad), wanted_m);
                 continue;
             }
             least_m = of_own_m;
@@ -76,10 +73,93 @@ impl Tracks {
                 return;
             }
         }
+        if let Some(ground) = mission.ground {
+            let meter = Meter::new(GROUND_WORK, GROUND_WORK);
+            let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
+            self.work += meter.done() as usize;
+            self.hazards.zones.binding = binding;
+            if is_only_own([of_mission_m, of_own_m]) {
+                self.lead_out(Vec3::Z * -of_own_m, (flyer, climb_limits_rad), wanted_m);
+            }
+            least_m = of_mission_m.min(of_own_m).max(0.0);
+        }
         if least_m < wanted_m {
             self.hazards.zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
         }
     }
+
+    /// Adds a plane that follows the aircraft along a way out, metres.
+    fn lead_out(
+        &mut self,
+        way_m: Vec3,
+        (flyer, (low_rad, high_rad)): (&Flyer, (f64, f64)),
+        wanted_m: f64,
+    ) {
+        let (own_m, speed_mps) = (self.seen_from.own_m, flyer.airspeed_mps());
+        let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
+        let out_mps = OUT_SHARE * speed_mps * if way_m.z == 0.0 { 1.0 } else { climbs };
+        let direction = way_m.normalize_or(Vec3::X);
+        let behind_m = if way_m.z == 0.0 {
+            // Turning round to the way out takes the aircraft back by less.
+            let rolls_s = DECIDES_S + ROLLS * flyer.bank_time_constant_s();
+            TURNS_ROUND * flyer.turn_radius_m() + rolls_s * speed_mps
+        } else {
+            // It sinks or climbs on until its climb angle is the other one.
+            let rate_radps = flyer.climb_rate_radps().max(f64::MIN_POSITIVE);
+            2.0 * out_mps * (DECIDES_S + (high_rad - low_rad) / rate_radps)
+        };
+        let center_m = own_m - direction * (FLAT_M + behind_m + wanted_m);
+        let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
+        let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
+        let out_s = (way_m.length() + behind_m + 2.0 * wanted_m) / out_mps;
+        self.inside = true;
+        self.add_limit(&plane, out_s);
+    }
+}
+
+/// Whether the aircraft itself is too low, but not its mission.
+fn is_only_own([of_mission_m, of_own_m]: [f64; 2]) -> bool {
+    of_own_m < 0.0 && of_mission_m >= 0.0
+}
+
+/// What of the ground binds, and the margins of the mission ahead and of the aircraft itself, at most one, metres; negative where it is
+/// lower than it takes to clear the ground. A manoeuvre may be as low as these are, and over unknown ground where they are.
+fn bound(
+    ground: &Ground<'_>,
+    ahead: &[Line],
+    own_m: Vec3,
+    most_m: f64,
+    meter: &Meter,
+) -> (Binding, [f64; 2]) {
+    let own = [Line::at(own_m)];
+    let margins_m = |most_m, binding| {
+        [ahead, &own].map(|lines| {
+            lines.iter().fold(most_m, |least_m: f64, line| {
+                match ground.least_on_line(line, least_m, binding, meter) {
+                    Some((margin_m, _)) if margin_m < 0.0 => {
+                        let deepest = (0.0, f64::NEG_INFINITY);
+                        least_m.min(ground.lowest(line, deepest, binding, meter).0)
+                    }
+                    found => found.map_or(least_m, |(margin_m, _)| margin_m),
+                }
+            })
+        })
+    };
+    let mut binding = Binding::ALL;
+    let mut found_m = margins_m(most_m, binding);
+    if found_m[0].min(found_m[1]) < 0.0 {
+        binding.lowered_m = f64::INFINITY;
+        let unknown_m = margins_m(0.0, binding);
+        binding.unknown = unknown_m[0].min(unknown_m[1]) >= 0.0;
+        binding.lowered_m = 0.0;
+        found_m = margins_m(most_m, binding);
+        let lowest_m = found_m[0].min(found_m[1]);
+        // What is not known for lack of work lowers nothing.
+        if lowest_m < 0.0 && lowest_m.is_finite() {
+            binding.lowered_m = LOWER_M - lowest_m;
+        }
+    }
+    (binding, found_m)
 }
 
 /// The lines of the mission from beside the aircraft on the leg that begins at a waypoint, for the way of a full circle.
@@ -122,15 +202,20 @@ fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
     lines.fold(most_m, |least_m, line| zone.nearest_m(line, least_m))
 }
 
-/// Whether the aircraft is on the wrong side of a zone that binds.
+/// Whether the aircraft is on the wrong side of a zone that binds, or lower than it takes to clear the ground where its mission does.
 pub(in crate::avoider) fn has_entered(
     situation: &Situation<'_>,
     leg: usize,
     flyer: &Flyer,
 ) -> bool {
+    let own_m = situation.ownship.position_m;
+    let ahead = || mission_ahead(situation, leg, flyer);
     let mut zones = situation.mission.zones.iter();
-    zones.any(|zone| {
-        zone.is_entered(situation.ownship.position_m)
-            && nearest_m(zone, &mission_ahead(situation, leg, flyer), 0.0) >= 0.0
-    })
+    let is_low = |ground: &Ground<'_>| {
+        let meter = Meter::new(GROUND_WORK, GROUND_WORK);
+        let here = ground.lowest(&Line::at(own_m), (0.0, 0.0), Binding::ALL, &meter);
+        here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
+    };
+    zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, &ahead(), 0.0) >= 0.0)
+        || situation.mission.ground.is_some_and(is_low)
 }

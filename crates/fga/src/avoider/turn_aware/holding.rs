@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
-use crate::avoider::{Avoider, Basis, Outlook, Plan};
+use crate::avoider::{Avoider, Basis, Now, Outlook, Plan};
 use crate::certificate::Certified;
 use crate::prediction::MotionState;
 use crate::search::Proof;
@@ -28,7 +28,7 @@ impl Avoider {
         &mut self,
         plan: &mut Plan,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
     ) -> Option<usize> {
         let was_certified = plan.proof.is_certified();
         if was_certified
@@ -74,18 +74,18 @@ impl Avoider {
         &self,
         plan: &Plan,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         demand: &Demand,
     ) -> Option<(Option<Basis>, Certified)> {
         let keep_m = KEEP_SHARE * demand.margin_m;
         let most_m = keep_m + SPARE_SHARE * demand.margin_m;
-        let certified = self.prove((demand.horizon_s, keep_m, most_m))?;
+        let certified = self.prove(now, (demand.horizon_s, keep_m, most_m))?;
         let since_s = situation.time_s - plan.decided_s;
         let basis = (!self.tracks.has_aircraft()).then(|| Basis {
             renewed_s: since_s + RENEWED_AFTER_S,
             own: MotionState {
                 time_s: since_s,
-                ..*now
+                ..now.state
             },
             spare_m: certified.margin_m().min(most_m) - keep_m,
         });
@@ -93,12 +93,7 @@ impl Avoider {
     }
 
     /// The assumptions of a plan's certificate, if aircraft and obstacles move as they were expected to.
-    fn as_expected(
-        &self,
-        plan: &Plan,
-        situation: &Situation<'_>,
-        now: &MotionState,
-    ) -> Option<Basis> {
+    fn as_expected(&self, plan: &Plan, situation: &Situation<'_>, now: &Now<'_>) -> Option<Basis> {
         let basis = plan.basis.filter(|_| !self.tracks.has_aircraft())?;
         let since_s = situation.time_s - plan.decided_s;
         let obstacles = self.outlook(situation.wind_mps, since_s);

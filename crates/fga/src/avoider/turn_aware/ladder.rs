@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::angle::Side;
 use crate::avoider::demand::{BEYOND_M, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
-use crate::avoider::{Avoider, Plan};
+use crate::avoider::{Avoider, Now, Plan};
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -36,7 +36,7 @@ impl Avoider {
         &mut self,
         plan: &Plan,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
     ) -> Option<Answer> {
         let has_aircraft = self.tracks.has_aircraft();
         if has_aircraft && plan.rung == WANTED + 1 {
@@ -105,7 +105,7 @@ impl Avoider {
         &mut self,
         plan: &Plan,
         rungs: Range<usize>,
-        now: &MotionState,
+        now: &Now<'_>,
     ) -> Option<Answer> {
         let side = [Side::of(self.away_rad(plan, now))];
         self.highest(rungs, &Maneuver::hold(), now, |search| {
@@ -119,7 +119,7 @@ impl Avoider {
         &mut self,
         rungs: Range<usize>,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         mut look: impl FnMut(&mut Search<'_>) -> Option<Found>,
     ) -> Option<Answer> {
         for rung in rungs {
@@ -149,7 +149,7 @@ impl Avoider {
         &mut self,
         flown: Option<(&mut Plan, &Maneuver)>,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
     ) -> Option<Answer> {
         let lowest = RUNGS - if self.in_need.is_some() { 1 } else { 2 };
         let demand = self.demand_of(lowest);

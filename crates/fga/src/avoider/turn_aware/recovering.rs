@@ -5,8 +5,7 @@
 //! look begins where the aircraft has come to.
 
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Plan, Reason, State};
-use crate::prediction::MotionState;
+use crate::avoider::{Avoider, Decision, Now, Plan, Reason, State};
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -20,12 +19,7 @@ const SOONER_S: f64 = 0.5;
 
 impl Avoider {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
-    fn keeps_back(
-        &mut self,
-        plan: &mut Plan,
-        situation: &Situation<'_>,
-        now: &MotionState,
-    ) -> bool {
+    fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
             return self.kept_rung(plan, situation, now) == Some(plan.rung);
         }
@@ -38,7 +32,7 @@ impl Avoider {
     }
 
     /// On the way back.
-    pub(super) fn come_back(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
+    pub(super) fn come_back(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
         let time_s = situation.time_s;
         if let Some(mut plan) = self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
@@ -75,7 +69,7 @@ impl Avoider {
         &mut self,
         (plan, start_s): (&Plan, f64),
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
     ) -> Decision {
         let next = plan.threat.zip(self.returned);
         let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
@@ -102,7 +96,7 @@ impl Avoider {
     fn sooner_back(
         &mut self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         plan: &Plan,
     ) -> Option<Plan> {
         let left_s = plan.joined_s - situation.time_s;

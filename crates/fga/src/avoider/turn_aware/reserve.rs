@@ -8,9 +8,8 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{BEYOND_M, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Reason, State, Threat};
+use crate::avoider::{Avoider, Decision, Now, Reason, State, Threat};
 use crate::maneuver::Maneuver;
-use crate::prediction::MotionState;
 
 use super::Answer;
 use super::ladder::RUNG_SHARE;
@@ -36,18 +35,18 @@ const MUCH_FASTER: f64 = 2.0;
 
 impl Avoider {
     /// Whether a large turn that begins later along a path withstands all that is wanted.
-    pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &MotionState) -> bool {
+    pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
         self.may_wait(along, now, RESERVE_RAD)
     }
 
-    fn may_wait(&mut self, along: &Maneuver, now: &MotionState, most_turn_rad: f64) -> bool {
+    fn may_wait(&mut self, along: &Maneuver, now: &Now<'_>, most_turn_rad: f64) -> bool {
         let demand = self.first_demand();
         self.ask(&demand, BEYOND_M);
         self.has_turn(along, now, (WAIT_S, most_turn_rad))
     }
 
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
-    pub(super) fn is_free(&mut self, now: &MotionState) -> bool {
+    pub(super) fn is_free(&mut self, now: &Now<'_>) -> bool {
         self.withstand(|_| Freedom::Brief, (0.0, self.wanted_m()));
         self.has_turn(&Maneuver::hold(), now, (0.0, PI))
     }
@@ -56,7 +55,7 @@ impl Avoider {
     fn has_turn(
         &mut self,
         along: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         (after_s, most_turn_rad): (f64, f64),
     ) -> bool {
         let demand = self.first_demand();
@@ -79,7 +78,7 @@ impl Avoider {
     pub(super) fn small_now(
         &mut self,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         threat: &Threat,
     ) -> Option<Answer> {
         let is_time = threat.entry_s <= BEGINS_WITHIN_S && self.pays_small(threat.id);

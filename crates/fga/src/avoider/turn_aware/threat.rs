@@ -1,10 +1,9 @@
 //! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
 
 use crate::avoider::demand::Demand;
-use crate::avoider::{Against, Avoider, Threat};
+use crate::avoider::{Against, Avoider, Now, Threat};
 use crate::certificate::{Asked, certify_set, mark_close};
 use crate::maneuver::Maneuver;
-use crate::prediction::MotionState;
 
 use super::NEXT_ENCOUNTER_S;
 
@@ -20,7 +19,7 @@ impl Avoider {
     pub(super) fn first_threat(
         &mut self,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         demand: &Demand,
     ) -> Option<(Threat, Against)> {
         self.meter.reserve(THREAT_PARTS);
@@ -32,7 +31,7 @@ impl Avoider {
     fn first_of_all(
         &mut self,
         nominal: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         demand: &Demand,
     ) -> Option<(Threat, Against)> {
         let reach @ (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
@@ -80,22 +79,22 @@ impl Avoider {
                 break;
             }
         }
-        let first = first.or_else(|| self.entered_zone(reach))?;
+        let first = first.or_else(|| self.entered_fixed(now, horizon_s))?;
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         Some((first, self.with_close(against, &close, (same_s, target_m))))
     }
 
-    /// The zone that the path enters: of one that the mission passes, however near, it keeps out by itself.
-    fn entered_zone(&self, (horizon_s, enough_m): (f64, f64)) -> Option<Threat> {
+    /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
+    fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
         let asked = Asked {
             horizon_s,
             floor_m: f64::MIN,
-            enough_m,
+            enough_m: 0.0,
         };
-        let zones = &self.tracks.hazards().zones;
-        let found = certify_set(&self.flyer, &self.path, zones, &asked, &self.meter);
+        let fixed = self.tracks.hazards().over(now.ground).all_fixed();
+        let found = certify_set(&self.flyer, &self.path, &fixed, &asked, &self.meter);
         (found.margin_m < 0.0).then_some(Threat {
             id: u32::MAX,
             entry_s: found.at_s,
@@ -108,7 +107,7 @@ impl Avoider {
     pub(super) fn also_against(
         &mut self,
         maneuver: &Maneuver,
-        now: &MotionState,
+        now: &Now<'_>,
         against: Against,
         target_m: f64,
     ) -> Against {

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Plan, Returned};
+use crate::avoider::{Avoider, Now, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -101,7 +101,7 @@ impl Avoider {
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         plan: &Plan,
         (every, latest_s): (u32, f64),
     ) -> Option<Plan> {
@@ -124,7 +124,7 @@ impl Avoider {
             .flatten();
         let is_any = look.is_multiple_of(2);
         let is_long = given_up > 2;
-        let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let (mut first, from) = detour.unwrap_or((Maneuver::hold(), now.state));
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
         let asked_rad = if is_any && latest_s.is_finite() {
@@ -178,7 +178,7 @@ impl Avoider {
         first: &Maneuver,
         joined: &Join,
         plan: &Plan,
-        (situation, now): (&Situation<'_>, &MotionState),
+        (situation, now): (&Situation<'_>, &Now<'_>),
         rung: usize,
     ) -> Option<Plan> {
         let far = Demand {
@@ -215,7 +215,7 @@ impl Avoider {
         match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
             WayAhead::Blocked => None,
             WayAhead::Clear => {
-                let certified = self.prove((far.horizon_s, far.margin_m, ENOUGH_M));
+                let certified = self.prove(now, (far.horizon_s, far.margin_m, ENOUGH_M));
                 certified.map(|certified| {
                     back.proof = Proof::Certified(certified);
                     back.margin_m = certified.margin_m();
@@ -234,7 +234,7 @@ impl Avoider {
         &mut self,
         joined: &Join,
         plan: &Plan,
-        (situation, now): (&Situation<'_>, &MotionState),
+        (situation, now): (&Situation<'_>, &Now<'_>),
     ) {
         self.returned = Some(Returned {
             against: plan.against,
@@ -251,7 +251,7 @@ impl Avoider {
         &mut self,
         back: &Plan,
         joined_s: f64,
-        now: &MotionState,
+        now: &Now<'_>,
         demand: &Demand,
     ) -> Option<Plan> {
         let maneuver = back.maneuver;
@@ -328,7 +328,7 @@ impl Avoider {
     }
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
-    fn is_robust_back(&mut self, back: &Maneuver, now: &MotionState, target_m: f64) -> bool {
+    fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, target_m: f64) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
         }
@@ -341,7 +341,10 @@ impl Avoider {
         // An aircraft moves away if it does so now, on the way back and on the mission.
         let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
             let course_rad = course_rad.unwrap_or(now.course_rad);
-            self.flyer.velocity_mps(&MotionState { course_rad, ..*now })
+            self.flyer.velocity_mps(&MotionState {
+                course_rad,
+                ..now.state
+            })
         });
         let leaves = |hazard: &Hazard| {
             let offset_m = hazard.position_m - own_m;

@@ -1,0 +1,43 @@
+//! The `[terrain]` table of a scenario.
+
+use alloc::sync::Arc;
+use std::path::{Path, PathBuf};
+
+use fga::Vec3;
+use fga_files::scenario::{TerrainFiles, TerrainTable};
+use fga_formats::InputError;
+use fga_formats::terrain::{Given, Terrain};
+use toml::Spanned;
+
+use super::places::Places;
+use crate::ground::WorldGround;
+
+/// Largest clearance, metres.
+const MOST_CLEARANCE_M: f64 = 10_000.0;
+
+/// The ground around places of a flight, metres.
+pub(super) fn ground(
+    table: &Spanned<TerrainTable>,
+    places: &Places<'_>,
+    flown_m: &[Vec3],
+) -> Result<Arc<WorldGround>, InputError> {
+    let (text, entry) = (&places.text, table.get_ref());
+    let Some(frame) = &places.frame else {
+        let message = "terrain has heights by latitude and longitude, expected an [origin] with latitude_deg, longitude_deg and altitude_m";
+        return Err(text.error_at(table, message));
+    };
+    let clearance_m = text.within("clearance_m", &entry.clearance_m, (0.0, MOST_CLEARANCE_M))?;
+    let folder = text.path().parent().unwrap_or(Path::new(""));
+    let files: Vec<PathBuf> = match entry.file.get_ref() {
+        TerrainFiles::One(file) => vec![folder.join(file)],
+        TerrainFiles::Several(files) => files.iter().map(|file| folder.join(file)).collect(),
+    };
+    if files.is_empty() {
+        return Err(text.error_at(&entry.file, "terrain has no file, expected at least one"));
+    }
+    let terrain = Terrain::read(&files, &Given::default())?;
+    let ground = WorldGround::around(&terrain, frame, flown_m, clearance_m);
+    let ground =
+        ground.map_err(|message| text.error_at(&entry.file, format!("terrain {message}")))?;
+    Ok(Arc::new(ground))
+}
