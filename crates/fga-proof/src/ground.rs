@@ -29,15 +29,15 @@ pub struct Ground<'a> {
 pub struct Binding {
     /// It counts as so much lower than it is, metres.
     pub lowered_m: f64,
-    /// Whether what is unknown is not flown over.
-    pub unknown: bool,
+    /// Whether unknown ground may be flown over.
+    pub spares_unknown: bool,
 }
 
 impl Binding {
     /// Everything.
     pub const ALL: Self = Self {
         lowered_m: 0.0,
-        unknown: true,
+        spares_unknown: false,
     };
 }
 
@@ -197,7 +197,7 @@ impl<'a> Ground<'a> {
         let beside = Vec2::splat(beside_m + ROUNDED_M);
         let (peak_m, is_known) = self.peak_m(low_m.truncate() - beside, high_m.truncate() + beside);
         let above_m = low_m.z - beside_m - (peak_m + self.needed_m - binding.lowered_m);
-        let is_barred = binding.unknown && !is_known;
+        let is_barred = !(is_known || binding.spares_unknown);
         above_m.min(if is_barred { -ROUNDED_M } else { f64::INFINITY })
     }
 }

@@ -356,24 +356,24 @@ fn unknown_ground_is_clear_only_where_it_does_not_bind() {
     };
     let grid = posts(20, 20, hole);
     let ground = grid.ground(10.0, 20.0);
-    let over = |x, z, unknown| {
+    let over = |x, z, spares_unknown| {
         let line = Line::between(Vec3::new(x, 20.0, z), Vec3::new(x, 90.0, z));
         let binding = Binding {
             lowered_m: 0.0,
-            unknown,
+            spares_unknown,
         };
         (ground.least_on_line(&line, 5.0, binding, &Meter::unlimited()))
             .map(|(margin_m, _)| margin_m)
     };
-    assert_eq!(over(70.0, 100.0, true), None);
+    assert_eq!(over(70.0, 100.0, false), None);
     let barely = |found: Option<f64>| found.is_some_and(|found_m| (-0.2..0.0).contains(&found_m));
-    assert!(barely(over(45.0, 100.0, true)));
-    assert_eq!(over(45.0, 100.0, false), None);
+    assert!(barely(over(45.0, 100.0, false)));
+    assert_eq!(over(45.0, 100.0, true), None);
     // What is known beside it binds all the same.
-    assert!(over(45.0, 20.0, false).is_some_and(|found_m| found_m <= -10.0));
+    assert!(over(45.0, 20.0, true).is_some_and(|found_m| found_m <= -10.0));
     // Outside too.
-    assert!(barely(over(-30.0, 100.0, true)));
-    assert_eq!(over(-30.0, 100.0, false), None);
+    assert!(barely(over(-30.0, 100.0, false)));
+    assert_eq!(over(-30.0, 100.0, true), None);
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn bound(
     if found_m[0].min(found_m[1]) < 0.0 {
         binding.lowered_m = f64::INFINITY;
         let unknown_m = margins_m(0.0, binding);
-        binding.unknown = unknown_m[0].min(unknown_m[1]) >= 0.0;
+        binding.spares_unknown = unknown_m[0].min(unknown_m[1]) < 0.0;
         binding.lowered_m = 0.0;
         found_m = margins_m(most_m, binding);
         let lowest_m = found_m[0].min(found_m[1]);
