@@ -6,7 +6,7 @@
 //!
 //! Zones, polygons and circles in the certificate and in decisions, raised it on 26 November 2026 by 773 lines (`fga` 176,
 //! `fga-proof` 597), at most 1,200 being granted for zones and ground; the ground took 507, 80 more than the rest (`fga` 91, `fga-proof` 410,
-//! `fga-search` 6).
+//! `fga-search` 6), and turning round between zones in wind 25.
 #![cfg(target_pointer_width = "64")]
 
 extern crate alloc;

@@ -209,6 +209,54 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
     }
 }
 
+/// A vehicle that takes 70 m to turn, in a corridor of 200 m with 8 m/s of wind across and along it. Beside the edge that the wind comes
+/// from there was no room to turn round to either side, and it flew the corridor backwards until its end.
+#[test]
+fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
+    let folder = tempfile::tempdir().unwrap();
+    let vehicle = folder.path().join("vehicle.toml");
+    let text = "name = 'slow'\nairspeed_mps = 22.0\nmax_bank_deg = 45.0\nclimb_min_deg = 0.0\nclimb_max_deg = 0.0\nclimb_rate_radps = 0.2\n\
+        surveillance_radius_m = 3000.0\ndecision_period_s = 0.1\n[protection]\nradius_m = 60.0\nhalf_height_m = 30.0\n\
+        [cost]\nheading = 0.2\npitch = 0.5\n\
+        [response]\ndead_time_s = 0.3\nbank_time_constant_s = 0.4\nturn_rate_factor = 0.7\n";
+    std::fs::write(&vehicle, text).unwrap();
+    let model = VehicleModel::read(&vehicle).unwrap();
+    let scenario = folder.path().join("corridor.toml");
+    for number in 0..48 {
+        let random = &mut Random(number);
+        let (wind_east_mps, wind_north_mps) =
+            [(0, 8), (0, -8), (8, 0), (-8, 0)][usize::try_from(number % 4).unwrap()];
+        let meets_s = random.within(50.0, 80.0);
+        let meets_m = Vec2::new(
+            (22.0 + f64::from(wind_east_mps)) * meets_s,
+            random.within(-40.0, 40.0),
+        );
+        let velocity_mps = Vec2::from_angle(random.within(0.0, TAU)) * random.within(12.0, 30.0);
+        let from_m = meets_m - velocity_mps * meets_s;
+        let text = format!(
+            "name = \"corridor\"\nduration_s = {:?}\n[mission]\nwaypoints_m = [[0, 0, 100], [12000, 0, 100]]\n\
+             [wind]\neast_mps = {wind_east_mps}\nnorth_mps = {wind_north_mps}\n\
+             [[zone]]\nname = \"corridor\"\nkind = \"keep-in\"\n\
+             polygon_m = [[-3000, -60], [13000, -60], [13000, 140], [-3000, 140]]\n\
+             [[obstacle]]\nname = \"intruder\"\nmovement = \"aircraft\"\nposition_m = [{:?}, {:?}, 100]\n\
+             velocity_mps = [{:?}, {:?}, 0]\nradius_m = 60\nhalf_height_m = 30\n",
+            meets_s + 80.0,
+            from_m.x,
+            from_m.y,
+            velocity_mps.x,
+            velocity_mps.y,
+        );
+        std::fs::write(&scenario, text).unwrap();
+        let plan = fga_sim::scenario::read(&scenario, Some(model.clone())).unwrap();
+        let policy = PolicyChoice::Avoider(Start::Free);
+        let log = fga_sim::run::fly(plan, &policy, &mut |_| ()).unwrap();
+        let last = log.samples.last().unwrap();
+        assert!(log.zones_kept(), "{number}: {:?}", log.zones);
+        assert!(log.outcome.min_margin_m >= 0.0, "{number}");
+        assert!(last.position_m.y.abs() < 5.0, "{number}: {last:?}");
+    }
+}
+
 /// A scenario at 47° north, 8° east and 400 m with zones of a file of an authority: its plan, or the error.
 fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
     let folder = tempfile::tempdir().unwrap();

@@ -1,14 +1,14 @@
-//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass.
+//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between zones.
 
 use core::f64::consts::PI;
 
 use crate::avoider::Avoider;
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, Stage};
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
 /// After the time of this turn without a way back the search also covers ways behind an obstacle that flies
-/// alongside, radians.
+/// alongside, and after twice that time turns round between zones, radians.
 const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
@@ -29,6 +29,15 @@ const DETOURS: [(f64, f64); 8] = [
     (-1.3, 3.0),
 ];
 
+/// Between zones wind may leave room to turn round to one side alone, and only from farther away from the edge there: a turn, radians, a
+/// straight flight after it, turn radii, and a turn round by this from the present course, radians.
+const TURNS_ROUND: [(f64, f64, f64); 4] = [
+    (0.0, 0.0, PI),
+    (0.0, 0.0, -PI),
+    (-0.7, 2.0, PI),
+    (0.7, 2.0, -PI),
+];
+
 /// After the time of this turn without a way back a detour may lead out of a whole formation, radians: ...
 const FAR_AFTER_RAD: f64 = 60.0;
 
@@ -42,17 +51,33 @@ const FAR: f64 = 14.0;
 const GOLDEN: f64 = 0.618_034;
 
 impl Avoider {
-    /// A turn away from an obstacle alongside, one of several, and the aircraft after it; none while a way back without one
-    /// may still be found.
+    /// A turn away from an obstacle alongside, or a turn round between zones, one of several, and the aircraft after it; none while a way
+    /// back without one may still be found.
     pub(super) fn detour(
         &self,
         situation: &Situation<'_>,
         now: &MotionState,
         (waited_s, which): (f64, usize),
     ) -> Option<(Maneuver, MotionState)> {
-        let waited_rad = waited_s * self.flyer.course_rate_radps();
-        if waited_rad <= AFTER_RAD || !self.is_accompanied(situation) {
+        let rate_radps = self.flyer.course_rate_radps();
+        let waited_rad = waited_s * rate_radps;
+        if waited_rad <= AFTER_RAD {
             return None;
+        }
+        let turned = |turn_rad| Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        if !self.is_accompanied(situation) {
+            // In turn with the ways back without a detour.
+            let is_long = waited_rad > 2.0 * AFTER_RAD;
+            let is_next = which % 2 == 1 && is_long && !self.tracks.hazards().zones.is_empty();
+            let turns = TURNS_ROUND.get(which / 2 % TURNS_ROUND.len());
+            let (turn_rad, radii, round_rad) = turns.copied().filter(|_| is_next)?;
+            let mut maneuver = turned(turn_rad);
+            let start_s = (turn_rad.abs() + radii) / rate_radps;
+            for stage in turned(round_rad).stages() {
+                maneuver.push(Stage { start_s, ..*stage });
+            }
+            let until_s = start_s + (turn_rad - round_rad).abs() / rate_radps;
+            return Some((maneuver, self.after(now, &maneuver, until_s)));
         }
         let (round, index) = (which / DETOURS.len(), which % DETOURS.len());
         let (turn_rad, radii) = if waited_rad > FAR_AFTER_RAD && round % 2 == 1 {
@@ -62,8 +87,8 @@ impl Avoider {
         } else {
             DETOURS.get(index).copied().unwrap_or_default()
         };
-        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
-        let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
+        let maneuver = turned(turn_rad);
+        let until_s = (turn_rad.abs() + radii) / rate_radps;
         Some((maneuver, self.after(now, &maneuver, until_s)))
     }
 
