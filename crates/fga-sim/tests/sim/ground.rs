@@ -5,16 +5,13 @@
 use alloc::sync::Arc;
 
 use fga::Vec2;
-use fga::avoider::Start;
 use fga::maneuver::Maneuver;
-use fga::situation::Movement;
-use fga_sim::batch::{BatchSettings, empty_world, populate};
-use fga_sim::encounters::EncounterSource;
+use fga_sim::batch::empty_world;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};
 use fga_sim::policy::PolicyChoice;
-use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{World, WorldGround};
 
+use crate::drawn::{add_intruders, drawn_settings};
 use crate::random::Random;
 
 /// Vertical error and clearance, metres.
@@ -101,17 +98,7 @@ fn no_certified_flight_is_lower_than_it_takes_to_clear_the_ground() {
     let mut into_free = 0;
     for number in 0..flights {
         let random = &mut Random(number);
-        let mut model = VehicleModel::built_in().unwrap();
-        if number % 2 == 1 {
-            model.vehicle.response.bank_time_constant_s = 0.6;
-        }
-        let settings = BatchSettings {
-            model,
-            policy: PolicyChoice::Avoider(Start::AtDetection),
-            horizon_s: 90.0,
-            seed: 3,
-            tracks: false,
-        };
+        let settings = drawn_settings(number);
         let mut world = empty_world(&settings).unwrap();
         let ground = Arc::new(random.valley());
         // Without traffic the ground changes nothing.
@@ -123,15 +110,7 @@ fn no_certified_flight_is_lower_than_it_takes_to_clear_the_ground() {
             "{number}"
         );
         assert_eq!(alone.commands, over_ground.commands, "{number}");
-        let cell =
-            ["threats:1:300-600:0-30", "threats:2:300-600:0-60"][usize::from(number % 4 > 1)];
-        let encounter = EncounterSource::parse(cell, 11).unwrap().encounter(number);
-        populate(&mut world, &encounter, &settings.model.protection);
-        if number % 3 == 0 {
-            for obstacle in &mut world.obstacles {
-                obstacle.movement = Movement::CREWED;
-            }
-        }
+        add_intruders(&mut world, &settings, number);
         let (engine, seen, margin_m, has_manoeuvre) = fly(&world, &settings.policy);
         let lowest_m = engine.ground_separation().unwrap().least.value_m;
         manoeuvres += u64::from(has_manoeuvre);
@@ -238,7 +217,7 @@ fn the_valley_of_the_scenarios_is_read_and_cleared() {
     assert_eq!(plan.warnings(), Vec::<String>::new());
     let ground = plan.world.ground.as_ref().unwrap();
     assert!(ground.error_m() >= 5.0 && ground.clearance_m() == 50.0);
-    // A mission 100 m lower is told beforehand.
+    // The warning of a mission that is 100 m lower comes before the flight.
     let text = std::fs::read_to_string(folder)
         .unwrap()
         .replace(", 180]", ", 80]");

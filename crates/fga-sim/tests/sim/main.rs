@@ -8,6 +8,7 @@ mod charted;
 mod data;
 mod dead_time;
 mod departures;
+mod drawn;
 mod encounters;
 mod ground;
 mod identification;

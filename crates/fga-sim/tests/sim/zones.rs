@@ -7,16 +7,15 @@ use core::f64::consts::TAU;
 use fga::Vec2;
 use fga::avoider::Start;
 use fga::certificate::Line;
-use fga::situation::Movement;
 use fga_formats::zones::{polygon, with_holes};
-use fga_sim::batch::{BatchSettings, empty_world, populate};
-use fga_sim::encounters::EncounterSource;
+use fga_sim::batch::empty_world;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};
 use fga_sim::plan::Plan;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{WorldOutline, WorldZone};
 
+use crate::drawn::{add_intruders, drawn_settings};
 use crate::random::Random;
 
 impl Random {
@@ -87,27 +86,9 @@ fn no_certified_flight_is_on_the_wrong_side_of_a_zone() {
     let (mut entered, mut lost, mut unproven, mut manoeuvres) = (0, 0, 0, 0);
     for number in 0..flights {
         let random = &mut Random(number);
-        let mut model = VehicleModel::built_in().unwrap();
-        if number % 2 == 1 {
-            model.vehicle.response.bank_time_constant_s = 0.6;
-        }
-        let settings = BatchSettings {
-            model,
-            policy: PolicyChoice::Avoider(Start::AtDetection),
-            horizon_s: 90.0,
-            seed: 3,
-            tracks: false,
-        };
+        let settings = drawn_settings(number);
         let mut world = empty_world(&settings).unwrap();
-        let cell =
-            ["threats:1:300-600:0-30", "threats:2:300-600:0-60"][usize::from(number % 4 > 1)];
-        let encounter = EncounterSource::parse(cell, 11).unwrap().encounter(number);
-        populate(&mut world, &encounter, &settings.model.protection);
-        if number % 3 == 0 {
-            for obstacle in &mut world.obstacles {
-                obstacle.movement = Movement::CREWED;
-            }
-        }
+        add_intruders(&mut world, &settings, number);
         world.zones = vec![random.fence(), random.beside("one"), random.beside("other")];
         let mut engine = Engine::new();
         let mut pilot = settings
