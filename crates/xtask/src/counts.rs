@@ -48,7 +48,7 @@ fn compare(now: &CountTable, known: &CountTable) -> Result<(), String> {
     if off.is_empty() { Ok(()) } else { Err(off) }
 }
 
-/// The rows of a table, or the number of the first line that is none.
+/// The rows of a table, or the number of the first line without a row.
 fn read(text: &str) -> Result<CountTable, usize> {
     let rows = text.lines().skip(1).map(|line| {
         let mut cells = line.split(',');
