@@ -200,7 +200,8 @@ impl Proving {
             floor_m: f64::MIN,
             enough_m: target_m,
         };
-        let closest = certify_set(&self.flyer, &self.path, &self.hazards, &asked, &meter);
+        let around = self.hazards.over(None);
+        let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
         Ok(Found {

@@ -310,6 +310,7 @@ pub fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
+    let hazards = &hazards.over(None);
     let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
     let clear = &mut Certificate::clear(below_m);
     let goes_on = each_near(scene, path.nodes(), clear, |_, hazard, _, _| {

@@ -10,7 +10,7 @@ const BITS: u32 = 2;
 /// ... and a look takes as many a side at most.
 const SIDE: usize = 1 << BITS;
 
-/// Heights, and where ground begins, are this uncertain by rounding, metres; what is unknown is too high by this.
+/// Rounding makes heights and the edge of the ground uncertain by this, metres; unknown ground counts as too high by as much.
 const ROUNDED_M: f64 = 1e-6;
 
 /// Heights of the ground on a regular grid, with a hierarchy of the largest.
@@ -41,7 +41,7 @@ impl Binding {
     };
 }
 
-/// Cells a row and rows of them, of so many posts a row and in all.
+/// The number of cells in a row, and the number of rows of cells, from the number of posts in a row and in all.
 fn cells(columns: usize, posts: usize) -> (usize, usize) {
     let rows = posts.checked_div(columns).unwrap_or(0);
     (columns.saturating_sub(1), rows.saturating_sub(1))
@@ -59,13 +59,14 @@ fn levels((wide, high): (usize, usize)) -> impl Iterator<Item = (u32, usize, usi
 }
 
 impl<'a> Ground<'a> {
-    /// The length of the hierarchy of so many posts a row and in all.
+    /// The number of heights in the hierarchy, from the number of posts in a row and in all.
     pub fn peak_count(columns: usize, posts: usize) -> usize {
         let levels = levels(cells(columns, posts));
         levels.map(|(_, wide, high)| wide * high).sum()
     }
 
-    /// Fills in the hierarchy: of heights row by row, so many a row, the largest of each block of 4 x 4 cells, then of 16 x 16, and so on.
+    /// Fills in the hierarchy of a grid with `columns` posts in a row: the largest height of each block of 4 x 4 cells, metres, then of each
+    /// block of 16 x 16 cells, and so on. The heights are row by row.
     pub fn fill_peaks(columns: usize, heights_m: &[f32], peaks_m: &mut [f32]) {
         let levels = levels(cells(columns, heights_m.len()));
         let blocks = levels.flat_map(|(bits, wide, high)| {
@@ -202,7 +203,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// The number of a cell along an axis of so many.
+/// The index of the cell at a place along an axis with `count` cells.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

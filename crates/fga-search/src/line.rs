@@ -83,7 +83,8 @@ impl Search<'_> {
                 return least;
             }
         }
-        scene.hazards.each_close(line, least.0, meter, |hazard| {
+        let around = scene.hazards.over(scene.ground);
+        around.each_close(line, least.0, meter, |hazard| {
             if first.is_some_and(|first| first.index == hazard.index) {
                 return true;
             }
@@ -93,7 +94,6 @@ impl Search<'_> {
             }
             least.0 >= floor_m
         });
-        let around = scene.hazards.over(scene.ground);
         around.all_fixed().lower(line, least, floor_m, meter)
     }
 

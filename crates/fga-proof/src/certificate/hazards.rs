@@ -215,43 +215,6 @@ impl Hazards {
     }
 }
 
-impl HazardSet for Hazards {
-    type Each = Hazard;
-
-    #[inline]
-    fn each_close(
-        &self,
-        line: &Line,
-        below_m: f64,
-        meter: &Meter,
-        mut visit: impl FnMut(&Hazard) -> bool,
-    ) -> bool {
-        if !meter.take(self.rows.len().div_ceil(LANES).max(1)) {
-            return false;
-        }
-        if self.rows.len() <= FEW {
-            return self.rows().iter().all(visit);
-        }
-        let rows = self.rows().chunks(LANES);
-        for (block, rows) in self.blocks.iter().zip(rows) {
-            let close = block.close(line, below_m);
-            if !close.any() {
-                continue;
-            }
-            for (row, close) in rows.iter().zip(<[bool; LANES]>::from(close)) {
-                if close && !visit(row) {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-
-    fn fixed(&self) -> Option<Fixed<'_>> {
-        Some(self.over(None).all_fixed())
-    }
-}
-
 /// Hazards, and the ground below.
 #[derive(Debug, Clone, Copy)]
 pub struct Around<'a> {
@@ -276,9 +239,27 @@ impl HazardSet for Around<'_> {
         line: &Line,
         below_m: f64,
         meter: &Meter,
-        visit: impl FnMut(&Hazard) -> bool,
+        mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
-        self.hazards.each_close(line, below_m, meter, visit)
+        if !meter.take(self.hazards.rows.len().div_ceil(LANES).max(1)) {
+            return false;
+        }
+        if self.hazards.rows.len() <= FEW {
+            return self.hazards.rows().iter().all(visit);
+        }
+        let rows = self.hazards.rows().chunks(LANES);
+        for (block, rows) in self.hazards.blocks.iter().zip(rows) {
+            let close = block.close(line, below_m);
+            if !close.any() {
+                continue;
+            }
+            for (row, close) in rows.iter().zip(<[bool; LANES]>::from(close)) {
+                if close && !visit(row) {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     fn fixed(&self) -> Option<Fixed<'_>> {

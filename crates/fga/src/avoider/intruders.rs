@@ -40,8 +40,8 @@ const TURN_AVERAGED_S: f64 = 1.5;
 /// Averaging time of a climb, seconds.
 const CLIMB_AVERAGED_S: f64 = 3.0;
 
-/// A climb that has become steeper in that time is expected to become so many times as much steeper again. Chosen by
-/// `fga-experiments climbs 300` and the recordings.
+/// The present climb is expected to become steeper by this multiple of what it has added to the average climb. `fga-experiments climbs 300`
+/// and the recordings chose it.
 const CLIMB_GOES_ON: f64 = 1.5;
 
 /// Below this speed over the ground an aircraft has no course, metres per second.

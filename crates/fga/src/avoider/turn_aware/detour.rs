@@ -31,7 +31,7 @@ const DETOURS: [(f64, f64); 8] = [
 
 /// Between zones wind may leave room to turn round to one side alone, and only from farther away from the edge there: a turn, radians, a
 /// straight flight after it, turn radii, and a turn round by this from the present course, radians.
-const TURNS_ROUND: [(f64, f64, f64); 4] = [
+const TURNS_BACK: [(f64, f64, f64); 4] = [
     (0.0, 0.0, PI),
     (0.0, 0.0, -PI),
     (-0.7, 2.0, PI),
@@ -69,7 +69,7 @@ impl Avoider {
             // In turn with the ways back without a detour.
             let is_long = waited_rad > 2.0 * AFTER_RAD;
             let is_next = which % 2 == 1 && is_long && !self.tracks.hazards().zones.is_empty();
-            let turns = TURNS_ROUND.get(which / 2 % TURNS_ROUND.len());
+            let turns = TURNS_BACK.get(which / 2 % TURNS_BACK.len());
             let (turn_rad, radii, round_rad) = turns.copied().filter(|_| is_next)?;
             let mut maneuver = turned(turn_rad);
             let start_s = (turn_rad.abs() + radii) / rate_radps;
