@@ -3,6 +3,9 @@
 // Units: metres, seconds, radians; x east, y north, z up; course from +x towards +y, bank
 // positive in a left turn.
 
+import { bytes, floats } from "./base64";
+import type { RawTerrain, Terrain } from "./terrain";
+
 export type Vec3 = [number, number, number];
 
 export const STATES = ["cruise", "threatened", "avoiding", "recovering", "manual"] as const;
@@ -97,18 +100,7 @@ export interface RawPage {
   title: string;
   live?: string;
   runs: RawRun[];
-}
-
-export function bytes(base64: string): Uint8Array<ArrayBuffer> {
-  const text = atob(base64);
-  const out = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);
-  return out;
-}
-
-/** Little-endian singles; the page runs on little-endian machines alone, as browsers do. */
-export function floats(base64: string): Float32Array {
-  return new Float32Array(bytes(base64).buffer);
+  ground?: RawTerrain;
 }
 
 /** A path of a decision record: points as x, y, z one after the other. */
@@ -254,7 +246,11 @@ export class Run {
   private readonly guidanceStarts: number[];
   ended = true;
 
-  constructor(raw: RawRun) {
+  /** `terrain` is the ground below it, where the page has one. */
+  constructor(
+    raw: RawRun,
+    readonly terrain: Terrain | null = null,
+  ) {
     this.name = raw.name;
     const columns = COLUMNS.map((c) => [c, floats(raw.samples[c])] as const);
     this.columns = Object.fromEntries(columns) as Record<Column, Float32Array>;
@@ -367,6 +363,12 @@ export class Run {
       bank: mix("bank"),
       state: this.state[i]!,
     };
+  }
+
+  /** The height above the ground at `t`, metres; NaN where that is unknown. */
+  aboveGround(t: number): number {
+    const pose = this.pose(t);
+    return pose && this.terrain ? pose.z - this.terrain.at(pose.x, pose.y) : NaN;
   }
 
   /** Velocity over the ground between the samples about `t`; `null` where there is one only. */

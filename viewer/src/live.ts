@@ -1,10 +1,9 @@
 // A run that goes on: messages from the WebSocket, as `crates/fga-report/src/replay/live.rs`
 // writes them, put onto the runs.
 
+import { bytes, floats } from "./base64";
 import {
-  bytes,
   decodeDecision,
-  floats,
   Obstacle,
   type Outcome,
   type RawDecision,

@@ -15,8 +15,9 @@ import {
   stateWords,
   updateMargins,
 } from "./panel";
-import { Plots } from "./plots";
+import { aboveWords, Plots } from "./plots";
 import { type Moment, Scene, type Shown } from "./scene";
+import { Terrain } from "./terrain";
 import { type Theme, themeOf } from "./theme";
 import { Timeline } from "./timeline";
 
@@ -49,7 +50,8 @@ class App {
   private readonly guidance: GuidancePanel;
 
   constructor(page: RawPage) {
-    this.runs = page.runs.map((raw) => new Run(raw));
+    const terrain = page.ground ? new Terrain(page.ground) : null;
+    this.runs = page.runs.map((raw) => new Run(raw, terrain));
     this.visible = this.runs.map(() => true);
     this.theme = themeOf(matchMedia("(prefers-color-scheme: dark)").matches);
     $("title").textContent = page.title;
@@ -60,7 +62,7 @@ class App {
     this.decision = new DecisionPanel($("decision"));
     this.guidance = new GuidancePanel($("guidance-box"), $("guidance"));
     try {
-      this.scene = new Scene($("view"), $<HTMLCanvasElement>("scene"), () => this.redraw());
+      this.scene = new Scene($("view"), $<HTMLCanvasElement>("scene"), () => this.redraw(), terrain);
     } catch {
       $("no-graphics").hidden = false;
     }
@@ -402,8 +404,9 @@ class App {
     this.decision.update(run, index, this.theme, this.visible[this.focus] === true);
     this.guidance.update(run, this.t, this.theme);
     $("time").textContent = `${this.t.toFixed(1)} s`;
+    const above = run?.terrain ? ` · ${aboveWords(run, this.t)} above ground` : "";
     $("readout").textContent = pose
-      ? `x ${whole(pose.x)} y ${whole(pose.y)} z ${whole(pose.z)} m`
+      ? `x ${whole(pose.x)} y ${whole(pose.y)} z ${whole(pose.z)} m${above}`
       : "No samples";
     const state = $("state");
     state.hidden = !pose;
@@ -423,7 +426,9 @@ class App {
     this.scene.render(this.moment());
     const needle = document.querySelector<SVGElement>("#compass svg")!;
     needle.style.transform = `rotate(${this.scene.rig.north}rad)`;
-    $("scale").textContent = `grid ${this.scene.gridCell} m at z = ${this.scene.ground} m`;
+    const { contour, gridCell, ground } = this.scene;
+    const lines = contour > 0 ? `, contours every ${contour} m` : "";
+    $("scale").textContent = `grid ${gridCell} m at z = ${ground} m${lines}`;
   }
 
   /** For tests: what a frame costs and where the page stands. */

@@ -74,6 +74,12 @@ function compass(value: number): string {
   return `${String(turned).padStart(3, "0")}°`;
 }
 
+/** The height above the ground. */
+export function aboveWords(run: Run, t: number): string {
+  const above = run.aboveGround(t);
+  return Number.isNaN(above) ? "unknown" : `${above.toFixed(0)} m`;
+}
+
 const KINDS: Kind[] = [
   {
     title: "Margin",
@@ -88,6 +94,18 @@ const KINDS: Kind[] = [
       return margin < 0 ? `${(-margin).toFixed(1)} m inside` : `${margin.toFixed(1)} m`;
     },
     range: (low, high) => [Math.min(0, 1.1 * low), Math.min(MOST_MARGIN_M, Math.max(20, 1.05 * high))],
+  },
+  {
+    title: "z and ground",
+    unit: "m",
+    curve: (run) => sampled(run, (i) => finite(run.columns.z[i]!)),
+    limit: (run) =>
+      sampled(run, (i) => finite(run.terrain?.at(run.columns.x[i]!, run.columns.y[i]!) ?? NaN)),
+    read: (run, t) => `${aboveWords(run, t)} above ground`,
+    range: (low, high) => {
+      const spare = Math.max(5, 0.08 * (high - low));
+      return [low - spare, high + spare];
+    },
   },
   {
     title: "Course",
@@ -151,6 +169,7 @@ const KINDS: Kind[] = [
   },
 ];
 
+const [, GROUND] = KINDS;
 const DECISION_TIME = KINDS[KINDS.length - 1];
 
 export class Plots {
@@ -179,7 +198,10 @@ export class Plots {
     this.root.replaceChildren();
     // Most pages have no decision times: an empty plot would take its room from the others.
     const timed = input.runs.some((run) => run.timeT.length > 0);
-    const kinds = KINDS.filter((kind) => kind !== DECISION_TIME || timed);
+    const grounded = input.runs.some((run) => run.terrain !== null);
+    const kinds = KINDS.filter((kind) =>
+      kind === DECISION_TIME ? timed : kind !== GROUND || grounded,
+    );
     this.plots = kinds.map((kind) => this.make(kind, input));
     this.fit();
   }

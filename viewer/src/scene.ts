@@ -8,6 +8,8 @@ import type { Obstacle, Run, Vec3, Zone } from "./data";
 import { Ground } from "./ground";
 import { Labels } from "./labels";
 import { FatLines, type Stroke } from "./lines";
+import { Relief } from "./relief";
+import type { Terrain } from "./terrain";
 import type { Theme } from "./theme";
 import { Track } from "./track";
 import { ObstacleField } from "./volumes";
@@ -44,6 +46,7 @@ export class Scene {
   ground = 0;
   private readonly scene = new THREE.Scene();
   private readonly grid = new Ground();
+  private readonly relief: Relief | null;
   private readonly field = new ObstacleField();
   private readonly zones = new ZoneField();
   private readonly cone = new CollisionCone();
@@ -62,6 +65,7 @@ export class Scene {
     private readonly host: HTMLElement,
     canvas: HTMLCanvasElement,
     changed: () => void,
+    private readonly terrain: Terrain | null,
   ) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: false });
     this.renderer.setPixelRatio(Math.min(2, globalThis.devicePixelRatio));
@@ -73,6 +77,8 @@ export class Scene {
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8899aa, 1.6), sun);
     this.scene.add(this.grid.mesh, this.field.group, this.cone.mesh, this.shadow);
     this.scene.add(this.zones.group);
+    this.relief = terrain && new Relief(terrain);
+    if (this.relief) this.scene.add(this.relief.mesh);
     for (const lines of [this.mission, this.ahead, this.paths, this.vectors]) {
       this.scene.add(lines.mesh);
     }
@@ -93,7 +99,8 @@ export class Scene {
     this.rebuildTracks(runs, focus, theme);
     const run = runs[focus];
     this.field.rebuild(run?.obstacles ?? []);
-    this.ground = groundOf(runs);
+    this.relief?.color(theme.relief);
+    this.ground = this.terrain ? Math.floor(this.terrain.lowest) : groundOf(runs);
     this.zones.rebuild(run?.zones ?? [], this.ground, highestOf(runs), theme.threat);
     this.mission.begin();
     const points = run?.mission ?? [];
@@ -116,7 +123,19 @@ export class Scene {
       view.aircraft.mesh.material.color.set(runs.length === 1 ? theme.aircraft : own);
     });
     const run = runs[focus];
-    if (run) this.shadowLines.rebuild(run, [new THREE.Color(theme.muted)], 1.5);
+    const muted = [new THREE.Color(theme.muted)];
+    if (run) this.shadowLines.rebuild(run, muted, 1.5, this.terrain ?? undefined);
+  }
+
+  /** From one contour line to the next, metres; 0 without relief. */
+  get contour(): number {
+    return this.relief?.contour ?? 0;
+  }
+
+  /** The height of what lies below a place: the ground, or the grid. */
+  private below(x: number, y: number): number {
+    const height = this.terrain?.at(x, y) ?? NaN;
+    return Number.isNaN(height) ? this.ground : height;
   }
 
   /** Length of a cell of the grid, metres. */
@@ -174,6 +193,7 @@ export class Scene {
     this.shadow.material.uniforms.later!.value = 0.3;
     this.shadow.material.uniforms.opacity!.value = 0.45;
     this.shadow.material.uniforms.ground!.value = this.ground;
+    this.shadow.material.uniforms.flatten!.value = this.terrain ? 0 : 1;
     const decision = run && visible[focus] ? run.decisions[run.decisionAt(t)] : undefined;
     const threat = run?.obstacle(decision?.threat ?? null);
     this.drawObstacles(moment, threat);
@@ -195,7 +215,7 @@ export class Scene {
   private nameZones(zones: Zone[], theme: Theme): void {
     for (const { name, ring, floor } of zones) {
       const [x, y] = ring[0] ?? [0, 0];
-      this.labels.put(x, y, floor ?? this.ground, name, theme.threat, false);
+      this.labels.put(x, y, floor ?? this.below(x, y), name, theme.threat, false);
     }
   }
 
@@ -240,7 +260,7 @@ export class Scene {
       }
       if (!crowd || mine) {
         const stem = { color, alpha: mine ? 0.8 : 0.4, width: 1, dash: 0 };
-        this.ahead.add(...at, at[0], at[1], this.ground, stem);
+        this.ahead.add(...at, at[0], at[1], this.below(at[0], at[1]), stem);
       }
       if (shown.labels && pose) {
         const away = Math.hypot(at[0] - pose.x, at[1] - pose.y, at[2] - pose.z);
@@ -249,7 +269,7 @@ export class Scene {
     }
     if (pose) {
       const stem = look(theme.foreground, 0.6, 1.2, 0);
-      this.ahead.add(pose.x, pose.y, pose.z, pose.x, pose.y, this.ground, stem);
+      this.ahead.add(pose.x, pose.y, pose.z, pose.x, pose.y, this.below(pose.x, pose.y), stem);
     }
     this.ahead.end();
     near.sort((a, b) => a.away - b.away);

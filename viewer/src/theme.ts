@@ -15,6 +15,8 @@ export interface Theme {
   unknown: string;
   threat: string;
   mission: string;
+  /** The ground in relief, from its lowest to its highest. */
+  relief: [string, string];
   /** A single aircraft; several take the colours of their runs. */
   aircraft: string;
   /** To tell runs apart. */
@@ -35,6 +37,7 @@ const LIGHT: Theme = {
   unknown: "#a9b4bf",
   threat: "#d55e00",
   mission: "#5a6672",
+  relief: ["#c3d3bb", "#efe6d6"],
   aircraft: "#33424f",
   runs: ["#a3527f", "#2a8fcb", "#222222", "#b87a00", "#009e73", "#d55e00", "#0072b2"],
   regions: ["#cfd8e1", "#d9b400", "#e69f00", "#d55e00", "#009e73", "#a9b4bf"],
@@ -52,6 +55,7 @@ const DARK: Theme = {
   unknown: "#56616c",
   threat: "#ff8a3d",
   mission: "#93a1ae",
+  relief: ["#25352f", "#575145"],
   aircraft: "#ffffff",
   runs: ["#dd8fb9", "#56b4e9", "#ffffff", "#e6c229", "#1fc796", "#ff8a3d", "#f0e442"],
   regions: ["#2d3a47", "#f0e442", "#e69f00", "#ff6a2b", "#1fc796", "#56616c"],

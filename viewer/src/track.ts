@@ -4,6 +4,7 @@
 import * as THREE from "three";
 import type { Run } from "./data";
 import { FatLines } from "./lines";
+import type { Terrain } from "./terrain";
 
 export const TRACK_SEGMENTS = 2048;
 
@@ -53,17 +54,24 @@ export function importantSamples(run: Run, limit: number): number[] {
   return order.slice(0, limit).sort((i, j) => i - j);
 }
 
+function evenSamples(run: Run): number[] {
+  const every = Math.max(1, Math.ceil(run.n / TRACK_SEGMENTS));
+  return Array.from({ length: Math.floor((run.n - 1) / every) + 1 }, (_, k) => k * every);
+}
+
 export class Track {
   readonly lines = new FatLines(TRACK_SEGMENTS, 5);
 
-  /** `colors` by state, or one for the whole track. */
-  rebuild(run: Run, colors: THREE.Color[], width: number): void {
-    const kept = importantSamples(run, TRACK_SEGMENTS + 1);
-    const { t, x, y, z } = run.columns;
+  /** `colors` by state, or one for the whole track; `ground` for its shadow there. */
+  rebuild(run: Run, colors: THREE.Color[], width: number, ground?: Terrain): void {
+    const kept = ground ? evenSamples(run) : importantSamples(run, TRACK_SEGMENTS + 1);
+    const { t, x, y } = run.columns;
+    const z = ground ? x.map((east, i) => ground.at(east, y[i]!)) : run.columns.z;
     this.lines.begin();
     for (let k = 0; k + 1 < kept.length; k++) {
       const i = kept[k]!;
       const j = kept[k + 1]!;
+      if (Number.isNaN(z[i]!) || Number.isNaN(z[j]!)) continue;
       const color = colors[Math.min(run.state[i]!, colors.length - 1)]!;
       const stroke = { color, alpha: 1, width, dash: 0 };
       this.lines.add(x[i]!, y[i]!, z[i]!, x[j]!, y[j]!, z[j]!, stroke, t[i]!, t[j]!);

@@ -42,6 +42,27 @@ async function drawn(view, least = 30) {
   assert.ok(seen.most < 0.98, `${seen.most} of the scene is one colour`);
 }
 
+test("the ground is drawn in relief, but where it is unknown", async () => {
+  for (const theme of ["light", "dark"]) {
+    await inPage("hills", { theme }, async (view) => {
+      await seek(view, 0);
+      await drawn(view);
+      // The script flies at 120 m; the ground below its start is 20 - 30 + 8 sin(24 / 9) m high there.
+      assert.match(await view.locator("#readout").textContent(), /· 106 m above ground/);
+      assert.equal(await view.locator(".plot canvas").count(), 6);
+      assert.match(await view.locator("#scale").textContent(), /contours every \d+ m/);
+      const { triangles } = await stats(view);
+      await inPage("level", { theme }, async (level) => {
+        await seek(level, 0);
+        assert.doesNotMatch(await level.locator("#readout").textContent(), /ground/);
+        // Two triangles for each of 119 x 119 cells without those of the hole, 29 x 29.
+        const ground = 2 * (119 * 119 - 29 * 29);
+        assert.equal(triangles - (await stats(level)).triangles, ground);
+      });
+    });
+  }
+});
+
 describe("an encounter under three policies", () => {
   for (const size of ["desktop", "phone"]) {
     for (const theme of ["light", "dark"]) {

@@ -7,9 +7,9 @@ use std::{env, fs, io};
 
 use fga::situation::ProtectedVolume;
 use fga_report::replay::{
-    Replay, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, ReplayOutcome,
-    ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState, render,
-    render_live,
+    Replay, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayGround, ReplayObstacle,
+    ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
+    render, render_live,
 };
 
 const AIRSPEED_MPS: f64 = 15.0;
@@ -41,6 +41,8 @@ fn main() -> io::Result<()> {
             "long",
             vec![flight("turn-aware", 600.0, obstacles(50, 600.0), 1.0)],
         ),
+        ("hills", vec![encounter(1.0, "turn-aware")]),
+        ("level", vec![encounter(1.0, "turn-aware")]),
         (
             "many",
             vec![flight("turn-aware", 60.0, obstacles(1_000, 60.0), 1.0)],
@@ -56,11 +58,34 @@ fn main() -> io::Result<()> {
             "hostile" => HOSTILE.to_owned(),
             _ => format!("Scripted flight: {name}"),
         };
-        let page = render(&Replay { title, runs });
+        let ground = (name == "hills").then(hills);
+        let page = render(&Replay {
+            title,
+            runs,
+            ground,
+        });
         println!("{name}.html {} kB", page.len() / 1000);
         fs::write(dir.join(format!("{name}.html")), page)?;
     }
     fs::write(dir.join("live.html"), render_live("Live flight", "/live"))
+}
+
+/// Waves that rise to the north, with a hole in them.
+fn hills() -> ReplayGround {
+    let columns = 120_u8;
+    let heights_m = (0..columns).flat_map(|row| {
+        (0..columns).map(move |column| {
+            let is_hole = row > 90 && column > 90;
+            let height_m = 0.5 * f32::from(row) - 20.0 + 8.0 * (f32::from(column) / 9.0).sin();
+            if is_hole { f32::NAN } else { height_m }
+        })
+    });
+    ReplayGround {
+        corner_m: [-600.0, -1_500.0],
+        spacing_m: [25.0, 25.0],
+        columns: columns.into(),
+        heights_m: heights_m.collect(),
+    }
 }
 
 const HOSTILE: &str =

@@ -21,7 +21,7 @@
 //!     bank_rad: 0.0,
 //!     state: ReplayState::Cruise,
 //! });
-//! let page = render(&Replay { title: "one sample".into(), runs: vec![run] });
+//! let page = render(&Replay { title: "one sample".into(), runs: vec![run], ground: None });
 //! assert!(page.starts_with("<!doctype html>"));
 //! ```
 
@@ -34,8 +34,8 @@ use crate::page;
 
 pub use data::{
     Replay, ReplayAlert, ReplayBand, ReplayBands, ReplayDecision, ReplayDecisionTime, ReplayEvent,
-    ReplayGuidance, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece,
-    ReplayRegion, ReplayRun, ReplaySample, ReplayState, ReplayZone,
+    ReplayGround, ReplayGuidance, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
+    ReplayPiece, ReplayRegion, ReplayRun, ReplaySample, ReplayState, ReplayZone,
 };
 pub use live::{LiveMessage, render_live};
 

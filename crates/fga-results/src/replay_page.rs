@@ -1,5 +1,7 @@
 //! From the log of a flight to its replay page.
 
+use alloc::sync::Arc;
+
 use fga::avoider::{Decision, Reason, State};
 use fga::certificate::{Hazard, Status, certify_all};
 use fga::maneuver::Maneuver;
@@ -9,9 +11,10 @@ use fga::vehicle::Vehicle;
 use fga::{Vec2, Vec3};
 use fga_formats::words::{decision_words, reason_words};
 use fga_report::replay::{
-    Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
-    ReplayPiece, ReplayRun, ReplaySample, ReplayZone, render,
+    Replay, ReplayDecision, ReplayEvent, ReplayGround, ReplayObstacle, ReplayOutcome, ReplayPath,
+    ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayZone, render,
 };
+use fga_sim::ground::WorldGround;
 use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
@@ -48,6 +51,9 @@ pub fn guided_page<'a>(
     let title = logs
         .peek()
         .map_or_else(String::new, |log| log.plan.name.clone());
+    let ground = logs
+        .peek()
+        .and_then(|log| log.plan.world.ground.as_deref().map(ground));
     let runs = logs.map(|log| {
         let mut run = replay_run(log);
         if let Some(settings) = settings {
@@ -58,7 +64,18 @@ pub fn guided_page<'a>(
     render(&Replay {
         title,
         runs: runs.collect(),
+        ground,
     })
+}
+
+fn ground(ground: &WorldGround) -> ReplayGround {
+    let (corner_m, spacing_m, columns, heights_m) = ground.posts();
+    ReplayGround {
+        corner_m: corner_m.to_array(),
+        spacing_m: spacing_m.to_array(),
+        columns,
+        heights_m: heights_m.to_vec(),
+    }
 }
 
 /// The flight for the page, named after its policy. `run.json` has the durations of the decisions: so
@@ -219,6 +236,7 @@ pub struct Drawer {
     horizon_s: f64,
     margin_m: f64,
     zones: Vec<WorldZone>,
+    ground: Option<Arc<WorldGround>>,
 }
 
 impl Drawer {
@@ -228,6 +246,7 @@ impl Drawer {
         let settings = &world.settings.avoider;
         Self {
             zones: world.zones.clone(),
+            ground: world.ground.clone(),
             ..Self::of(
                 &world.vehicle,
                 world.wind_mps,
@@ -246,6 +265,7 @@ impl Drawer {
             horizon_s,
             margin_m,
             zones: Vec::new(),
+            ground: None,
         }
     }
 
@@ -332,18 +352,33 @@ impl Drawer {
         }
     }
 
+    /// Places over the ground along the path as drawn, metres.
+    fn drawn_m(&self) -> impl Iterator<Item = Vec3> {
+        let times_s = (0..).map(|point| POINT_EVERY_S * f64::from(point));
+        let drawn_s = times_s.take_while(|at_s| *at_s <= DRAWN_S);
+        drawn_s.filter_map(|at_s| {
+            let state = self.path.state_at(&self.flyer, at_s)?;
+            Some(state.position_m + self.wind_mps * at_s)
+        })
+    }
+
     /// Whether the path as drawn enters no zone that the aircraft has not entered before.
     fn keeps_to_zones(&self, own_m: Vec3) -> bool {
         let zones = self.zones.iter();
         let mut outside = zones.filter(|zone| zone.margin_m(own_m) >= 0.0);
-        outside.all(|zone| {
-            let times_s = (0..).map(|point| POINT_EVERY_S * f64::from(point));
-            let mut drawn_s = times_s.take_while(|at_s| *at_s <= DRAWN_S);
-            drawn_s.all(|at_s| {
-                let state = self.path.state_at(&self.flyer, at_s);
-                let over = |state: MotionState| state.position_m + self.wind_mps * at_s;
-                state.is_none_or(|state| zone.margin_m(over(state)) >= 0.0)
-            })
+        outside.all(|zone| self.drawn_m().all(|at_m| zone.margin_m(at_m) >= 0.0))
+    }
+
+    /// Whether the path as drawn clears the ground, where the aircraft does.
+    fn keeps_above_ground(&self, own_m: Vec3) -> bool {
+        self.ground.as_ref().is_none_or(|ground| {
+            let needed_m = ground.clearance_m() + ground.error_m();
+            let clears = |at_m| {
+                ground
+                    .above_m(at_m)
+                    .is_some_and(|above_m| above_m >= needed_m)
+            };
+            !clears(own_m) || self.drawn_m().all(clears)
         })
     }
 
@@ -362,7 +397,8 @@ impl Drawer {
         );
         let clear = certificate.status == Status::Proven
             && certificate.margin_m >= self.margin_m
-            && self.keeps_to_zones(own.position_m);
+            && self.keeps_to_zones(own.position_m)
+            && self.keeps_above_ground(own.position_m);
         let kind = if clear {
             ReplayPathKind::Certified
         } else {

@@ -154,6 +154,12 @@ impl WorldGround {
         )
     }
 
+    /// Its south-west post and the spacing east and north, metres; posts in a row; heights row by row from the south, each from the west,
+    /// metres, not a number where unknown.
+    pub fn posts(&self) -> (Vec2, Vec2, usize, &[f32]) {
+        (self.corner_m, self.spacing_m, self.columns, &self.heights_m)
+    }
+
     /// Its vertical error, metres.
     pub const fn error_m(&self) -> f64 {
         self.error_m

@@ -53,7 +53,7 @@ const DRAWN: [(&str, &str); 3] = [
 ];
 
 /// Pictures of pages.
-const SHOTS: [Shot; 3] = [
+const SHOTS: [Shot; 4] = [
     Shot {
         name: "replay.png",
         page: "first-flight/replay.html",
@@ -63,6 +63,11 @@ const SHOTS: [Shot; 3] = [
         name: "replay-dark.png",
         page: "fig-17/replay.html",
         options: &["--theme", "dark"],
+    },
+    Shot {
+        name: "replay-ground.png",
+        page: "ridge/replay.html",
+        options: &[],
     },
     Shot {
         name: "turn-aware.png",

@@ -7,6 +7,22 @@ pub struct Replay {
     pub title: String,
     /// The runs, in one scene; the first one is in focus when the page opens.
     pub runs: Vec<ReplayRun>,
+    /// The ground below them, where it is known.
+    pub ground: Option<ReplayGround>,
+}
+
+/// The ground: heights on a regular grid, bilinear between its posts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayGround {
+    /// The south-west post, metres east and north.
+    pub corner_m: [f64; 2],
+    /// From one post to the next one east and north, metres.
+    pub spacing_m: [f64; 2],
+    /// Posts in a row.
+    pub columns: usize,
+    /// Heights row by row from the south, each from the west, metres; not a number where unknown. Beyond 256 posts a side the page has
+    /// every second, third, … post, as high as the highest of its neighbours.
+    pub heights_m: Vec<f32>,
 }
 
 /// One run of an encounter.

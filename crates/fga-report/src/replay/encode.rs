@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::thin;
 use super::{
-    Replay, ReplayBands, ReplayDecision, ReplayGuidance, ReplayObstacle, ReplayPathKind, ReplayRun,
-    ReplaySample, ReplayZone,
+    Replay, ReplayBands, ReplayDecision, ReplayGround, ReplayGuidance, ReplayObstacle,
+    ReplayPathKind, ReplayRun, ReplaySample, ReplayZone,
 };
 use crate::page::json;
 
@@ -20,6 +20,19 @@ pub(super) const TEMPLATE: &str = include_str!("../../assets/replay.html");
 struct Page<'a> {
     title: &'a str,
     runs: Vec<Run<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ground: Option<EncodedGround>,
+}
+
+/// The ground: a height is `low` and as many steps, two bytes little endian, the largest number where it is unknown.
+#[derive(Serialize)]
+struct EncodedGround {
+    corner: [f64; 2],
+    spacing: [f64; 2],
+    columns: usize,
+    low: f64,
+    step: f64,
+    heights: String,
 }
 
 #[derive(Serialize)]
@@ -147,6 +160,7 @@ pub(super) fn replay_json(replay: &Replay) -> String {
     json(&Page {
         title: &replay.title,
         runs: replay.runs.iter().map(|r| run(r, count)).collect(),
+        ground: replay.ground.as_ref().map(ground),
     })
 }
 
@@ -189,6 +203,41 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
         }),
         guidance: run.guidance.iter().map(guidance).collect(),
         levels: run.alert_levels,
+    }
+}
+
+fn ground(all: &ReplayGround) -> EncodedGround {
+    let ReplayGround {
+        corner_m: corner,
+        spacing_m: spacing,
+        columns,
+        heights_m,
+    } = thin::ground(all);
+    let known = heights_m.iter().filter(|height_m| height_m.is_finite());
+    let known = known.map(|height_m| f64::from(*height_m));
+    let low = known.clone().fold(f64::INFINITY, f64::min);
+    let high = known.fold(f64::NEG_INFINITY, f64::max);
+    let low = if low.is_finite() { low } else { 0.0 };
+    let step = (high - low).max(1.0) / f64::from(u16::MAX - 1);
+    let steps = heights_m.iter().map(|height_m| {
+        if !height_m.is_finite() {
+            return u16::MAX;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the step is chosen to fit"
+        )]
+        let steps = ((f64::from(*height_m) - low) / step).round() as u16;
+        steps
+    });
+    EncodedGround {
+        corner,
+        spacing,
+        columns,
+        low,
+        step,
+        heights: bytes(&steps.flat_map(u16::to_le_bytes).collect::<Vec<u8>>()),
     }
 }
 
@@ -336,6 +385,7 @@ mod tests {
         let replay = Replay {
             title: name.into(),
             runs: vec![ReplayRun::named(name)],
+            ground: None,
         };
         let page = super::super::render(&replay);
         assert!(!page.contains("<img"));
@@ -366,6 +416,47 @@ mod tests {
         let y_m = written.origin[1] + f64::from(steps[4]) * written.step;
         assert!((y_m + 700.0).abs() < 0.1, "{y_m}");
         assert_eq!(written.paths[0].n, 2);
+    }
+
+    #[test]
+    fn the_ground_is_written_to_centimetres_with_its_holes() {
+        let written = ground(&ReplayGround {
+            corner_m: [-100.0, 50.0],
+            spacing_m: [30.0, 20.0],
+            columns: 2,
+            heights_m: vec![-20.0, 500.0, f32::NAN, 76.25],
+        });
+        let read = STANDARD.decode(&written.heights).expect("base64");
+        let steps: Vec<u16> = (read.chunks_exact(2))
+            .map(|b| u16::from_le_bytes([b[0], b[1]]))
+            .collect();
+        let height_m = |post: usize| written.low + f64::from(steps[post]) * written.step;
+        assert_eq!(steps[2], u16::MAX);
+        for (post, expected_m) in [(0, -20.0), (1, 500.0), (3, 76.25)] {
+            assert!((height_m(post) - expected_m).abs() < 0.01, "{post}");
+        }
+    }
+
+    #[test]
+    fn of_too_many_posts_the_highest_stay() {
+        let side = 1000;
+        let mut heights_m = vec![10.0; side * side];
+        heights_m[417 * side + 333] = 250.0;
+        heights_m[900 * side + 15] = f32::NAN;
+        let thinned = thin::ground(&ReplayGround {
+            corner_m: [0.0, 0.0],
+            spacing_m: [10.0, 10.0],
+            columns: side,
+            heights_m,
+        });
+        assert_eq!(thinned.spacing_m, [40.0, 40.0]);
+        assert_eq!(thinned.columns, 251);
+        assert_eq!(thinned.heights_m.len(), 251 * 251);
+        let at = |x: usize, y: usize| thinned.heights_m[y * thinned.columns + x];
+        // The peak at 3,330 and 4,170 m lies between 3,320 and 3,360, and 4,160 and 4,200.
+        assert_eq!(at(83, 104), 250.0);
+        assert!(at(4, 225).is_nan());
+        assert_eq!(at(250, 250), 10.0);
     }
 
     #[test]

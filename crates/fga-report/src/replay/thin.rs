@@ -1,11 +1,13 @@
 //! Keeps a page small: selects samples, records and points.
 
-use super::{ReplayDecision, ReplayPiece, ReplaySample};
+use super::{ReplayDecision, ReplayGround, ReplayPiece, ReplaySample};
 
 /// Most samples of all runs of a page together.
 const MAX_SAMPLES: usize = 24_000;
 /// Most bytes of the records of one page, roughly.
 const MAX_RECORD_BYTES: usize = 1_000_000;
+/// Most posts of the ground a side.
+const MAX_POSTS: usize = 256;
 /// A path may lose points where it bends less than this, metres.
 const PATH_TOLERANCE_M: f64 = 0.25;
 
@@ -27,6 +29,48 @@ pub(super) fn samples(samples: &[ReplaySample], runs: usize) -> Vec<&ReplaySampl
         })
         .map(|(_, sample)| sample)
         .collect()
+}
+
+/// The ground to write: of too many posts every second, third, … one of a row and of the rows, as high as the highest of those nearer to
+/// it than to another one, and unknown where one of them is.
+pub(super) fn ground(ground: &ReplayGround) -> ReplayGround {
+    let columns = ground.columns.max(1);
+    let rows = ground.heights_m.len() / columns;
+    let every = (columns.max(rows).saturating_sub(1))
+        .div_ceil(MAX_POSTS - 1)
+        .max(1);
+    let places = |count: usize| (0..=count.saturating_sub(1).div_ceil(every)).map(|k| k * every);
+    let near = |place: usize, count: usize| {
+        let place = place.min(count - 1);
+        place.saturating_sub(every / 2)..(place + every / 2 + 1).min(count)
+    };
+    let highest_m = |row: usize, column: usize| {
+        let columns_near = near(column, columns);
+        let posts = near(row, rows).flat_map(|row| {
+            let posts = columns_near.clone();
+            posts.map(move |column| ground.heights_m[row * columns + column])
+        });
+        // `f32::max` would pass over what is unknown.
+        posts.fold(f32::NEG_INFINITY, |most_m, post_m| {
+            let is_known = !most_m.is_nan() && !post_m.is_nan();
+            if is_known {
+                most_m.max(post_m)
+            } else {
+                f32::NAN
+            }
+        })
+    };
+    let heights_m = places(rows).flat_map(|row| places(columns).map(move |column| (row, column)));
+    #[expect(clippy::cast_precision_loss, reason = "a few posts")]
+    let spacing_m = ground.spacing_m.map(|spacing_m| spacing_m * every as f64);
+    ReplayGround {
+        corner_m: ground.corner_m,
+        spacing_m,
+        columns: places(columns).count(),
+        heights_m: heights_m
+            .map(|(row, column)| highest_m(row, column))
+            .collect(),
+    }
 }
 
 /// The records to write: none that only repeats the previous one and, if all exceed the size limit
