@@ -32,3 +32,4 @@ mod run;
 mod stress;
 mod terrain;
 mod tracks;
+mod tutorial;
