@@ -8,6 +8,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::command::{has_target, host, ran};
 use crate::table::Table;
 
 const TABLE: Table = Table {
@@ -77,17 +78,8 @@ fn missing() -> Option<String> {
     if is_missing("readelf") {
         return Some("readelf is not installed (Debian: binutils)".into());
     }
-    let folder = ran(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
-    let is_there = folder.is_ok_and(|folder| Path::new(folder.trim()).is_dir());
-    (!is_there).then(|| format!("the core library is missing (rustup target add {TARGET})"))
-}
-
-/// The target of this machine.
-fn host() -> Result<String, String> {
-    let version = ran(Command::new("rustc").arg("-vV"))?;
-    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
-    host.map(str::to_owned)
-        .ok_or_else(|| "rustc does not name its host".into())
+    (!has_target(TARGET))
+        .then(|| format!("the core library is missing (rustup target add {TARGET})"))
 }
 
 /// Builds one of the programs.
@@ -150,20 +142,5 @@ fn holds_no_panic(program: &Path) -> Result<(), String> {
     Err(format!(
         "{}: the core can panic: {found:?}",
         program.display()
-    ))
-}
-
-/// What a command printed; it must succeed.
-fn ran(command: &mut Command) -> Result<String, String> {
-    let output = command
-        .output()
-        .map_err(|error| format!("{command:?}: {error}"))?;
-    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-    if output.status.success() {
-        return Ok(printed);
-    }
-    Err(format!(
-        "{command:?}: {printed}{}",
-        String::from_utf8_lossy(&output.stderr)
     ))
 }
