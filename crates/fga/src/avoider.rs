@@ -49,39 +49,6 @@ const MISSION_SHARE: u32 = 4;
 /// It takes one part in this many at most: reading obstacles, which cannot be refused, comes after it.
 const MISSION_MOST: u32 = 2;
 
-/// Tolerance when comparing obstacles with how they were expected, m (velocities: a tenth of it, m/s).
-const SAME_M: f64 = 1e-6;
-
-/// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
-/// holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Basis {
-    /// When it is renewed at the latest, seconds from the plan's decision.
-    renewed_s: f64,
-    /// The aircraft as predicted for the last step, its time counted from the plan's decision.
-    own: MotionState,
-    /// Margin beyond what the certificate needs, metres.
-    spare_m: f64,
-}
-
-/// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Outlook {
-    count: usize,
-    position_m: Vec3,
-    velocity_mps: Vec3,
-    size_m: f64,
-}
-
-impl Outlook {
-    fn is(&self, other: &Self) -> bool {
-        self.count == other.count
-            && (self.position_m - other.position_m).abs().max_element() < SAME_M
-            && (self.velocity_mps - other.velocity_mps).abs().max_element() < 0.1 * SAME_M
-            && (self.size_m - other.size_m).abs() < SAME_M
-    }
-}
-
 /// The aircraft now, and the ground that is known.
 #[derive(Debug, Clone, Copy)]
 struct Now<'a> {
@@ -109,10 +76,6 @@ struct Plan {
     joined_s: f64,
     /// Its certificate.
     proof: Proof,
-    /// The assumptions of its certificate.
-    basis: Option<Basis>,
-    /// The obstacles when its certificate was made or failed.
-    outlook: Outlook,
     /// The rung of the ladder of demands that it keeps.
     rung: usize,
     margin_m: f64,
@@ -285,9 +248,6 @@ impl Avoider {
         vehicle.check()?;
         self.vehicle = vehicle;
         self.flyer.set(&vehicle);
-        if let Some(plan) = &mut self.plan {
-            plan.basis = None;
-        }
         Ok(())
     }
 
@@ -323,13 +283,6 @@ impl Avoider {
     /// A score that is not in [0, 1]; nothing is changed then.
     pub fn set_start(&mut self, start: Start) -> Result<(), SettingsError> {
         start.check()?;
-        if start != self.settings.start
-            && self.state == State::Threatened
-            && let Some(plan) = &mut self.plan
-        {
-            // A start that was waited for may not be the right one any more.
-            plan.basis = None;
-        }
         self.settings.start = start;
         Ok(())
     }

@@ -79,7 +79,6 @@ impl Plan {
             decided_s: time_s,
             start_s: self.start_s.min(time_s),
             proof: answer.proof,
-            basis: None,
             rung: answer.rung,
             margin_m: answer.found.margin_m,
             cost: answer.found.cost,
@@ -241,8 +240,6 @@ impl Avoider {
             threat_found_s: time_s,
             against,
             next_start_s: None,
-            basis: None,
-            outlook: self.outlook(situation.wind_mps, 0.0),
             is_small: self.is_small(answer, threat.id),
         };
         self.plan = Some(plan);
@@ -307,7 +304,6 @@ impl Avoider {
             let threat = plan.threat.filter(|_| plan.is_small);
             plan = Plan {
                 against: self.also_against(&flown, now, plan.against, margin_m),
-                outlook: self.outlook(situation.wind_mps, 0.0),
                 is_small: threat.is_some_and(|threat| self.is_small(answer, threat.id)),
                 ..plan.with(answer, time_s)
             };

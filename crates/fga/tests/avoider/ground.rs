@@ -95,11 +95,13 @@ fn in_a_valley_the_aircraft_climbs() {
         let reason = flight.cycle(&mut obstacles).record.reason;
         let at_m = flight.own.position_m;
         assert!(!reason.is_unproven(), "{reason:?} at {at_m}");
+        assert!(obstacles[0].position_m.distance(at_m) > 30.0, "{at_m}");
         let needed_m = NEEDED_M + valley(at_m.x, at_m.y);
         assert!(at_m.z > needed_m, "{at_m}");
         highest_m = highest_m.max(at_m.z);
     }
-    assert!(highest_m > 15.0, "{highest_m}");
+    // Between the walls it is at most 30 m beside the line, and the sphere's centre 5 m.
+    assert!(highest_m > 10.0, "{highest_m}");
 }
 
 /// The decisions of two flights without and with ground, side by side.

@@ -53,7 +53,7 @@ fn limits_in_need_that_cannot_be_flown_are_refused() {
 }
 
 #[test]
-fn a_lost_maneuver_is_weighed_anew_only_where_something_has_changed() {
+fn a_lost_maneuver_is_weighed_anew_once_a_second() {
     let avoider = Avoider::new(Settings::default(), planar()).unwrap();
     let mut flight = Flight::of(avoider, planar());
     let mut obstacles = [sphere(1, Vec3::X * 52.0, Vec3::ZERO, RADIUS_M)];
@@ -68,6 +68,8 @@ fn a_lost_maneuver_is_weighed_anew_only_where_something_has_changed() {
     assert!(later.iter().all(|(margin_m, _)| *margin_m == lost_m));
     assert!(later.iter().skip(1).all(|(_, work)| *work < searched / 10));
     obstacles[0].position_m.x += 3.0;
-    let (margin_m, work) = next(&mut obstacles);
-    assert!(margin_m > lost_m + 1.0 && work > searched / 2);
+    let weighed = (0..10).map(|_| next(&mut obstacles));
+    let weighed: Vec<_> = weighed.filter(|(_, work)| *work > searched / 2).collect();
+    assert_eq!(weighed.len(), 1);
+    assert!(weighed[0].0 > lost_m + 1.0);
 }

@@ -348,17 +348,6 @@ fn wide() -> [Obstacle; 1] {
     [sphere(7, Vec3::new(700.0, 5.0, 0.0), Vec3::ZERO, 160.0)]
 }
 
-/// Its certificate holds from its choice on.
-#[test]
-fn a_way_back_is_not_certified_again_in_the_next_step() {
-    let mut flight = flight(Start::Free);
-    let mut obstacles = wide();
-    flight.until(State::Recovering, &mut obstacles);
-    let next = flight.cycle(&mut obstacles).record;
-    assert_eq!(next.reason, Reason::RejoinKept);
-    assert!(next.work.work < 20, "{:?}", next.work);
-}
-
 /// An earlier version turned onto the mission at the planned moment, up to 46 m beyond it.
 #[test]
 fn an_aircraft_that_is_faster_than_planned_does_not_fly_past_the_mission_on_its_way_back() {

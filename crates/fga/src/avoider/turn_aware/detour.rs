@@ -1,14 +1,11 @@
 //! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between zones.
 
-use core::f64::consts::PI;
-
 use crate::avoider::Avoider;
-use crate::maneuver::{Maneuver, Stage};
+use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
-/// After the time of this turn without a way back the search also covers ways behind an obstacle that flies
-/// alongside, and after twice that time turns round between zones, radians.
+/// After the time of this turn without a way back the search also covers detours, radians; between zones after twice that time.
 const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
@@ -17,42 +14,24 @@ const ALONGSIDE: f64 = 2.0;
 /// ... and at most this share of the airspeed relative to the aircraft.
 const ALONGSIDE_SPEED: f64 = 0.4;
 
-/// The first turns of a detour, radians, and the straight flight after them, turn radii.
-const DETOURS: [(f64, f64); 8] = [
-    (PI, 0.0),
-    (-PI, 0.0),
-    (2.1, 1.0),
-    (-2.1, 1.0),
-    (4.7, 0.0),
-    (-4.7, 0.0),
-    (1.3, 3.0),
-    (-1.3, 3.0),
-];
+/// The first turn of a detour is any up to this to either side, radians, ...
+const TURN_RAD: f64 = 4.0;
 
-/// Between zones wind may leave room to turn round to one side alone, and only from farther away from the edge there: a turn, radians, a
-/// straight flight after it, turn radii, and a turn round by this from the present course, radians.
-const TURNS_BACK: [(f64, f64, f64); 4] = [
-    (0.0, 0.0, PI),
-    (0.0, 0.0, -PI),
-    (-0.7, 2.0, PI),
-    (0.7, 2.0, -PI),
-];
+/// ... and the straight flight after it any up to this, turn radii; ...
+const STRAIGHT: f64 = 3.0;
 
-/// After the time of this turn without a way back a detour may lead out of a whole formation, radians: ...
-const FAR_AFTER_RAD: f64 = 60.0;
-
-/// ... its first turn is any up to this to either side, radians, ...
-const FAR_TURN_RAD: f64 = 5.0;
-
-/// ... and the straight flight after it so many turn radii.
+/// ... up to this, out of a whole formation, ...
 const FAR: f64 = 14.0;
 
-/// The fractions of multiples of this are spread evenly: the golden ratio.
-const GOLDEN: f64 = 0.618_034;
+/// ... after the time of this turn without a way back, radians.
+const FAR_AFTER_RAD: f64 = 60.0;
+
+/// The fractions of multiples of these two are spread evenly over a square: the reciprocals of the plastic ratio and of its square.
+const SPREAD: [f64; 2] = [0.754_878, 0.569_840];
 
 impl Avoider {
-    /// A turn away from an obstacle alongside, or a turn round between zones, one of several, and the aircraft after it; none while a way
-    /// back without one may still be found.
+    /// A turn away from an obstacle alongside, or between zones, with a straight flight after it, one of many, and the aircraft after it;
+    /// none while a way back without one may still be found.
     pub(super) fn detour(
         &self,
         situation: &Situation<'_>,
@@ -64,31 +43,20 @@ impl Avoider {
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        let turned = |turn_rad| Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
-        if !self.is_accompanied(situation) {
-            // In turn with the ways back without a detour.
-            let is_long = waited_rad > 2.0 * AFTER_RAD;
-            let is_next = which % 2 == 1 && is_long && !self.tracks.hazards().zones.is_empty();
-            let turns = TURNS_BACK.get(which / 2 % TURNS_BACK.len());
-            let (turn_rad, radii, round_rad) = turns.copied().filter(|_| is_next)?;
-            let mut maneuver = turned(turn_rad);
-            let start_s = (turn_rad.abs() + radii) / rate_radps;
-            for stage in turned(round_rad).stages() {
-                maneuver.push(Stage { start_s, ..*stage });
-            }
-            let until_s = start_s + (turn_rad - round_rad).abs() / rate_radps;
-            return Some((maneuver, self.after(now, &maneuver, until_s)));
+        let is_between_zones =
+            !self.tracks.hazards().zones.is_empty() && waited_rad > 2.0 * AFTER_RAD;
+        if !is_between_zones && !self.is_accompanied(situation) {
+            return None;
         }
-        let (round, index) = (which / DETOURS.len(), which % DETOURS.len());
-        let (turn_rad, radii) = if waited_rad > FAR_AFTER_RAD && round % 2 == 1 {
-            let turns = GOLDEN * which as f64;
-            let share = turns - libm::floor(turns);
-            (FAR_TURN_RAD * (2.0 * share - 1.0), FAR)
-        } else {
-            DETOURS.get(index).copied().unwrap_or_default()
-        };
-        let maneuver = turned(turn_rad);
-        let until_s = (turn_rad.abs() + radii) / rate_radps;
+        let [aside, along] = SPREAD.map(|spread| {
+            let drawn = spread * which as f64;
+            drawn - libm::floor(drawn)
+        });
+        let is_far = waited_rad > FAR_AFTER_RAD && which % 2 == 1;
+        let most = if is_far { FAR } else { STRAIGHT };
+        let turn_rad = TURN_RAD * (1.0 - 2.0 * aside);
+        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let until_s = (turn_rad.abs() + most * libm::sqrt(along)) / rate_radps;
         Some((maneuver, self.after(now, &maneuver, until_s)))
     }
 
@@ -122,8 +90,17 @@ mod tests {
         };
         let alongside = (18.0, 0.0);
         assert_eq!(course_rad(alongside, 1.0, 0), None);
-        assert_eq!(course_rad(alongside, 30.0, 0), Some(PI));
-        assert_eq!(course_rad(alongside, 30.0, 1), Some(-PI));
+        assert_eq!(course_rad(alongside, 30.0, 0), Some(TURN_RAD));
+        let turns_rad = (0..100).filter_map(|which| course_rad(alongside, 30.0, which));
+        let turns_rad: alloc::vec::Vec<f64> = turns_rad.collect();
+        // Each tenth of the turns to both sides is tried as often as another one.
+        for part in -5..5 {
+            let [low_rad, high_rad] = [part, part + 1].map(|part| 0.2 * TURN_RAD * f64::from(part));
+            let tried = turns_rad
+                .iter()
+                .filter(|turn_rad| (low_rad..high_rad).contains(*turn_rad));
+            assert!((8..=12).contains(&tried.count()), "{part}");
+        }
         assert_eq!(course_rad((-18.0, 0.0), 30.0, 0), None);
         assert_eq!(course_rad((0.0, 0.0), 30.0, 0), None);
     }

@@ -207,7 +207,6 @@ impl Avoider {
             rung,
             cost: 0.0,
             next_start_s: None,
-            basis: None,
             is_small: false,
             ..*plan
         };
@@ -219,9 +218,6 @@ impl Avoider {
                 certified.map(|certified| {
                     back.proof = Proof::Certified(certified);
                     back.margin_m = certified.margin_m();
-                    back.outlook = self.outlook(situation.wind_mps, 0.0);
-                    let lasting = self.lasting(&back, situation, now, &far);
-                    back.basis = lasting.and_then(|(basis, _)| basis);
                     back
                 })
             }
