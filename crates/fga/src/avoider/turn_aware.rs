@@ -154,7 +154,8 @@ impl Avoider {
         let time_s = situation.time_s;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
-            && self.kept_rung(&mut plan, situation, now) == Some(plan.rung)
+            && let Some(rung) = self.kept_rung(&mut plan, situation, now)
+            && rung <= plan.rung
         {
             self.plan = Some(plan);
             if plan.start_s > time_s {

@@ -5,8 +5,11 @@ use crate::avoider::{Avoider, Now, Plan};
 use crate::search::Proof;
 use crate::situation::Situation;
 
-/// A manoeuvre continues while this share of the margin is certified.
+/// A manoeuvre continues while this share of the margin is certified, ...
 pub(super) const KEEP_SHARE: f64 = 0.5;
+
+/// ... over a horizon that is shorter by the time between two looks for something better, seconds.
+const KEEP_SHORTER_S: f64 = 1.0;
 
 impl Avoider {
     /// The highest rung whose demand the rest of a plan keeps, with a new certificate in the plan; the longer horizon only where
@@ -33,12 +36,12 @@ impl Avoider {
             let demand = self.demand_of(rung);
             self.ask(&demand, 0.0);
             let asked = (
-                demand.horizon_s,
+                demand.horizon_s - KEEP_SHORTER_S,
                 KEEP_SHARE * demand.margin_m,
                 demand.margin_m,
             );
             let certified = self.within_limits(&demand, |avoider| {
-                avoider.predict(&plan.remaining(situation.time_s), now, demand.horizon_s);
+                avoider.predict(&plan.remaining(situation.time_s), now, asked.0);
                 avoider.prove(now, asked)
             });
             if let Some(certified) = certified {
