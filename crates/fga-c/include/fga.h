@@ -46,7 +46,7 @@
 #define FGA_ALIGN 16
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 160256
+#define FGA_AVOIDER_FIXED_BYTES 137216
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152
@@ -80,7 +80,7 @@
 #define FGA_HAS_RESILIENCE 32
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 84480
+#define FGA_PROVER_BYTES 61952
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

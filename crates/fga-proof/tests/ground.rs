@@ -206,7 +206,7 @@ fn no_ground_is_nearer_than_certified() {
         let mut hazards = Hazards::new();
         hazards.zones.clear(wind, f64::INFINITY);
         let meter = Meter::unlimited();
-        let around = hazards.over(Some(&ground));
+        let around = hazards.over(&[], Some(&ground));
         let asked = Asked {
             horizon_s,
             floor_m: f64::MIN,

@@ -36,9 +36,8 @@ use terms::ENOUGH_M;
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
 use fga_proof::certificate::{
-    Asked, Certificate, Certified, Hazards, MAX_HAZARDS, certify_set, prove,
+    Around, Asked, Certificate, Certified, MAX_HAZARDS, certify_set, prove,
 };
-use fga_proof::ground::Ground;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -60,10 +59,8 @@ pub struct Scene<'a> {
     pub nominal: &'a Maneuver,
     /// Course and climb angle from which deviations count, `ψ_ori` and `θ_ori`, radians.
     pub original: (f64, f64),
-    /// The obstacles.
-    pub hazards: &'a Hazards,
-    /// The ground.
-    pub ground: Option<&'a Ground<'a>>,
+    /// The obstacles, zones and ground.
+    pub around: Around<'a>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -250,16 +247,16 @@ impl<'a> Search<'a> {
             .predict_within(flyer, start, maneuver, scene.horizon_s, meter);
     }
 
-    /// Certifies the path against some hazards up to a moment.
-    fn certify_path(&self, hazards: &Hazards, horizon_s: f64, marks: (f64, f64)) -> Certificate {
+    /// Certifies the path up to a moment.
+    fn certify_path(&self, horizon_s: f64, marks: (f64, f64)) -> Certificate {
         let (floor_m, enough_m) = marks;
         let asked = Asked {
             horizon_s,
             floor_m,
             enough_m,
         };
-        let around = hazards.over(self.scene.ground);
-        certify_set(self.scene.flyer, self.path, &around, &asked, &self.meter)
+        let Scene { flyer, around, .. } = &self.scene;
+        certify_set(flyer, self.path, around, &asked, &self.meter)
     }
 
     /// The commands of a manoeuvre: the mission up to its start, then its turns.
@@ -305,7 +302,7 @@ impl<'a> Search<'a> {
         let scene = self.scene;
         let maneuver = self.maneuver(turns, departure);
         self.predict(&maneuver);
-        self.certify_path(scene.hazards, scene.horizon_s, (floor_m, ENOUGH_M))
+        self.certify_path(scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
     /// The certificate of an answer: that it keeps the separation asked for from all hazards. What it takes comes from
@@ -317,8 +314,7 @@ impl<'a> Search<'a> {
         let maneuver = self.maneuver(&found.turns, &departure);
         self.predict(&maneuver);
         let asked = (scene.horizon_s, scene.target_m, scene.target_m);
-        let around = scene.hazards.over(scene.ground);
-        prove(scene.flyer, self.path, around, asked, &self.meter)
+        prove(scene.flyer, self.path, scene.around, asked, &self.meter)
     }
 
     /// An answer with its certificate; none where that does not prove it.
@@ -365,15 +361,14 @@ mod tests {
         flyer: &'a Flyer,
         vehicle: &Vehicle,
         (start, nominal): (MotionState, &'a Maneuver),
-        hazards: &'a Hazards,
+        hazards: &'a fga_proof::certificate::Hazards,
     ) -> Scene<'a> {
         Scene {
             flyer,
             start,
             nominal,
             original: (0.0, 0.0),
-            hazards,
-            ground: None,
+            around: hazards.over(&[], None),
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

@@ -28,13 +28,12 @@ use fga_index::quiet;
 
 use crate::Vec3;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
-use crate::ground::Ground;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
 use crate::search::{Proof, Tables};
-use crate::situation::{Ownship, Situation};
+use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
 
 /// A step finishes when all but one part in this many of its work is done.
@@ -82,11 +81,11 @@ impl Outlook {
     }
 }
 
-/// The aircraft now, and the ground that is known.
+/// The aircraft now, and its mission.
 #[derive(Debug, Clone, Copy)]
 struct Now<'a> {
     state: MotionState,
-    ground: Option<&'a Ground<'a>>,
+    mission: &'a Mission<'a>,
 }
 
 impl core::ops::Deref for Now<'_> {
@@ -400,7 +399,7 @@ impl Avoider {
     fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         let now = Now {
             state: MotionState::of(&situation.ownship),
-            ground: situation.mission.ground,
+            mission: &situation.mission,
         };
         self.on_mission(situation, |progress, route| {
             progress.update(route, &now, situation.time_s);
@@ -409,7 +408,7 @@ impl Avoider {
         let mut decision = self.step_turn_aware(situation, &now, kept);
         let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
-        let hazards = self.tracks.hazards().rows();
+        let hazards = self.tracks.rows();
         if threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
             let passed_s = self.settings.decision_period_s;
             let gives_up = self.on_mission(situation, |progress, route| {

@@ -7,9 +7,9 @@ use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
-use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
+use crate::certificate::{Around, Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
-use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
+use crate::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
 
 /// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
@@ -151,9 +151,19 @@ impl Tracks {
         self.len = 0;
     }
 
-    /// The hazards.
-    pub const fn hazards(&self) -> &Hazards {
-        &self.hazards
+    /// The hazards one by one.
+    pub fn rows(&self) -> &[Hazard] {
+        self.hazards.rows()
+    }
+
+    /// The hazards, and what the mission has of zones and ground.
+    pub(super) fn around<'a>(&'a self, mission: &'a Mission<'a>) -> Around<'a> {
+        self.hazards.over(mission.zones, mission.ground)
+    }
+
+    /// Whether any zone is near.
+    pub(super) fn has_zones(&self) -> bool {
+        !self.hazards.zones.is_empty()
     }
 
     /// The obstacles of this step as last heard of.
@@ -257,9 +267,9 @@ impl Tracks {
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
                 (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
             }
-            let before = self.hazards.rows().len();
+            let before = self.rows().len();
             add_aircraft(&mut self.hazards, &hazard, (&known, trend), asked, motions);
-            let added = self.hazards.rows().len() - before;
+            let added = self.rows().len() - before;
             if !meter.take(MOTION * added) {
                 return;
             }
@@ -612,11 +622,11 @@ mod tests {
             let meter = Meter::unlimited();
             tracks.withstand(|_| Freedom::Share(1.0), exact, &meter);
             for id in 0..count {
-                let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
+                let has = tracks.rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");
             }
             // The nearest may turn.
-            let of_first = tracks.hazards().rows().iter().filter(|h| h.id == 0);
+            let of_first = tracks.rows().iter().filter(|h| h.id == 0);
             assert!(of_first.count() > 2 || count > 107, "{count}");
         }
     }

@@ -369,8 +369,7 @@ impl Avoider {
                     now.course_rad + leg.turn_onto_rad(now),
                     leg.climb_rad.limited(low, high),
                 ),
-                hazards: avoider.tracks.hazards(),
-                ground: now.ground,
+                around: avoider.tracks.around(now.mission),
                 horizon_s: demand.horizon_s,
                 target_m: demand.margin_m,
                 climb_limits_rad: (low, high),
@@ -403,13 +402,13 @@ impl Avoider {
             floor_m,
             enough_m,
         };
-        let around = self.tracks.hazards().over(now.ground);
+        let around = self.tracks.around(now.mission);
         certify_set(&self.flyer, &self.path, &around, &asked, &self.meter).proven_m()
     }
 
     /// The certificate of the manoeuvre predicted last: that it keeps a target up to a horizon; its margin is capped.
     fn prove(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> Option<Certified> {
-        let around = self.tracks.hazards().over(now.ground);
+        let around = self.tracks.around(now.mission);
         prove(&self.flyer, &self.path, around, asked, &self.meter)
     }
 
@@ -502,7 +501,7 @@ mod tests {
         };
         let now = Now {
             state: MotionState::of(&situation.ownship),
-            ground: None,
+            mission: &situation.mission,
         };
         avoider.meter = crate::meter::Meter::unlimited();
         avoider.load_tracks(&situation, None);

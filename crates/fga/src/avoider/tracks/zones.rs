@@ -56,7 +56,7 @@ impl Tracks {
         zones.clear(situation.wind_mps, circle_s);
         // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
         let mut least_m = wanted_m;
-        for zone in situation.mission.zones {
+        for (index, zone) in mission.zones.iter().enumerate() {
             self.work += zone.edges().count() * (2 + ahead.len());
             let of_mission_m = nearest_m(zone, &ahead, least_m);
             if of_mission_m < 0.0 {
@@ -68,7 +68,7 @@ impl Tracks {
                 continue;
             }
             least_m = of_own_m;
-            if !self.hazards.zones.add(zone, (own_m, reach_m)) {
+            if !(self.hazards.zones).add(mission.zones, index, (own_m, reach_m)) {
                 self.overflow = true;
                 return;
             }

@@ -68,7 +68,7 @@ impl Avoider {
         if !self.is_accompanied(situation) {
             // In turn with the ways back without a detour.
             let is_long = waited_rad > 2.0 * AFTER_RAD;
-            let is_next = which % 2 == 1 && is_long && !self.tracks.hazards().zones.is_empty();
+            let is_next = which % 2 == 1 && is_long && self.tracks.has_zones();
             let turns = TURNS_BACK.get(which / 2 % TURNS_BACK.len());
             let (turn_rad, radii, round_rad) = turns.copied().filter(|_| is_next)?;
             let mut maneuver = turned(turn_rad);
@@ -97,7 +97,7 @@ impl Avoider {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
-        self.tracks.hazards().rows().iter().any(|hazard| {
+        self.tracks.rows().iter().any(|hazard| {
             (velocity_mps - hazard.velocity_mps).length() < ALONGSIDE_SPEED * own.airspeed_mps
                 && hazard.velocity_mps != -situation.wind_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m

@@ -25,7 +25,7 @@ impl Avoider {
             let mut ours_mps = ours_mps.iter();
             ours_mps.any(|mps| (hazard.velocity_mps - mps).length() < slow_mps)
         };
-        if self.tracks.hazards().rows().iter().any(stays) {
+        if self.tracks.rows().iter().any(stays) {
             horizon_s.max(FAR_S)
         } else {
             horizon_s

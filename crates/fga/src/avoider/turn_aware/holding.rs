@@ -121,10 +121,10 @@ impl Avoider {
         let mut outlook = Outlook::default();
         // Different weights, so that two obstacles cannot compensate each other.
         let mut weight = 1.0;
-        if !self.meter.take(self.tracks.hazards().rows().len() / 2) {
+        if !self.meter.take(self.tracks.rows().len() / 2) {
             return outlook;
         }
-        for hazard in self.tracks.hazards().rows() {
+        for hazard in self.tracks.rows() {
             let ground_mps = hazard.velocity_mps + wind_mps;
             outlook.count += 1;
             outlook.position_m += (hazard.position_m - ground_mps * since_s) * weight;

@@ -171,7 +171,7 @@ impl Avoider {
             self.grids = GRIDS_A_SEARCH;
         }
         let mut deepest = Some(best);
-        let cylinders = self.tracks.hazards().rows().iter().any(Hazard::is_cylinder);
+        let cylinders = self.tracks.rows().iter().any(Hazard::is_cylinder);
         let differs = cylinders || self.tracks.uncertain;
         if best.found.margin_m < 0.0 && differs && self.meter.left() >= DEPTH_WORK {
             self.by_depth();

@@ -100,7 +100,7 @@ impl Avoider {
     fn pays_small(&self, id: u32) -> bool {
         let wide_m = WIDE * self.flyer.turn_radius_m();
         let fast_mps = MUCH_FASTER * self.flyer.airspeed_mps();
-        let mut hazards = self.tracks.hazards().rows().iter();
+        let mut hazards = self.tracks.rows().iter();
         self.tracks.has_aircraft()
             && hazards.any(|hazard| {
                 hazard.id == id

@@ -284,11 +284,11 @@ impl Avoider {
         if self.meter.is_met() {
             return WayAhead::Blocked;
         }
-        let hazards = self.tracks.hazards();
+        let hazards = self.tracks.rows();
         let reach = (horizon_s, target_m);
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let is_whole = self.path.is_complete();
-        for (hazard, close) in hazards.rows().iter().zip(close) {
+        for (hazard, close) in hazards.iter().zip(close) {
             if is_whole && !close {
                 continue;
             }
