@@ -48,9 +48,10 @@ impl Search<'_> {
         if !self.meter.take(SEEDS_WORK) {
             return None;
         }
-        let climbs = self.climbs.take()?;
-        let best = self.best_among(climbs, (flown, effort, variety));
-        self.climbs = Some(climbs);
+        let board = self.board.take()?;
+        let climbs = board.climbs();
+        let best = climbs.and_then(|climbs| self.best_among(climbs, (flown, effort, variety)));
+        self.board = Some(board);
         best
     }
 

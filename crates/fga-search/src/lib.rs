@@ -131,11 +131,39 @@ impl Conflicts {
     };
 }
 
+/// The rows of a search, or the seeds and climbs of one for the largest margin: in one place, because no search needs both at once.
+#[derive(Debug, Clone)]
+enum Board {
+    Lattice(Lattice),
+    Climbs(Climbs),
+}
+
+impl Board {
+    fn lattice(&mut self) -> Option<&mut Lattice> {
+        if matches!(self, Self::Climbs(_)) {
+            *self = Self::Lattice(Lattice::NONE);
+        }
+        match self {
+            Self::Lattice(lattice) => Some(lattice),
+            Self::Climbs(_) => None,
+        }
+    }
+
+    fn climbs(&mut self) -> Option<&mut Climbs> {
+        if matches!(self, Self::Lattice(_)) {
+            *self = Self::Climbs(Climbs::NONE);
+        }
+        match self {
+            Self::Climbs(climbs) => Some(climbs),
+            Self::Lattice(_) => None,
+        }
+    }
+}
+
 /// The tables of searches: large, and zeros, so keep and reuse them.
 #[derive(Debug, Clone)]
 pub struct Tables {
-    lattice: Lattice,
-    climbs: Climbs,
+    board: Board,
     bends: [Option<Bend>; 2],
     conflicts: Conflicts,
 }
@@ -143,8 +171,7 @@ pub struct Tables {
 impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
-        lattice: Lattice::NONE,
-        climbs: Climbs::NONE,
+        board: Board::Climbs(Climbs::NONE),
         bends: [None; 2],
         conflicts: Conflicts::UNKNOWN,
     };
@@ -168,8 +195,7 @@ pub struct Search<'a> {
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
     /// Not there while it is used.
-    lattice: Option<&'a mut Lattice>,
-    climbs: Option<&'a mut Climbs>,
+    board: Option<&'a mut Board>,
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: &'a mut [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
@@ -188,8 +214,7 @@ impl<'a> Search<'a> {
     pub fn within(scene: Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
         let Tables {
-            lattice,
-            climbs,
+            board,
             bends,
             conflicts,
         } = tables;
@@ -203,8 +228,7 @@ impl<'a> Search<'a> {
             meter,
             answering: false,
             culprit: 0,
-            lattice: Some(lattice),
-            climbs: Some(climbs),
+            board: Some(board),
             bends,
             conflicts,
             along: direction(scene.original.0, scene.original.1),
