@@ -46,7 +46,7 @@
 #define FGA_ALIGN 16
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 120832
+#define FGA_AVOIDER_FIXED_BYTES 111104
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152

@@ -31,7 +31,7 @@ use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
-use crate::prediction::{FlightPath, Flyer, MotionState, flown};
+use crate::prediction::{FlightPath, Flyer, MotionState, RollOuts, flown};
 use crate::search::{Proof, Tables};
 use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
@@ -157,7 +157,7 @@ pub struct Avoider {
     /// The limits of its vehicle.
     made_for: Vehicle,
     /// The limits for cases without a certified manoeuvre under the normal ones.
-    in_need: Option<(Vehicle, Flyer)>,
+    in_need: Option<(Vehicle, RollOuts)>,
     flyer: Flyer,
     state: State,
     progress: Progress,
@@ -308,10 +308,13 @@ impl Avoider {
             vehicle.check()?;
         }
         if self.vehicle_in_need() != vehicle.as_ref() {
-            self.in_need = vehicle.map(|vehicle| (vehicle, Flyer::blank(&vehicle)));
-            if let Some((vehicle, flyer)) = &mut self.in_need {
-                flyer.set(vehicle);
-            }
+            let mut known_m = *self.flyer.roll_outs_m();
+            self.in_need = vehicle.map(|vehicle| {
+                self.flyer.set(&vehicle);
+                let in_need_m = *self.flyer.roll_outs_m();
+                self.flyer.exchange(&self.vehicle, &mut known_m);
+                (vehicle, in_need_m)
+            });
         }
         Ok(())
     }

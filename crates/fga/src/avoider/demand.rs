@@ -139,10 +139,10 @@ impl Avoider {
     }
 
     /// Takes the limits in need in place of the normal ones, or back again.
-    const fn change_limits(&mut self) {
-        if let Some((vehicle, flyer)) = &mut self.in_need {
+    pub(super) fn change_limits(&mut self) {
+        if let Some((vehicle, roll_outs_m)) = &mut self.in_need {
             core::mem::swap(vehicle, &mut self.vehicle);
-            core::mem::swap(flyer, &mut self.flyer);
+            self.flyer.exchange(&self.vehicle, roll_outs_m);
         }
     }
 }
