@@ -379,6 +379,7 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fga_proof::situation::Mission;
     use fga_proof::vehicle::Vehicle;
 
     /// A scene along +x, in which least cost is looked for.
@@ -393,7 +394,7 @@ mod tests {
             start,
             nominal,
             original: (0.0, 0.0),
-            around: hazards.over(&[], None),
+            around: hazards.over(&Mission::NONE),
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

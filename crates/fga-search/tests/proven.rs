@@ -120,7 +120,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             start,
             nominal: &nominal,
             original: (0.0, 0.0),
-            around: hazards.over(&[], None),
+            around: hazards.over(&Mission::NONE),
             horizon_s: 60.0,
             target_m: draw.one_of(&[0.05, 0.05, 2.7]),
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

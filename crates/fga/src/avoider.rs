@@ -22,7 +22,7 @@ pub use against::Against;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
-pub use tracks::{MAX_TRACKED, Tracks};
+pub use tracks::{Known, LIMITS, Lent, MAX_TRACKED, Own, Places, Tracks};
 
 use fga_index::quiet;
 
@@ -147,11 +147,25 @@ impl Plan {
     }
 }
 
+impl<P: Places + 'static> core::ops::Deref for Avoider<P> {
+    type Target = Avoider<dyn Places>;
+
+    fn deref(&self) -> &Self::Target {
+        self
+    }
+}
+
+impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        self
+    }
+}
+
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
 /// It holds its scratch space (some 161 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
-pub struct Avoider {
+pub struct Avoider<P: ?Sized = Own> {
     settings: Settings,
     vehicle: Vehicle,
     /// The limits of its vehicle.
@@ -163,7 +177,6 @@ pub struct Avoider {
     progress: Progress,
     /// The mission's part of the step's work.
     mission_meter: Meter,
-    tracks: tracks::Tracks,
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
@@ -189,6 +202,7 @@ pub struct Avoider {
     drift_m: f64,
     /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
+    tracks: Tracks<P>,
 }
 
 impl Avoider {
@@ -205,6 +219,13 @@ impl Avoider {
     /// An avoider of no use before [`Self::prepare`], to construct one where it stays: what is large of it is zeros, which are
     /// written there without a copy.
     pub fn blank(settings: Settings, vehicle: Vehicle) -> Self {
+        Self::within(settings, vehicle, const { Tracks::new() })
+    }
+}
+
+impl<P> Avoider<P> {
+    /// The same with room for obstacles that is lent.
+    pub fn within(settings: Settings, vehicle: Vehicle, tracks: Tracks<P>) -> Self {
         Self {
             settings,
             vehicle,
@@ -213,7 +234,7 @@ impl Avoider {
             flyer: Flyer::blank(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
-            tracks: const { Tracks::new() },
+            tracks,
             path: const { FlightPath::new() },
             tables: Tables::NONE,
             mission_meter: Meter::unlimited(),
@@ -232,7 +253,34 @@ impl Avoider {
             far_s: settings.horizon_s,
         }
     }
+}
 
+impl<P: ?Sized> Avoider<P> {
+    /// The assumed limits of the vehicle.
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// Its state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Index of the waypoint at the start of the present leg.
+    pub const fn leg_index(&self) -> usize {
+        self.progress.index()
+    }
+
+    /// The limits in need, if there are any.
+    pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
+        match &self.in_need {
+            Some((vehicle, _)) => Some(vehicle),
+            None => None,
+        }
+    }
+}
+
+impl Avoider<dyn Places + '_> {
     /// Checks its settings and its vehicle, and computes what all of its flights share.
     ///
     /// # Errors
@@ -261,21 +309,6 @@ impl Avoider {
         self.drift = drift::Drift::default();
     }
 
-    /// The assumed limits of the vehicle.
-    pub const fn vehicle(&self) -> &Vehicle {
-        &self.vehicle
-    }
-
-    /// Its state.
-    pub const fn state(&self) -> State {
-        self.state
-    }
-
-    /// Index of the waypoint at the start of the present leg.
-    pub const fn leg_index(&self) -> usize {
-        self.progress.index()
-    }
-
     /// Replaces the vehicle's limits, for instance by a turn-rate factor estimated in flight.
     ///
     /// # Errors
@@ -288,14 +321,6 @@ impl Avoider {
             plan.basis = None;
         }
         Ok(())
-    }
-
-    /// The limits in need, if there are any.
-    pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
-        match &self.in_need {
-            Some((vehicle, _)) => Some(vehicle),
-            None => None,
-        }
     }
 
     /// Sets limits for cases without a certified manoeuvre under the normal ones, for

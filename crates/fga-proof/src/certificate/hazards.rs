@@ -2,10 +2,9 @@
 
 use super::hazard::{Hazard, Obstruction};
 use super::zones::{Fixed, Zones};
-use crate::ground::Ground;
 use crate::list::List;
 use crate::meter::Meter;
-use crate::zone::Zone;
+use crate::situation::Mission;
 
 /// Most hazards of a [`Hazards`].
 pub const MAX_HAZARDS: usize = 128;
@@ -82,20 +81,11 @@ impl Hazards {
         &self.rows
     }
 
-    /// The hazards, the zones of the mission, some of which are known as near, and the ground below.
-    pub fn over<'a>(
-        &'a self,
-        mission: &'a [Zone<'a>],
-        ground: Option<&'a Ground<'a>>,
-    ) -> Around<'a> {
-        let zones = &self.zones;
+    /// The hazards, and the zones and the ground of a mission.
+    pub fn over<'a>(&'a self, mission: &'a Mission<'a>) -> Around<'a> {
         Around {
             rows: &self.rows,
-            fixed: Fixed {
-                zones,
-                mission,
-                ground,
-            },
+            fixed: self.zones.over(mission),
         }
     }
 

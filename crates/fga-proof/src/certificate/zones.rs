@@ -5,7 +5,7 @@ use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LOOK, Meter};
-use crate::situation::ProtectedVolume;
+use crate::situation::{Mission, ProtectedVolume};
 use crate::zone::{ALL_HEIGHTS_M, Outline, Span, Zone, meet, span_m};
 use crate::{Vec2, Vec3};
 
@@ -81,7 +81,7 @@ impl Fixed<'_> {
         meter: &Meter,
     ) -> (f64, f64) {
         let (zones, spare_m) = (self.zones, self.zones.spare_m);
-        let Some(over) = zones.over(line).filter(|_| !self.is_empty()) else {
+        let Some(over) = zones.counted(line).filter(|_| !self.is_empty()) else {
             return least;
         };
         if let Some(found) = self.least_on(&over, (least.0 - spare_m).max(0.0), meter) {
@@ -133,7 +133,8 @@ impl Fixed<'_> {
 }
 
 impl Zones {
-    pub(super) const NONE: Self = Self {
+    /// No zones.
+    pub const NONE: Self = Self {
         all: List::new(Near {
             zone: 0,
             runs: (0, 0),
@@ -149,13 +150,22 @@ impl Zones {
         binding: Binding::ALL,
     };
 
+    /// The zones of the mission, of which these are near, and the ground.
+    pub const fn over<'a>(&'a self, mission: &'a Mission<'a>) -> Fixed<'a> {
+        Fixed {
+            zones: self,
+            mission: mission.zones,
+            ground: mission.ground,
+        }
+    }
+
     /// Whether no zone is known.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty() && !self.entered
     }
 
     /// The part of a line that counts, over the ground, where all are at rest.
-    fn over(&self, line: &Line) -> Option<Line> {
+    fn counted(&self, line: &Line) -> Option<Line> {
         let duration_s = line.duration_s.min(self.until_s - line.at_s);
         (duration_s >= 0.0).then_some(Line {
             from_m: line.from_m + self.wind_mps * line.at_s,
@@ -225,7 +235,7 @@ impl Obstruction for Fixed<'_> {
 
     fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {
         let zones = self.zones;
-        let over = zones.over(line);
+        let over = zones.counted(line);
         over.is_some_and(|over| {
             self.least_on(&over, below_m, meter).is_some()
                 || self.ground.is_some_and(|ground| {
@@ -236,7 +246,7 @@ impl Obstruction for Fixed<'_> {
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        let over = self.zones.over(line)?;
+        let over = self.zones.counted(line)?;
         let least = self.least_on(&over, below_m, meter);
         let most_m = least.map_or(below_m, |(least_m, _)| least_m);
         let found = self

@@ -15,7 +15,8 @@ use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Kept, Now, Plan, Reason, Start, State, Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
+    Verdict,
 };
 use crate::certificate::{Asked, Certified, certify_set, prove};
 use crate::limit::Limit as _;
@@ -95,7 +96,7 @@ impl Plan {
     }
 }
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     pub(super) fn step_turn_aware(
         &mut self,
         situation: &Situation<'_>,

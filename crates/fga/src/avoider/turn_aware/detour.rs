@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::avoider::Avoider;
+use crate::avoider::{Avoider, Places};
 use crate::maneuver::{Maneuver, Stage};
 use crate::prediction::MotionState;
 use crate::situation::Situation;
@@ -50,7 +50,7 @@ const FAR: f64 = 14.0;
 /// The fractions of multiples of this are spread evenly: the golden ratio.
 const GOLDEN: f64 = 0.618_034;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A turn away from an obstacle alongside, or a turn round between zones, one of several, and the aircraft after it; none while a way
     /// back without one may still be found.
     pub(super) fn detour(

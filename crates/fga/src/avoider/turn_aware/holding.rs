@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
-use crate::avoider::{Avoider, Basis, Now, Outlook, Plan};
+use crate::avoider::{Avoider, Basis, Now, Outlook, Places, Plan};
 use crate::certificate::Certified;
 use crate::prediction::MotionState;
 use crate::search::Proof;
@@ -21,7 +21,7 @@ const BANKS: f64 = 4.0;
 /// A certificate is renewed after this long, so that its horizon moves on, seconds.
 const RENEWED_AFTER_S: f64 = 4.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The highest rung whose demand the rest of a plan keeps, with its certificate in the plan; the longer horizon only where
     /// it was planned for it.
     pub(super) fn kept_rung(

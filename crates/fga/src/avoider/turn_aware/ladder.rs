@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::angle::Side;
 use crate::avoider::demand::{BEYOND_M, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
-use crate::avoider::{Avoider, Now, Plan};
+use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -30,7 +30,7 @@ const MOST_STEPS: u32 = 12;
 /// With less of a step's work left the depth in cylinders is not searched.
 const DEPTH_WORK: u32 = 4000;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A manoeuvre on a higher rung, or one on the same, nearer to the mission's course than the present one.
     pub(super) fn better(
         &mut self,

@@ -5,7 +5,7 @@
 //! look begins where the aircraft has come to.
 
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Now, Plan, Reason, State};
+use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -17,7 +17,7 @@ const HALVES: u32 = 2;
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
     fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {

@@ -8,7 +8,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{BEYOND_M, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Now, Reason, State, Threat};
+use crate::avoider::{Avoider, Decision, Now, Places, Reason, State, Threat};
 use crate::maneuver::Maneuver;
 
 use super::Answer;
@@ -33,7 +33,7 @@ const WIDE: f64 = 1.2;
 /// An intruder that is faster than the aircraft by this factor leaves too little for a second manoeuvre.
 const MUCH_FASTER: f64 = 2.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// Whether a large turn that begins later along a path withstands all that is wanted.
     pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
         self.may_wait(along, now, RESERVE_RAD)

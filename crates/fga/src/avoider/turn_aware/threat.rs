@@ -1,7 +1,7 @@
 //! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
 
 use crate::avoider::demand::Demand;
-use crate::avoider::{Against, Avoider, Now, Threat};
+use crate::avoider::{Against, Avoider, Now, Places, Threat};
 use crate::certificate::{Asked, certify_set, mark_close};
 use crate::maneuver::Maneuver;
 
@@ -13,7 +13,7 @@ const THREAT_PARTS: u32 = 2;
 /// Halvings for the moment of an entry.
 const ENTRY_HALVINGS: usize = 24;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
     /// follows.
     pub(super) fn first_threat(

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Now, Plan, Returned};
+use crate::avoider::{Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -95,7 +95,7 @@ const fn place_of(look: usize) -> usize {
     }
 }
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
     /// joins the mission after `latest_s`.
     pub(super) fn way_back(
