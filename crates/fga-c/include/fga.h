@@ -47,7 +47,7 @@
 #define FGA_ALIGN 16
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 78848
+#define FGA_AVOIDER_FIXED_BYTES 85504
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152

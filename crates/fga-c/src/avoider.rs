@@ -1,7 +1,7 @@
 //! The avoider in storage that the caller lends.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
+use fga::avoider::{Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
 use fga::certificate::{Hazard, MAX_HAZARDS};
 use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
@@ -18,7 +18,7 @@ use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, li
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 78_848;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 85_504;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;
@@ -83,6 +83,7 @@ unsafe impl Growable for fga_counts {}
 /// The avoider and what it keeps for the caller.
 struct Flying {
     avoider: Avoider<Lent<'static>>,
+    decided: Decision,
     counts: fga_counts,
     /// Room for obstacles and waypoints, which lie behind the object: first all places of obstacles, then what the avoider knows of
     /// them and their hazards, then the waypoints, then how these are passed.
@@ -325,6 +326,7 @@ pub unsafe extern "C" fn fga_avoider_init(
                 let tracks = Tracks::within(places(object, obstacles_most));
                 (&raw mut (*flying).avoider).write(Avoider::within(settings, vehicle, tracks));
                 (*flying).avoider.prepare()?;
+                (&raw mut (*flying).decided).write(Decision::default());
                 (&raw mut (*flying).counts).write_bytes(0, 1);
                 (&raw mut (*flying).obstacles_most).write(obstacles_most);
                 (&raw mut (*flying).waypoints_most).write(waypoints_most);
@@ -487,14 +489,15 @@ pub unsafe extern "C" fn fga_avoider_step(
                 zones: &[],
                 ground: None,
             };
-            let decided = flying.avoider.step(&Situation {
+            let now = Situation {
                 time_s,
                 ownship,
                 // The first `placed` are written just now.
                 obstacles: Obstacles::Rows(core::slice::from_raw_parts(places, placed as usize)),
                 mission,
                 wind_mps,
-            });
+            };
+            flying.avoider.step_into(&now, &mut flying.decided);
             let is_incomplete = ignored > 0 || left_out > 0;
             let counts = &mut flying.counts;
             counts.steps = counts.steps.saturating_add(1);
@@ -503,7 +506,7 @@ pub unsafe extern "C" fn fga_avoider_step(
             counts.obstacles_left_out = counts.obstacles_left_out.saturating_add(left_out);
             let leg = u32::try_from(flying.avoider.leg_index()).unwrap_or(u32::MAX);
             fill(decision, |out| {
-                out.set(&decided);
+                out.set(&flying.decided);
                 out.obstacles_ignored = ignored;
                 out.obstacles_left_out = left_out;
                 out.leg_index = leg;

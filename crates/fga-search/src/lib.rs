@@ -167,6 +167,8 @@ pub struct Tables {
     board: Board,
     bends: [Option<Bend>; 2],
     conflicts: Conflicts,
+    /// The manoeuvre of the last answer that was kept.
+    pub answer: Maneuver,
 }
 
 impl Tables {
@@ -175,6 +177,7 @@ impl Tables {
         board: Board::Climbs(Climbs::NONE),
         bends: [None; 2],
         conflicts: Conflicts::UNKNOWN,
+        answer: Maneuver::hold(),
     };
 }
 
@@ -201,6 +204,7 @@ pub struct Search<'a> {
     bends: &'a mut [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
+    kept: &'a mut Maneuver,
     /// The mission's direction.
     along: Vec3,
 }
@@ -218,6 +222,7 @@ impl<'a> Search<'a> {
             board,
             bends,
             conflicts,
+            answer,
         } = tables;
         *bends = [None; 2];
         (conflicts.count, conflicts.is_known) = (0, false);
@@ -232,6 +237,7 @@ impl<'a> Search<'a> {
             board: Some(board),
             bends,
             conflicts,
+            kept: answer,
             along: direction(scene.original.0, scene.original.1),
         }
     }
@@ -310,6 +316,13 @@ impl<'a> Search<'a> {
         maneuver
     }
 
+    /// Keeps the manoeuvre of an answer.
+    pub fn keep(&mut self, turns: &Turns) {
+        // A wait lets the bank roll out, which turns the aircraft.
+        let departure = self.departure(turns.wait_s);
+        *self.kept = self.maneuver(turns, &departure);
+    }
+
     /// The aircraft when a manoeuvre departs from the mission after a wait.
     pub fn departure(&self, wait_s: f64) -> MotionState {
         let Scene {
@@ -324,10 +337,9 @@ impl<'a> Search<'a> {
     /// Certifies one manoeuvre; stops early below `floor_m`.
     pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
         self.evaluated += 1;
-        let scene = self.scene;
         let maneuver = self.maneuver(turns, departure);
         self.predict(&maneuver);
-        self.certify_path(scene.horizon_s, (floor_m, ENOUGH_M))
+        self.certify_path(self.scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
     /// The certificate of an answer: that it keeps the separation asked for from all hazards. What it takes comes from

@@ -8,6 +8,7 @@ use fga_proof::Vec3;
 use fga_proof::certificate::{Hazard, Hazards};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::situation::Mission;
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
 use fga_search::{Found, Objective, Scene, Search, Tables};

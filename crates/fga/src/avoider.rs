@@ -99,7 +99,6 @@ impl core::ops::Deref for Now<'_> {
 /// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
-    maneuver: Maneuver,
     /// Time of the decision, seconds on the situation's clock.
     decided_s: f64,
     /// Time of its departure from the mission, seconds on the situation's clock.
@@ -141,12 +140,6 @@ struct Returned {
     time_s: f64,
 }
 
-impl Plan {
-    fn remaining(&self, time_s: f64) -> Maneuver {
-        self.maneuver.after(time_s - self.decided_s)
-    }
-}
-
 impl<P: Places + 'static> core::ops::Deref for Avoider<P> {
     type Target = Avoider<dyn Places>;
 
@@ -180,6 +173,9 @@ pub struct Avoider<P: ?Sized = Own> {
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
+    /// The manoeuvre of the plan, and that of a way back which is looked at.
+    flown: Maneuver,
+    back: Maneuver,
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -225,6 +221,8 @@ impl Avoider {
 
 impl<P> Avoider<P> {
     /// The same with room for obstacles that is lent.
+    #[expect(clippy::inline_always, reason = "written where it lies, not copied")]
+    #[inline(always)]
     pub fn within(settings: Settings, vehicle: Vehicle, tracks: Tracks<P>) -> Self {
         Self {
             settings,
@@ -239,6 +237,8 @@ impl<P> Avoider<P> {
             tables: Tables::NONE,
             mission_meter: Meter::unlimited(),
             plan: None,
+            flown: Maneuver::hold(),
+            back: Maneuver::hold(),
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -370,7 +370,14 @@ impl Avoider<dyn Places + '_> {
     /// [`LARGEST`](crate::limit::LARGEST). A clock that is set back by up to a second changes nothing; a larger step
     /// back makes it forget its plan ([`Record::clock_set_back`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        self.step_among(situation, None)
+        let mut decision = Decision::default();
+        self.step_into(situation, &mut decision);
+        decision
+    }
+
+    /// The same into the place of another decision, which is large.
+    pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
+        self.step_among(situation, None, decision);
     }
 
     /// Decides like [`Self::step`] among kept obstacles, whatever obstacles the situation has: the decision is the
@@ -378,12 +385,19 @@ impl Avoider<dyn Places + '_> {
     /// matter: what a quiet step costs hardly depends on their number.
     pub fn step_kept(&mut self, situation: &Situation<'_>, kept: &mut Kept<'_>) -> Decision {
         kept.begin(situation.time_s);
-        self.step_among(situation, Some(kept))
+        let mut decision = Decision::default();
+        self.step_among(situation, Some(kept), &mut decision);
+        decision
     }
 
-    fn step_among(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
+    fn step_among(
+        &mut self,
+        situation: &Situation<'_>,
+        kept: Option<&mut Kept<'_>>,
+        decision: &mut Decision,
+    ) {
         if !situation.is_usable() {
-            return self.decision(&Maneuver::hold(), Reason::InvalidInput);
+            return self.say(decision, &Maneuver::HOLD, Reason::InvalidInput);
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
@@ -391,12 +405,11 @@ impl Avoider<dyn Places + '_> {
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);
         self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
-        let mut decision = self.decide(situation, kept);
+        self.decide(situation, kept, decision);
         self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
-        decision
     }
 
     /// The situation on a clock that never goes back, and whether the situation's clock was set back so far that
@@ -424,7 +437,12 @@ impl Avoider<dyn Places + '_> {
         )
     }
 
-    fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
+    fn decide(
+        &mut self,
+        situation: &Situation<'_>,
+        kept: Option<&mut Kept<'_>>,
+        decision: &mut Decision,
+    ) {
         let now = Now {
             state: MotionState::of(&situation.ownship),
             mission: &situation.mission,
@@ -433,7 +451,7 @@ impl Avoider<dyn Places + '_> {
             progress.update(route, &now, situation.time_s);
         });
         self.measure_drift(situation, &now);
-        let mut decision = self.step_turn_aware(situation, &now, kept);
+        self.step_turn_aware(situation, &now, kept, decision);
         let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
         let hazards = self.tracks.rows();
@@ -446,7 +464,6 @@ impl Avoider<dyn Places + '_> {
                 decision.record.reason = Reason::WaypointGivenUp;
             }
         }
-        decision
     }
 
     /// Measures the drift and the distance kept clear for it.
@@ -456,6 +473,11 @@ impl Avoider<dyn Places + '_> {
         self.drift.observe(time_s, position_m, self.ours_mps);
         let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
+    }
+
+    /// What is left of the manoeuvre of a plan.
+    fn remaining(&self, plan: &Plan, time_s: f64) -> Maneuver {
+        self.flown.after(time_s - plan.decided_s)
     }
 
     /// Predicts a manoeuvre into the path, up to a horizon.
@@ -601,7 +623,8 @@ impl Avoider<dyn Places + '_> {
         answer
     }
 
-    fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
+    /// Decides on a command, with nothing on record but its reason.
+    fn say(&self, decision: &mut Decision, command: &Maneuver, reason: Reason) {
         let reason = match reason {
             Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
             Reason::Clear | Reason::ManeuverKept if self.progress.is_adrift() => {
@@ -609,13 +632,8 @@ impl Avoider<dyn Places + '_> {
             }
             other => other,
         };
-        let work = Work {
-            tracked: self.tracks.seen,
-            unusable: self.tracks.unusable,
-            ..Work::default()
-        };
-        let mut decision = Decision::new(self.state, command, reason);
-        decision.record.work = work;
-        decision
+        decision.set(self.state, command, reason);
+        decision.record.work.tracked = self.tracks.seen;
+        decision.record.work.unusable = self.tracks.unusable;
     }
 }

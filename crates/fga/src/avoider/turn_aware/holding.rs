@@ -57,7 +57,8 @@ impl Avoider<dyn Places + '_> {
             let demand = self.demand_of(rung);
             self.ask(&demand, 0.0);
             let held = self.within_limits(&demand, |avoider| {
-                avoider.predict(&plan.remaining(situation.time_s), now, demand.horizon_s);
+                let rest = avoider.remaining(plan, situation.time_s);
+                avoider.predict(&rest, now, demand.horizon_s);
                 avoider.lasting(plan, situation, now, &demand)
             });
             if let Some((basis, certified)) = held {
@@ -101,7 +102,7 @@ impl Avoider<dyn Places + '_> {
         if !plan.outlook.is(&obstacles) || passed_s < 0.0 || since_s >= basis.renewed_s {
             return None;
         }
-        let mut own = self.after(&basis.own, &plan.maneuver, since_s);
+        let mut own = self.after(&basis.own, &self.flown, since_s);
         own.position_m += situation.wind_mps * passed_s;
         if self.meter.is_spent() {
             return None;

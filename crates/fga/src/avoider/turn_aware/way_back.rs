@@ -157,13 +157,13 @@ impl Avoider<dyn Places + '_> {
         let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
         // clear of the expected motion.
-        let is_robust = |avoider: &mut Self, back: &Plan| {
-            let back = &back.maneuver;
+        let is_robust = |avoider: &mut Self| {
+            let back = &{ avoider.back };
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
-        let Some(back) = back.filter(|back| is_robust(self, back)) else {
+        let Some(back) = back.filter(|_| is_robust(self)) else {
             self.progress = before;
             return None;
         };
@@ -198,8 +198,8 @@ impl Avoider<dyn Places + '_> {
         self.on_mission(situation, |progress, route| {
             progress.round_corners(route, far.horizon_s, &mut maneuver, joined)
         });
+        self.back = maneuver;
         let mut back = Plan {
-            maneuver,
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
@@ -254,13 +254,14 @@ impl Avoider<dyn Places + '_> {
         now: &Now<'_>,
         demand: &Demand,
     ) -> Option<Plan> {
-        let maneuver = back.maneuver;
+        let maneuver = self.back;
         let (threat, against) = self.first_threat(&maneuver, now, demand)?;
         let found = self.search(&maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let proven = search.proven(found)?;
             Some(Answer::new(search, proven, back.rung))
         })?;
+        self.back = self.tables.answer;
         Some(Plan {
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
