@@ -22,7 +22,7 @@ pub use against::Against;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
-pub use tracks::{Known, LIMITS, Lent, MAX_TRACKED, Own, Places, Tracks};
+pub use tracks::{AllPlaces, Known, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
 
 use fga_index::quiet;
 
@@ -158,7 +158,7 @@ impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
 ///
 /// It holds its scratch space (some 113 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
-pub struct Avoider<P: ?Sized = Own> {
+pub struct Avoider<P: ?Sized = AllPlaces> {
     settings: Settings,
     vehicle: Vehicle,
     /// The limits of its vehicle.

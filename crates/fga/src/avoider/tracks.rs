@@ -6,8 +6,8 @@ mod relaxed;
 pub(super) mod zones;
 
 pub use self::known::Known;
-pub use self::places::{LIMITS, Lent, MAX_TRACKED, Own, Places};
-use self::relaxed::relaxed;
+pub use self::places::{AllPlaces, LIMITS, Lent, MAX_TRACKED, Places};
+use self::relaxed::{LEAVING_SHARE, relaxed};
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
@@ -27,16 +27,13 @@ const FLAT_M: f64 = 1e9;
 /// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
 const FLAT_WITHIN_M: f64 = 1e4;
 
-/// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
-const LEAVING_SHARE: f64 = 0.98;
-
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is an answer about the same step, and any of them may hold with any other"
 )]
-pub struct Tracks<P: ?Sized = Own> {
+pub struct Tracks<P: ?Sized = AllPlaces> {
     /// The zones near the aircraft.
     zones: Zones,
     /// Number of hazards.

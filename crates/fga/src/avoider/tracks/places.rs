@@ -20,7 +20,7 @@ pub trait Places {
 }
 
 /// Room for as many as a decision can have.
-pub type Own = ([Known; MAX_HAZARDS], [Hazard; MAX_HAZARDS]);
+pub type AllPlaces = ([Known; MAX_HAZARDS], [Hazard; MAX_HAZARDS]);
 
 /// Room that the caller lends.
 pub type Lent<'a> = (&'a mut [Known], &'a mut [Hazard]);

@@ -1,8 +1,10 @@
 //! A volume that the aircraft is in.
 
-use super::LEAVING_SHARE;
 use crate::Vec3;
 use crate::situation::ProtectedVolume;
+
+/// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
+pub(super) const LEAVING_SHARE: f64 = 0.98;
 
 /// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that
 /// the aircraft is just outside: a manoeuvre certified against it leads out. While the aircraft is outside of the
