@@ -37,7 +37,8 @@
 
 // Bytes of storage for an avoider with room for these numbers of obstacles a step and waypoints: for static storage.
 #define FGA_AVOIDER_BYTES(obstacles, waypoints) \
-  (FGA_AVOIDER_FIXED_BYTES + (obstacles) * FGA_AVOIDER_OBSTACLE_BYTES + (waypoints) * FGA_AVOIDER_WAYPOINT_BYTES)
+  (FGA_AVOIDER_FIXED_BYTES + (obstacles) * FGA_AVOIDER_OBSTACLE_BYTES + (waypoints) * FGA_AVOIDER_WAYPOINT_BYTES \
+   + ((obstacles) < FGA_AVOIDER_TRACKED_MOST ? (obstacles) : FGA_AVOIDER_TRACKED_MOST) * FGA_AVOIDER_TRACKED_BYTES)
 
 // Version of this interface. It grows when a program compiled with an older header can no longer be linked.
 #define FGA_ABI_VERSION 1
@@ -46,10 +47,16 @@
 #define FGA_ALIGN 16
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 160256
+#define FGA_AVOIDER_FIXED_BYTES 85504
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152
+
+// Bytes of an avoider for each obstacle that a decision considers; see `FGA_AVOIDER_BYTES`.
+#define FGA_AVOIDER_TRACKED_BYTES 320
+
+// Most obstacles that a decision considers: the most urgent ones.
+#define FGA_AVOIDER_TRACKED_MOST 126
 
 // Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_WAYPOINT_BYTES 32
@@ -80,7 +87,7 @@
 #define FGA_HAS_RESILIENCE 32
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 84480
+#define FGA_PROVER_BYTES 61952
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128
@@ -327,7 +334,7 @@ typedef uint32_t fga_movement;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything else.
+// Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything outside of that.
 typedef struct fga_avoider fga_avoider;
 
 // Proves manoeuvres of one vehicle, in storage of the caller. It holds no address of anything else.

@@ -1,7 +1,8 @@
 //! The avoider in storage that the caller lends.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Settings};
+use fga::avoider::{Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
+use fga::certificate::{Hazard, MAX_HAZARDS};
 use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
@@ -17,10 +18,16 @@ use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, li
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 160_256;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 85_504;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;
+
+/// Bytes of an avoider for each obstacle that a decision considers; see `FGA_AVOIDER_BYTES`.
+pub const FGA_AVOIDER_TRACKED_BYTES: usize = 320;
+
+/// Most obstacles that a decision considers: the most urgent ones.
+pub const FGA_AVOIDER_TRACKED_MOST: usize = 126;
 
 /// Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_WAYPOINT_BYTES: usize = 32;
@@ -28,17 +35,26 @@ pub const FGA_AVOIDER_WAYPOINT_BYTES: usize = 32;
 /// Most obstacles and most waypoints for which an avoider can have room.
 pub const FGA_CAPACITY_MOST: u32 = 65_536;
 
+/// Hazards for which any avoider has room beside one for each obstacle: the turns of some four aircraft.
+const TURNS: usize = 64;
+
+/// Bytes of the places that any avoider has, for limits of altitude and turns.
+const PLACES_BYTES: usize = LIMITS * size_of::<Known>() + TURNS * size_of::<Hazard>();
+
 const _: () = {
-    assert!(Object::<Flying>::BYTES <= FGA_AVOIDER_FIXED_BYTES);
+    assert!(Object::<Flying>::BYTES + PLACES_BYTES <= FGA_AVOIDER_FIXED_BYTES);
     assert!(size_of::<Obstacle>() <= FGA_AVOIDER_OBSTACLE_BYTES);
     assert!(size_of::<Vec3>() + size_of::<Passing>() <= FGA_AVOIDER_WAYPOINT_BYTES);
     assert!(align_of::<Object<Flying>>() <= FGA_ALIGN && align_of::<Obstacle>() <= FGA_ALIGN);
     assert!(align_of::<Vec3>() <= FGA_ALIGN && align_of::<Passing>() == 1);
     assert!(FGA_AVOIDER_FIXED_BYTES.is_multiple_of(FGA_ALIGN));
-    assert!(FGA_AVOIDER_OBSTACLE_BYTES.is_multiple_of(align_of::<Obstacle>()));
+    assert!(FGA_AVOIDER_OBSTACLE_BYTES.is_multiple_of(align_of::<Known>()));
+    assert!(size_of::<Known>() + size_of::<Hazard>() <= FGA_AVOIDER_TRACKED_BYTES);
+    assert!(align_of::<Known>() <= FGA_ALIGN && align_of::<Hazard>() == align_of::<Known>());
+    assert!(FGA_AVOIDER_TRACKED_MOST == MAX_TRACKED);
 };
 
-/// Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything else.
+/// Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything outside of that.
 pub struct fga_avoider {
     _opaque: [u8; 0],
 }
@@ -66,10 +82,11 @@ unsafe impl Growable for fga_counts {}
 
 /// The avoider and what it keeps for the caller.
 struct Flying {
-    avoider: Avoider,
+    avoider: Avoider<Lent<'static>>,
+    decided: Decision,
     counts: fga_counts,
-    /// Room for obstacles and waypoints, which lie behind the object: first all places of obstacles, then those of waypoints,
-    /// then how these are passed.
+    /// Room for obstacles and waypoints, which lie behind the object: first all places of obstacles, then what the avoider knows of
+    /// them and their hazards, then the waypoints, then how these are passed.
     obstacles_most: u32,
     waypoints_most: u32,
     /// Waypoints of the mission.
@@ -85,12 +102,48 @@ impl Kind for Flying {
 const fn bytes(obstacles_most: u32, waypoints_most: u32) -> usize {
     FGA_AVOIDER_FIXED_BYTES
         + obstacles_most as usize * FGA_AVOIDER_OBSTACLE_BYTES
+        + tracked_most(obstacles_most) * FGA_AVOIDER_TRACKED_BYTES
         + waypoints_most as usize * FGA_AVOIDER_WAYPOINT_BYTES
+}
+
+/// Obstacles of an avoider that a decision considers.
+const fn tracked_most(obstacles_most: u32) -> usize {
+    if obstacles_most as usize > FGA_AVOIDER_TRACKED_MOST {
+        FGA_AVOIDER_TRACKED_MOST
+    } else {
+        obstacles_most as usize
+    }
+}
+
+/// The places for what an avoider knows of obstacles, and for hazards, in its storage.
+///
+/// # Safety
+/// `object` has [`bytes`] for so many obstacles, and nobody else uses what lies behind it.
+unsafe fn places(object: *mut Object<Flying>, obstacles_most: u32) -> Lent<'static> {
+    let tracked = tracked_most(obstacles_most);
+    let (known_most, rows_most) = (tracked + LIMITS, (tracked + TURNS).min(MAX_HAZARDS));
+    let after = FGA_AVOIDER_FIXED_BYTES - PLACES_BYTES
+        + obstacles_most as usize * FGA_AVOIDER_OBSTACLE_BYTES;
+    let known: *mut Known = object.wrapping_byte_add(after).cast();
+    let rows: *mut Hazard = known.wrapping_add(known_most).cast();
+    // SAFETY: they lie in the storage, aligned; all are written before there is a reference to them.
+    unsafe {
+        for place in 0..known_most {
+            known.add(place).write(Known::NONE);
+        }
+        for place in 0..rows_most {
+            rows.add(place).write(Hazard::NONE);
+        }
+        (
+            core::slice::from_raw_parts_mut(known, known_most),
+            core::slice::from_raw_parts_mut(rows, rows_most),
+        )
+    }
 }
 
 impl AtWork<'_, Flying> {
     const fn obstacle_places(&self) -> *mut Obstacle {
-        self.list(FGA_AVOIDER_FIXED_BYTES)
+        self.list(FGA_AVOIDER_FIXED_BYTES - PLACES_BYTES)
     }
 
     fn waypoint_places(&mut self) -> (*mut Vec3, *mut Passing) {
@@ -270,8 +323,10 @@ pub unsafe extern "C" fn fga_avoider_init(
         let construct = |flying: *mut Flying| -> Result<(), Refused> {
             // SAFETY: there is room for a `Flying`; all of its fields are written.
             unsafe {
-                (&raw mut (*flying).avoider).write(Avoider::blank(settings, vehicle));
+                let tracks = Tracks::within(places(object, obstacles_most));
+                (&raw mut (*flying).avoider).write(Avoider::within(settings, vehicle, tracks));
                 (*flying).avoider.prepare()?;
+                (&raw mut (*flying).decided).write(Decision::default());
                 (&raw mut (*flying).counts).write_bytes(0, 1);
                 (&raw mut (*flying).obstacles_most).write(obstacles_most);
                 (&raw mut (*flying).waypoints_most).write(waypoints_most);
@@ -434,14 +489,15 @@ pub unsafe extern "C" fn fga_avoider_step(
                 zones: &[],
                 ground: None,
             };
-            let decided = flying.avoider.step(&Situation {
+            let now = Situation {
                 time_s,
                 ownship,
                 // The first `placed` are written just now.
                 obstacles: Obstacles::Rows(core::slice::from_raw_parts(places, placed as usize)),
                 mission,
                 wind_mps,
-            });
+            };
+            flying.avoider.step_into(&now, &mut flying.decided);
             let is_incomplete = ignored > 0 || left_out > 0;
             let counts = &mut flying.counts;
             counts.steps = counts.steps.saturating_add(1);
@@ -450,7 +506,7 @@ pub unsafe extern "C" fn fga_avoider_step(
             counts.obstacles_left_out = counts.obstacles_left_out.saturating_add(left_out);
             let leg = u32::try_from(flying.avoider.leg_index()).unwrap_or(u32::MAX);
             fill(decision, |out| {
-                out.set(&decided);
+                out.set(&flying.decided);
                 out.obstacles_ignored = ignored;
                 out.obstacles_left_out = left_out;
                 out.leg_index = leg;
@@ -496,7 +552,7 @@ mod tests {
     fn the_header_says_what_an_avoider_takes() {
         assert_eq!(
             FGA_AVOIDER_FIXED_BYTES,
-            Object::<Flying>::BYTES.next_multiple_of(512),
+            (Object::<Flying>::BYTES + PLACES_BYTES).next_multiple_of(512),
             "write the second number there, then HEADER=write cargo test -p fga-c --test header"
         );
         assert_eq!(FGA_AVOIDER_OBSTACLE_BYTES, size_of::<Obstacle>());

@@ -5,7 +5,7 @@ use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set,
 use fga::maneuver::MAX_STAGES;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
-use fga::situation::Movement;
+use fga::situation::{Mission, Movement};
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
 use crate::growable::Growable;
@@ -16,7 +16,7 @@ use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, size
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 84_480;
+pub const FGA_PROVER_BYTES: usize = 61_952;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -183,7 +183,7 @@ impl Proving {
         self.path
             .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
-        let around = self.hazards.over(None);
+        let around = self.hazards.over(&Mission::NONE);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
             return Ok(Found {
@@ -200,7 +200,7 @@ impl Proving {
             floor_m: f64::MIN,
             enough_m: target_m,
         };
-        let around = self.hazards.over(None);
+        let around = self.hazards.over(&Mission::NONE);
         let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);

@@ -137,7 +137,7 @@ pub fn prove(
         margin_m: found.margin_m,
         target_m,
         horizon_s,
-        hazards: u32::try_from(around.hazards.rows().len()).unwrap_or(u32::MAX),
+        hazards: u32::try_from(around.rows.len()).unwrap_or(u32::MAX),
     })
 }
 
@@ -184,7 +184,7 @@ pub struct Asked {
     pub enough_m: f64,
 }
 
-/// [`certify_all`] for hazards that may be in blocks, as far as a meter allows.
+/// [`certify_all`] for any set of obstacles, as far as a meter allows.
 pub fn certify_set<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
@@ -245,7 +245,7 @@ fn bounded_from<H: HazardSet + ?Sized>(
     // First the long straight line at the end: what comes close there rules out most chords.
     let above = end_line(path, asked.horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
-            || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
+            || hazards.each(meter, |hazard| {
                 if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
                     lower(&mut worst, margin, at_s, hazard);
                 }
@@ -298,7 +298,7 @@ fn bounded_from<H: HazardSet + ?Sized>(
 pub fn mark_close(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &Hazards,
+    hazards: &[Hazard],
     (horizon_s, below_m): (f64, f64),
     meter: &Meter,
 ) -> [bool; MAX_HAZARDS] {
@@ -310,7 +310,6 @@ pub fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
-    let hazards = &hazards.over(None);
     let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
     let clear = &mut Certificate::clear(below_m);
     let goes_on = each_near(scene, path.nodes(), clear, |_, hazard, _, _| {
@@ -318,7 +317,7 @@ pub fn mark_close(
     });
     if goes_on && let Some(mut line) = end_line(path, horizon_s) {
         line.duration_s = line.duration_s.max(0.0);
-        hazards.each_close(&line, below_m, meter, |hazard| {
+        hazards.each(meter, |hazard| {
             hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
         });
     }
@@ -520,7 +519,7 @@ fn each_near<H: HazardSet + ?Sized>(
         let is_one = count == 1;
         let chord = Chord::over(flyer, rest.get(..=count).unwrap_or(rest), horizon_s);
         let goes_on = chord.map_or(is_one, |chord| {
-            hazards.each_close(&chord.line, worst.margin_m + chord.bow_m, meter, |hazard| {
+            hazards.each(meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
                 if !is_one {
                     return !hazard.is_near(&chord.line, below_m, meter);
@@ -634,7 +633,13 @@ mod tests {
         for (index, (x, y)) in (0..).zip(places_m) {
             hazards.put(index as usize, sphere(index, Vec3::new(x, y, 0.0)));
         }
-        let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &Meter::unlimited());
+        let marks = mark_close(
+            &flyer,
+            &path,
+            hazards.rows(),
+            (60.0, 20.0),
+            &Meter::unlimited(),
+        );
         assert_eq!(marks.get(..4), Some([false, true, true, false].as_slice()));
     }
 
@@ -647,7 +652,7 @@ mod tests {
         hazards.put(1, sphere(1, Vec3::new(-300.0, 210.0, 0.0)));
         for limit in 0..100 {
             let meter = Meter::new(limit, 1000);
-            let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &meter);
+            let marks = mark_close(&flyer, &path, hazards.rows(), (60.0, 20.0), &meter);
             assert!(!meter.is_spent());
             assert_eq!(marks.get(..2), Some([true, true].as_slice()), "{limit}");
         }

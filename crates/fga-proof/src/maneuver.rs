@@ -27,14 +27,15 @@ pub struct Stage {
 pub struct Maneuver {
     stages: [Stage; MAX_STAGES],
     len: usize,
-    whole: bool,
+    /// Whether a pushed stage was refused.
+    is_cut: bool,
 }
 
 impl core::fmt::Debug for Maneuver {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Maneuver")
             .field("stages", &self.stages())
-            .field("whole", &self.whole)
+            .field("whole", &self.is_whole())
             .finish_non_exhaustive()
     }
 }
@@ -47,18 +48,21 @@ impl Default for Maneuver {
 
 impl Maneuver {
     /// Hold course and climb angle.
+    pub const HOLD: Self = Self::hold();
+
+    /// Hold course and climb angle: zeros, which are written without a copy.
     #[inline]
     pub const fn hold() -> Self {
         let stage = Stage {
             start_s: 0.0,
             course_rad: 0.0,
             climb_rad: 0.0,
-            rate_share: 1.0,
+            rate_share: 0.0,
         };
         Self {
             stages: [stage; MAX_STAGES],
             len: 0,
-            whole: true,
+            is_cut: false,
         }
     }
 
@@ -95,7 +99,7 @@ impl Maneuver {
             self.len += 1;
             true
         } else {
-            self.whole = false;
+            self.is_cut = true;
             false
         }
     }
@@ -103,7 +107,7 @@ impl Maneuver {
     /// Whether it took every pushed stage. A manoeuvre that lost a stage is another flight, and no certificate
     /// covers it.
     pub const fn is_whole(&self) -> bool {
-        self.whole
+        !self.is_cut
     }
 
     /// Number of free stages.
@@ -122,7 +126,7 @@ impl Maneuver {
     #[inline]
     pub fn after(&self, elapsed_s: f64) -> Self {
         let mut later = Self::hold();
-        later.whole = self.whole;
+        later.is_cut = self.is_cut;
         let stages = self.stages();
         let is_over = |next: &Stage| next.start_s <= elapsed_s;
         // Of the first stages, which are in order, those whose next one has begun.

@@ -243,6 +243,9 @@ pub struct Mission<'a> {
 }
 
 impl<'a> Mission<'a> {
+    /// None, over unknown ground without zones.
+    pub const NONE: Self = Self::new(&[]);
+
     /// A mission of fly-by waypoints.
     pub const fn new(waypoints_m: &'a [Vec3]) -> Self {
         Self {

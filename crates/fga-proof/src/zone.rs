@@ -49,12 +49,18 @@ pub(crate) fn span_m(places_m: impl IntoIterator<Item = Vec2>) -> Span {
 impl<'a> Zone<'a> {
     /// Its edges; none of a circle.
     pub fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> + use<'a> {
+        self.edges_from(0)
+    }
+
+    /// Its edges from one on, by its index.
+    pub(crate) fn edges_from(&self, first: usize) -> impl Iterator<Item = (Vec2, Vec2)> + use<'a> {
         let corners_m = match self.outline {
             Outline::Polygon(corners_m) => corners_m,
             Outline::Circle(..) => &[],
         };
-        let next_m = corners_m.iter().skip(1).chain(corners_m.first());
-        corners_m.iter().copied().zip(next_m.copied())
+        let from_m = corners_m.get(first..).unwrap_or(&[]).iter();
+        let next_m = from_m.clone().skip(1).chain(corners_m.first());
+        from_m.copied().zip(next_m.copied())
     }
 
     /// Its edges that may meet a box.

@@ -19,6 +19,7 @@ use fga_proof::certificate::{Asked, Hazards, Line, Status, certify_set, prove};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::situation::Mission;
 use fga_proof::{Vec2, Vec3};
 use flown::{Flown, INTEGRATED_M, number};
 use random::Random;
@@ -206,7 +207,11 @@ fn no_ground_is_nearer_than_certified() {
         let mut hazards = Hazards::new();
         hazards.zones.clear(wind, f64::INFINITY);
         let meter = Meter::unlimited();
-        let around = hazards.over(Some(&ground));
+        let mission = Mission {
+            ground: Some(&ground),
+            ..Mission::NONE
+        };
+        let around = hazards.over(&mission);
         let asked = Asked {
             horizon_s,
             floor_m: f64::MIN,

@@ -19,6 +19,7 @@ use fga_proof::certificate::{Asked, Hazards, MAX_ZONES, Status, certify_set, pro
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::situation::Mission;
 use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga_proof::{Vec2, Vec3};
 use flown::{Flown, INTEGRATED_M, number};
@@ -188,6 +189,10 @@ fn no_zone_is_nearer_than_certified() {
             outline: shape.outline(),
             heights_m: heights,
         };
+        let mission = Mission {
+            zones: &[zone],
+            ..Mission::NONE
+        };
         let mut hazards = Hazards::new();
         hazards.zones.clear(wind, f64::INFINITY);
         let spare_m = if random.chance(0.7) {
@@ -196,14 +201,14 @@ fn no_zone_is_nearer_than_certified() {
             random.within(0.0, 20.0)
         };
         hazards.zones.spare_m = spare_m;
-        let begins_well = hazards.zones.add(&zone, (Vec3::ZERO, 1e9));
+        let begins_well = hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9));
         let meter = Meter::unlimited();
         let asked = Asked {
             horizon_s,
             floor_m: f64::MIN,
             enough_m: 1e3 + spare_m,
         };
-        let found = certify_set(&flyer, &path, &hazards.over(None), &asked, &meter);
+        let found = certify_set(&flyer, &path, &hazards.over(&mission), &asked, &meter);
         assert_eq!(found.status, Status::Proven, "{case}");
         assert_eq!(
             begins_well,
@@ -213,7 +218,7 @@ fn no_zone_is_nearer_than_certified() {
         // Also less than is spared: even then none is entered.
         let target_m = random.within(-20.0, 30.0).max(-spare_m);
         let scene = (horizon_s, target_m + spare_m, 1e3 + spare_m);
-        let proven = prove(&flyer, &path, hazards.over(None), scene, &meter);
+        let proven = prove(&flyer, &path, hazards.over(&mission), scene, &meter);
         let proven_m = proven.map_or(f64::MIN, |proven| proven.margin_m());
         let bound_m = found.margin_m.max(proven_m) - spare_m;
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
@@ -358,6 +363,15 @@ fn without_room_for_all_zones_nothing_is_proven() {
         outline: Outline::Polygon(&corners),
         heights_m: (-1e3, 1e3),
     };
+    let far = Zone {
+        keep_in: false,
+        outline: Outline::Circle(Vec2::splat(6e3), 50.0),
+        heights_m: ALL_HEIGHTS_M,
+    };
+    let mission = Mission {
+        zones: &[zone, far],
+        ..Mission::NONE
+    };
     let flyer = Flyer::new(&Random(1).vehicle());
     let mut path = FlightPath::new();
     path.predict(&flyer, &MotionState::ahead(0.0), &Maneuver::hold(), 10.0);
@@ -368,30 +382,25 @@ fn without_room_for_all_zones_nothing_is_proven() {
         prove(
             &flyer,
             &path,
-            hazards.over(None),
+            hazards.over(&mission),
             scene,
             &Meter::unlimited(),
         )
         .is_some()
     };
     for _ in 0..2 {
-        assert!(hazards.zones.add(&zone, (Vec3::ZERO, 1e9)));
+        assert!(hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
         assert!(proven(&hazards));
     }
-    assert!(!hazards.zones.add(&zone, (Vec3::ZERO, 1e9)));
+    assert!(!hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
     assert!(!proven(&hazards));
     // Far edges, and what is far as a whole, take no room.
-    let far = Zone {
-        keep_in: false,
-        outline: Outline::Circle(Vec2::splat(6e3), 50.0),
-        heights_m: ALL_HEIGHTS_M,
-    };
     hazards.zones.clear(Vec3::ZERO, 10.0);
     for _ in 0..MAX_ZONES {
-        assert!(hazards.zones.add(&zone, (Vec3::ZERO, 5e3)));
-        assert!(hazards.zones.add(&far, (Vec3::ZERO, 5e3)));
+        assert!(hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
+        assert!(hazards.zones.add(mission.zones, 1, (Vec3::ZERO, 5e3)));
     }
     assert!(proven(&hazards));
-    assert!(!hazards.zones.add(&zone, (Vec3::ZERO, 5e3)));
+    assert!(!hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
     assert!(!proven(&hazards));
 }

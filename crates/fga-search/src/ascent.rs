@@ -41,7 +41,7 @@ const LEAST_SHARE: f64 = 0.005;
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        if self.approaches.len < search.scene.hazards.rows().len() {
+        if self.approaches.len < search.scene.around.rows.len() {
             self.find_closest(search);
         }
         // Certified margins are a little less than these.
@@ -127,7 +127,7 @@ impl Ascent {
 
     /// Notes the closest obstacles now.
     fn find_closest(&mut self, search: &mut Search<'_>) {
-        let hazards = search.scene.hazards.rows();
+        let hazards = search.scene.around.rows;
         let mut closest = Approaches::NONE;
         if predict(search, &self.turns(&self.at)) {
             for (place, hazard) in hazards.iter().enumerate() {
@@ -155,7 +155,7 @@ impl Ascent {
         if !predict(search, &self.turns(at)) {
             return None;
         }
-        let hazards = search.scene.hazards.rows();
+        let hazards = search.scene.around.rows;
         let mut approaches = Approaches::NONE;
         for known in self.approaches.iter() {
             if let Some(approach) = hazards
@@ -170,7 +170,7 @@ impl Ascent {
 
     /// The slope of each margin in each parameter, per natural step: that of the distance at the closest approach.
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
-        let hazards = search.scene.hazards.rows();
+        let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
         if !search.meter.take(SLOPES_WORK + self.approaches.len) {
             return slopes;

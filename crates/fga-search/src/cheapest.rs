@@ -58,14 +58,16 @@ impl Search<'_> {
 
     /// Looks for something in an empty lattice; finds none if the meter refuses it.
     fn in_lattice<T: Default>(&mut self, look: impl FnOnce(&mut Self, &mut Lattice) -> T) -> T {
-        let is_given = |_: &&mut Lattice| self.meter.take(LATTICE_WORK);
-        let Some(lattice) = self.lattice.take().filter(is_given) else {
+        let is_given = self.meter.take(LATTICE_WORK);
+        let Some(board) = self.board.take().filter(|_| is_given) else {
             return T::default();
         };
-        lattice.clear();
-        let answer = look(self, lattice);
-        self.lattice = Some(lattice);
-        answer
+        let answer = board.lattice().map(|lattice| {
+            lattice.clear();
+            look(self, lattice)
+        });
+        self.board = Some(board);
+        answer.unwrap_or_default()
     }
 
     /// Whether a certified single turn of at most `max_turn_rad` exists after a wait, at the original climb angle or at the

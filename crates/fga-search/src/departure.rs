@@ -56,7 +56,7 @@ impl Search<'_> {
             return until_s;
         }
         for (place, closest_s) in conflicts.all.iter().take(conflicts.count) {
-            let Some(hazard) = self.scene.hazards.rows().get(*place) else {
+            let Some(hazard) = self.scene.around.rows.get(*place) else {
                 continue;
             };
             let offset = end.position_m - hazard.position_after_m(end.time_s);
@@ -77,13 +77,19 @@ impl Search<'_> {
         let scene = self.scene;
         self.predict(scene.nominal);
         let reach = (scene.horizon_s, scene.target_m);
-        let marks = mark_close(scene.flyer, self.path, scene.hazards, reach, &self.meter);
+        let marks = mark_close(
+            scene.flyer,
+            self.path,
+            scene.around.rows,
+            reach,
+            &self.meter,
+        );
         let asked = Asked {
             horizon_s: scene.horizon_s,
             floor_m: f64::MIN,
             enough_m: scene.target_m,
         };
-        let rows = scene.hazards.rows().iter().zip(marks).enumerate();
+        let rows = scene.around.rows.iter().zip(marks).enumerate();
         let conflicts = &mut *self.conflicts;
         for (place, (hazard, _)) in rows.filter(|(_, (_, close))| *close) {
             if self.meter.is_met() {

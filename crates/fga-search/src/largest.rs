@@ -48,9 +48,10 @@ impl Search<'_> {
         if !self.meter.take(SEEDS_WORK) {
             return None;
         }
-        let climbs = self.climbs.take()?;
-        let best = self.best_among(climbs, (flown, effort, variety));
-        self.climbs = Some(climbs);
+        let board = self.board.take()?;
+        let climbs = board.climbs();
+        let best = climbs.and_then(|climbs| self.best_among(climbs, (flown, effort, variety)));
+        self.board = Some(board);
         best
     }
 
@@ -71,7 +72,7 @@ impl Search<'_> {
             climbs.take(seed(turns, margin_m));
         }
         self.single_turns(climbs);
-        if most > 0 && self.scene.hazards.rows().iter().any(Hazard::is_cylinder) {
+        if most > 0 && self.scene.around.rows.iter().any(Hazard::is_cylinder) {
             self.levelled(climbs);
         }
         self.climb(climbs, &mut best);
@@ -86,8 +87,8 @@ impl Search<'_> {
         // A volume that grows with uncertainty may be too large today and not tomorrow.
         let is_certain = self
             .scene
-            .hazards
-            .rows()
+            .around
+            .rows
             .iter()
             .all(|hazard| hazard.growth_mps == 0.0);
         let mut work = 0;
@@ -253,7 +254,7 @@ impl Search<'_> {
         for gap in GAPS {
             let after_s = exit.begins_s + gap / rate_radps;
             let prefix = self.after_first(first, after_s);
-            let before = self.certify_path(scene.hazards, after_s, (floor_m, ENOUGH_M));
+            let before = self.certify_path(after_s, (floor_m, ENOUGH_M));
             let before_m = before.proven_m();
             if before_m <= floor_m {
                 break;

@@ -36,9 +36,8 @@ use terms::ENOUGH_M;
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
 use fga_proof::certificate::{
-    Asked, Certificate, Certified, Hazards, MAX_HAZARDS, certify_set, prove,
+    Around, Asked, Certificate, Certified, MAX_HAZARDS, certify_set, prove,
 };
-use fga_proof::ground::Ground;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -60,10 +59,8 @@ pub struct Scene<'a> {
     pub nominal: &'a Maneuver,
     /// Course and climb angle from which deviations count, `ψ_ori` and `θ_ori`, radians.
     pub original: (f64, f64),
-    /// The obstacles.
-    pub hazards: &'a Hazards,
-    /// The ground.
-    pub ground: Option<&'a Ground<'a>>,
+    /// The obstacles, zones and ground.
+    pub around: Around<'a>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -134,22 +131,53 @@ impl Conflicts {
     };
 }
 
+/// The rows of a search, or the seeds and climbs of one for the largest margin: in one place, because no search needs both at once.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "no allocation")]
+enum Board {
+    Lattice(Lattice),
+    Climbs(Climbs),
+}
+
+impl Board {
+    fn lattice(&mut self) -> Option<&mut Lattice> {
+        if matches!(self, Self::Climbs(_)) {
+            *self = Self::Lattice(Lattice::NONE);
+        }
+        match self {
+            Self::Lattice(lattice) => Some(lattice),
+            Self::Climbs(_) => None,
+        }
+    }
+
+    fn climbs(&mut self) -> Option<&mut Climbs> {
+        if matches!(self, Self::Lattice(_)) {
+            *self = Self::Climbs(Climbs::NONE);
+        }
+        match self {
+            Self::Climbs(climbs) => Some(climbs),
+            Self::Lattice(_) => None,
+        }
+    }
+}
+
 /// The tables of searches: large, and zeros, so keep and reuse them.
 #[derive(Debug, Clone)]
 pub struct Tables {
-    lattice: Lattice,
-    climbs: Climbs,
+    board: Board,
     bends: [Option<Bend>; 2],
     conflicts: Conflicts,
+    /// The manoeuvre of the last answer that was kept.
+    pub answer: Maneuver,
 }
 
 impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
-        lattice: Lattice::NONE,
-        climbs: Climbs::NONE,
+        board: Board::Climbs(Climbs::NONE),
         bends: [None; 2],
         conflicts: Conflicts::UNKNOWN,
+        answer: Maneuver::hold(),
     };
 }
 
@@ -171,12 +199,12 @@ pub struct Search<'a> {
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
     /// Not there while it is used.
-    lattice: Option<&'a mut Lattice>,
-    climbs: Option<&'a mut Climbs>,
+    board: Option<&'a mut Board>,
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: &'a mut [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
+    kept: &'a mut Maneuver,
     /// The mission's direction.
     along: Vec3,
 }
@@ -191,10 +219,10 @@ impl<'a> Search<'a> {
     pub fn within(scene: Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
         let Tables {
-            lattice,
-            climbs,
+            board,
             bends,
             conflicts,
+            answer,
         } = tables;
         *bends = [None; 2];
         (conflicts.count, conflicts.is_known) = (0, false);
@@ -206,10 +234,10 @@ impl<'a> Search<'a> {
             meter,
             answering: false,
             culprit: 0,
-            lattice: Some(lattice),
-            climbs: Some(climbs),
+            board: Some(board),
             bends,
             conflicts,
+            kept: answer,
             along: direction(scene.original.0, scene.original.1),
         }
     }
@@ -250,16 +278,16 @@ impl<'a> Search<'a> {
             .predict_within(flyer, start, maneuver, scene.horizon_s, meter);
     }
 
-    /// Certifies the path against some hazards up to a moment.
-    fn certify_path(&self, hazards: &Hazards, horizon_s: f64, marks: (f64, f64)) -> Certificate {
+    /// Certifies the path up to a moment.
+    fn certify_path(&self, horizon_s: f64, marks: (f64, f64)) -> Certificate {
         let (floor_m, enough_m) = marks;
         let asked = Asked {
             horizon_s,
             floor_m,
             enough_m,
         };
-        let around = hazards.over(self.scene.ground);
-        certify_set(self.scene.flyer, self.path, &around, &asked, &self.meter)
+        let Scene { flyer, around, .. } = &self.scene;
+        certify_set(flyer, self.path, around, &asked, &self.meter)
     }
 
     /// The commands of a manoeuvre: the mission up to its start, then its turns.
@@ -288,6 +316,13 @@ impl<'a> Search<'a> {
         maneuver
     }
 
+    /// Keeps the manoeuvre of an answer.
+    pub fn keep(&mut self, turns: &Turns) {
+        // A wait lets the bank roll out, which turns the aircraft.
+        let departure = self.departure(turns.wait_s);
+        *self.kept = self.maneuver(turns, &departure);
+    }
+
     /// The aircraft when a manoeuvre departs from the mission after a wait.
     pub fn departure(&self, wait_s: f64) -> MotionState {
         let Scene {
@@ -302,10 +337,9 @@ impl<'a> Search<'a> {
     /// Certifies one manoeuvre; stops early below `floor_m`.
     pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
         self.evaluated += 1;
-        let scene = self.scene;
         let maneuver = self.maneuver(turns, departure);
         self.predict(&maneuver);
-        self.certify_path(scene.hazards, scene.horizon_s, (floor_m, ENOUGH_M))
+        self.certify_path(self.scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
     /// The certificate of an answer: that it keeps the separation asked for from all hazards. What it takes comes from
@@ -317,8 +351,7 @@ impl<'a> Search<'a> {
         let maneuver = self.maneuver(&found.turns, &departure);
         self.predict(&maneuver);
         let asked = (scene.horizon_s, scene.target_m, scene.target_m);
-        let around = scene.hazards.over(scene.ground);
-        prove(scene.flyer, self.path, around, asked, &self.meter)
+        prove(scene.flyer, self.path, scene.around, asked, &self.meter)
     }
 
     /// An answer with its certificate; none where that does not prove it.
@@ -358,6 +391,7 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fga_proof::situation::Mission;
     use fga_proof::vehicle::Vehicle;
 
     /// A scene along +x, in which least cost is looked for.
@@ -365,15 +399,14 @@ mod tests {
         flyer: &'a Flyer,
         vehicle: &Vehicle,
         (start, nominal): (MotionState, &'a Maneuver),
-        hazards: &'a Hazards,
+        hazards: &'a fga_proof::certificate::Hazards,
     ) -> Scene<'a> {
         Scene {
             flyer,
             start,
             nominal,
             original: (0.0, 0.0),
-            hazards,
-            ground: None,
+            around: hazards.over(&Mission::NONE),
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

@@ -73,7 +73,7 @@ impl Search<'_> {
             ..
         } = self;
         let mut least = (enough_m, line.at_s);
-        let first = scene.hazards.rows().get(*culprit);
+        let first = scene.around.rows.get(*culprit);
         if let Some(hazard) = first {
             if !meter.take(1) {
                 return least;
@@ -83,8 +83,7 @@ impl Search<'_> {
                 return least;
             }
         }
-        let around = scene.hazards.over(scene.ground);
-        around.each_close(line, least.0, meter, |hazard| {
+        scene.around.each(meter, |hazard| {
             if first.is_some_and(|first| first.index == hazard.index) {
                 return true;
             }
@@ -94,7 +93,7 @@ impl Search<'_> {
             }
             least.0 >= floor_m
         });
-        around.all_fixed().lower(line, least, floor_m, meter)
+        scene.around.fixed.lower(line, least, floor_m, meter)
     }
 
     /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the

@@ -8,6 +8,7 @@ use fga_proof::Vec3;
 use fga_proof::certificate::{Hazard, Hazards};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::situation::Mission;
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
 use fga_search::{Found, Objective, Scene, Search, Tables};
@@ -120,8 +121,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             start,
             nominal: &nominal,
             original: (0.0, 0.0),
-            hazards: &hazards,
-            ground: None,
+            around: hazards.over(&Mission::NONE),
             horizon_s: 60.0,
             target_m: draw.one_of(&[0.05, 0.05, 2.7]),
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

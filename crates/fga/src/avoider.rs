@@ -22,19 +22,18 @@ pub use against::Against;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
-pub use tracks::{MAX_TRACKED, Tracks};
+pub use tracks::{AllPlaces, Known, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
 
 use fga_index::quiet;
 
 use crate::Vec3;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
-use crate::ground::Ground;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
-use crate::prediction::{FlightPath, Flyer, MotionState, flown};
+use crate::prediction::{FlightPath, Flyer, MotionState, RollOuts, flown};
 use crate::search::{Proof, Tables};
-use crate::situation::{Ownship, Situation};
+use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
 
 /// A step finishes when all but one part in this many of its work is done.
@@ -49,11 +48,11 @@ const MISSION_SHARE: u32 = 4;
 /// It takes one part in this many at most: reading obstacles, which cannot be refused, comes after it.
 const MISSION_MOST: u32 = 2;
 
-/// The aircraft now, and the ground that is known.
+/// The aircraft now, and its mission.
 #[derive(Debug, Clone, Copy)]
 struct Now<'a> {
     state: MotionState,
-    ground: Option<&'a Ground<'a>>,
+    mission: &'a Mission<'a>,
 }
 
 impl core::ops::Deref for Now<'_> {
@@ -67,7 +66,6 @@ impl core::ops::Deref for Now<'_> {
 /// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
-    maneuver: Maneuver,
     /// Time of the decision, seconds on the situation's clock.
     decided_s: f64,
     /// Time of its departure from the mission, seconds on the situation's clock.
@@ -105,32 +103,42 @@ struct Returned {
     time_s: f64,
 }
 
-impl Plan {
-    fn remaining(&self, time_s: f64) -> Maneuver {
-        self.maneuver.after(time_s - self.decided_s)
+impl<P: Places + 'static> core::ops::Deref for Avoider<P> {
+    type Target = Avoider<dyn Places>;
+
+    fn deref(&self) -> &Self::Target {
+        self
+    }
+}
+
+impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        self
     }
 }
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 161 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 113 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
-pub struct Avoider {
+pub struct Avoider<P: ?Sized = AllPlaces> {
     settings: Settings,
     vehicle: Vehicle,
     /// The limits of its vehicle.
     made_for: Vehicle,
     /// The limits for cases without a certified manoeuvre under the normal ones.
-    in_need: Option<(Vehicle, Flyer)>,
+    in_need: Option<(Vehicle, RollOuts)>,
     flyer: Flyer,
     state: State,
     progress: Progress,
     /// The mission's part of the step's work.
     mission_meter: Meter,
-    tracks: tracks::Tracks,
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
+    /// The manoeuvre of the plan, and that of a way back which is looked at.
+    flown: Maneuver,
+    back: Maneuver,
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -153,6 +161,7 @@ pub struct Avoider {
     drift_m: f64,
     /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
+    tracks: Tracks<P>,
 }
 
 impl Avoider {
@@ -169,6 +178,15 @@ impl Avoider {
     /// An avoider of no use before [`Self::prepare`], to construct one where it stays: what is large of it is zeros, which are
     /// written there without a copy.
     pub fn blank(settings: Settings, vehicle: Vehicle) -> Self {
+        Self::within(settings, vehicle, const { Tracks::new() })
+    }
+}
+
+impl<P> Avoider<P> {
+    /// The same with room for obstacles that is lent.
+    #[expect(clippy::inline_always, reason = "written where it lies, not copied")]
+    #[inline(always)]
+    pub fn within(settings: Settings, vehicle: Vehicle, tracks: Tracks<P>) -> Self {
         Self {
             settings,
             vehicle,
@@ -177,11 +195,13 @@ impl Avoider {
             flyer: Flyer::blank(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
-            tracks: const { Tracks::new() },
+            tracks,
             path: const { FlightPath::new() },
             tables: Tables::NONE,
             mission_meter: Meter::unlimited(),
             plan: None,
+            flown: Maneuver::hold(),
+            back: Maneuver::hold(),
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -196,7 +216,34 @@ impl Avoider {
             far_s: settings.horizon_s,
         }
     }
+}
 
+impl<P: ?Sized> Avoider<P> {
+    /// The assumed limits of the vehicle.
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// Its state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Index of the waypoint at the start of the present leg.
+    pub const fn leg_index(&self) -> usize {
+        self.progress.index()
+    }
+
+    /// The limits in need, if there are any.
+    pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
+        match &self.in_need {
+            Some((vehicle, _)) => Some(vehicle),
+            None => None,
+        }
+    }
+}
+
+impl Avoider<dyn Places + '_> {
     /// Checks its settings and its vehicle, and computes what all of its flights share.
     ///
     /// # Errors
@@ -225,21 +272,6 @@ impl Avoider {
         self.drift = drift::Drift::default();
     }
 
-    /// The assumed limits of the vehicle.
-    pub const fn vehicle(&self) -> &Vehicle {
-        &self.vehicle
-    }
-
-    /// Its state.
-    pub const fn state(&self) -> State {
-        self.state
-    }
-
-    /// Index of the waypoint at the start of the present leg.
-    pub const fn leg_index(&self) -> usize {
-        self.progress.index()
-    }
-
     /// Replaces the vehicle's limits, for instance by a turn-rate factor estimated in flight.
     ///
     /// # Errors
@@ -249,14 +281,6 @@ impl Avoider {
         self.vehicle = vehicle;
         self.flyer.set(&vehicle);
         Ok(())
-    }
-
-    /// The limits in need, if there are any.
-    pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
-        match &self.in_need {
-            Some((vehicle, _)) => Some(vehicle),
-            None => None,
-        }
     }
 
     /// Sets limits for cases without a certified manoeuvre under the normal ones, for
@@ -269,10 +293,13 @@ impl Avoider {
             vehicle.check()?;
         }
         if self.vehicle_in_need() != vehicle.as_ref() {
-            self.in_need = vehicle.map(|vehicle| (vehicle, Flyer::blank(&vehicle)));
-            if let Some((vehicle, flyer)) = &mut self.in_need {
-                flyer.set(vehicle);
-            }
+            let mut known_m = *self.flyer.roll_outs_m();
+            self.in_need = vehicle.map(|vehicle| {
+                self.flyer.set(&vehicle);
+                let in_need_m = *self.flyer.roll_outs_m();
+                self.flyer.exchange(&self.vehicle, &mut known_m);
+                (vehicle, in_need_m)
+            });
         }
         Ok(())
     }
@@ -296,7 +323,14 @@ impl Avoider {
     /// [`LARGEST`](crate::limit::LARGEST). A clock that is set back by up to a second changes nothing; a larger step
     /// back makes it forget its plan ([`Record::clock_set_back`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        self.step_among(situation, None)
+        let mut decision = Decision::default();
+        self.step_into(situation, &mut decision);
+        decision
+    }
+
+    /// The same into the place of another decision, which is large.
+    pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
+        self.step_among(situation, None, decision);
     }
 
     /// Decides like [`Self::step`] among kept obstacles, whatever obstacles the situation has: the decision is the
@@ -304,12 +338,19 @@ impl Avoider {
     /// matter: what a quiet step costs hardly depends on their number.
     pub fn step_kept(&mut self, situation: &Situation<'_>, kept: &mut Kept<'_>) -> Decision {
         kept.begin(situation.time_s);
-        self.step_among(situation, Some(kept))
+        let mut decision = Decision::default();
+        self.step_among(situation, Some(kept), &mut decision);
+        decision
     }
 
-    fn step_among(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
+    fn step_among(
+        &mut self,
+        situation: &Situation<'_>,
+        kept: Option<&mut Kept<'_>>,
+        decision: &mut Decision,
+    ) {
         if !situation.is_usable() {
-            return self.decision(&Maneuver::hold(), Reason::InvalidInput);
+            return self.say(decision, &Maneuver::HOLD, Reason::InvalidInput);
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
@@ -317,12 +358,11 @@ impl Avoider {
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);
         self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
-        let mut decision = self.decide(situation, kept);
+        self.decide(situation, kept, decision);
         self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
-        decision
     }
 
     /// The situation on a clock that never goes back, and whether the situation's clock was set back so far that
@@ -350,19 +390,24 @@ impl Avoider {
         )
     }
 
-    fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
+    fn decide(
+        &mut self,
+        situation: &Situation<'_>,
+        kept: Option<&mut Kept<'_>>,
+        decision: &mut Decision,
+    ) {
         let now = Now {
             state: MotionState::of(&situation.ownship),
-            ground: situation.mission.ground,
+            mission: &situation.mission,
         };
         self.on_mission(situation, |progress, route| {
             progress.update(route, &now, situation.time_s);
         });
         self.measure_drift(situation, &now);
-        let mut decision = self.step_turn_aware(situation, &now, kept);
+        self.step_turn_aware(situation, &now, kept, decision);
         let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
-        let hazards = self.tracks.hazards().rows();
+        let hazards = self.tracks.rows();
         if threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
             let passed_s = self.settings.decision_period_s;
             let gives_up = self.on_mission(situation, |progress, route| {
@@ -372,7 +417,6 @@ impl Avoider {
                 decision.record.reason = Reason::WaypointGivenUp;
             }
         }
-        decision
     }
 
     /// Measures the drift and the distance kept clear for it.
@@ -382,6 +426,11 @@ impl Avoider {
         self.drift.observe(time_s, position_m, self.ours_mps);
         let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
+    }
+
+    /// What is left of the manoeuvre of a plan.
+    fn remaining(&self, plan: &Plan, time_s: f64) -> Maneuver {
+        self.flown.after(time_s - plan.decided_s)
     }
 
     /// Predicts a manoeuvre into the path, up to a horizon.
@@ -527,7 +576,8 @@ impl Avoider {
         answer
     }
 
-    fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
+    /// Decides on a command, with nothing on record but its reason.
+    fn say(&self, decision: &mut Decision, command: &Maneuver, reason: Reason) {
         let reason = match reason {
             Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
             Reason::Clear | Reason::ManeuverKept if self.progress.is_adrift() => {
@@ -535,13 +585,8 @@ impl Avoider {
             }
             other => other,
         };
-        let work = Work {
-            tracked: self.tracks.seen,
-            unusable: self.tracks.unusable,
-            ..Work::default()
-        };
-        let mut decision = Decision::new(self.state, command, reason);
-        decision.record.work = work;
-        decision
+        decision.set(self.state, command, reason);
+        decision.record.work.tracked = self.tracks.seen;
+        decision.record.work.unusable = self.tracks.unusable;
     }
 }

@@ -3,7 +3,7 @@
 //! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone
 //! ([`MissionPilot`]), the paper's rules, a peer, or one of your own.
 
-use crate::avoider::{Avoider, Decision, Reason, State};
+use crate::avoider::{Avoider, Decision, Places, Reason, State};
 use crate::limit::SettingsError;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
@@ -32,9 +32,9 @@ pub trait Pilot {
     fn restart(&mut self);
 }
 
-impl Pilot for Avoider {
+impl<P: Places + 'static> Pilot for Avoider<P> {
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        Self::step(self, situation)
+        (**self).step(situation)
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

@@ -99,6 +99,7 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga::avoider::Avoider,
         fga::avoider::Candidate,
         fga::avoider::Decision,
+        fga::avoider::Known,
         fga::avoider::Reason,
         fga::avoider::Record,
         fga::avoider::Settings,

@@ -13,9 +13,7 @@ pub const OBSTACLES_MOST: u32 = 16;
 /// Most waypoints here.
 pub const WAYPOINTS_MOST: u32 = 32;
 
-const STORAGE_BYTES: usize = FGA_AVOIDER_FIXED_BYTES
-    + OBSTACLES_MOST as usize * FGA_AVOIDER_OBSTACLE_BYTES
-    + WAYPOINTS_MOST as usize * FGA_AVOIDER_WAYPOINT_BYTES;
+const STORAGE_BYTES: usize = fga_avoider_size(OBSTACLES_MOST, WAYPOINTS_MOST);
 
 /// Time from one step to the next, seconds.
 pub const PERIOD_S: f64 = 0.1;

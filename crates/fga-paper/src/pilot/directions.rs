@@ -355,7 +355,7 @@ impl PaperPilot {
             self.path
                 .predict(&self.flyer, now, &plan.remaining(time_s), left_s);
             self.load_tracks(situation);
-            let hazards = self.tracks.hazards().rows();
+            let hazards = self.tracks.rows();
             let ahead = certify_all(&self.flyer, &self.path, hazards, left_s, 0.0, 0.0);
             if ahead.margin_m >= 0.0 {
                 return self.report(&plan, time_s, Reason::RejoinKept);

@@ -75,7 +75,7 @@ impl Line {
 
 impl Hazard {
     /// Zeros, which are written without a copy.
-    pub(super) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         window_s: (0.0, 0.0),
         allowed_depth_m: 0.0,
         ..Self::exact(

@@ -5,7 +5,7 @@ use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LOOK, Meter};
-use crate::situation::ProtectedVolume;
+use crate::situation::{Mission, ProtectedVolume};
 use crate::zone::{ALL_HEIGHTS_M, Outline, Span, Zone, meet, span_m};
 use crate::{Vec2, Vec3};
 
@@ -29,33 +29,25 @@ const HIGHEST_M: f64 = 1e6;
 struct Run {
     /// The box around them.
     span_m: Span,
-    corners_m: [Vec2; RUN + 1],
+    /// The index of the first of them.
+    first: usize,
 }
 
 /// A zone, the edges of which are runs.
 #[derive(Debug, Clone, Copy)]
 struct Near {
-    zone: Zone<'static>,
+    /// Its index among those of the mission.
+    zone: u32,
     /// The first of its runs and the one behind the last.
-    runs: (usize, usize),
-}
-
-impl Near {
-    /// Zeros, which are written without a copy.
-    const NONE: Self = Self {
-        zone: Zone {
-            keep_in: false,
-            outline: Outline::Circle(Vec2::ZERO, 0.0),
-            heights_m: (0.0, 0.0),
-        },
-        runs: (0, 0),
-    };
+    runs: (u32, u32),
 }
 
 /// The zones near an aircraft.
 #[derive(Debug, Clone)]
 pub struct Zones {
     all: List<Near, MAX_ZONES>,
+    /// Whether one is entered, or there is no room for all.
+    entered: bool,
     runs: List<Run, MAX_ZONES>,
     wind_mps: Vec3,
     until_s: f64,
@@ -69,6 +61,8 @@ pub struct Zones {
 #[derive(Debug, Clone, Copy)]
 pub struct Fixed<'a> {
     pub(super) zones: &'a Zones,
+    /// The zones of the mission.
+    pub(super) mission: &'a [Zone<'a>],
     pub(super) ground: Option<&'a Ground<'a>>,
 }
 
@@ -87,10 +81,10 @@ impl Fixed<'_> {
         meter: &Meter,
     ) -> (f64, f64) {
         let (zones, spare_m) = (self.zones, self.zones.spare_m);
-        let Some(over) = zones.over(line).filter(|_| !self.is_empty()) else {
+        let Some(over) = zones.counted(line).filter(|_| !self.is_empty()) else {
             return least;
         };
-        if let Some(found) = zones.least_on(&over, (least.0 - spare_m).max(0.0), meter) {
+        if let Some(found) = self.least_on(&over, (least.0 - spare_m).max(0.0), meter) {
             least = (self.margin_m(found.0), found.1);
         }
         if let Some(ground) = self.ground.filter(|_| least.0 >= floor_m) {
@@ -111,28 +105,67 @@ impl Fixed<'_> {
         let is_entered = distance_m < 0.0;
         distance_m + if is_entered { 0.0 } else { self.zones.spare_m }
     }
+
+    /// The least distance of a line over the ground from the nearest zone, metres, and its moment, seconds, if below one.
+    fn least_on(&self, over: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        let Zones { all, runs, .. } = self.zones;
+        if !meter.take(LOOK + all.len().max(runs.len())) {
+            return Some((f64::NEG_INFINITY, over.at_s));
+        }
+        if self.zones.entered {
+            return Some((-DEEPEST_M, over.at_s));
+        }
+        let mut least = None;
+        for Near { zone, runs: of } in all.iter() {
+            let Some(zone) = self.mission.get(*zone as usize) else {
+                return Some((-DEEPEST_M, over.at_s));
+            };
+            let runs = runs.get(of.0 as usize..of.1 as usize).unwrap_or(&[]);
+            let edges = |near_m: Span| {
+                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
+                runs.flat_map(|run| zone.edges_from(run.first).take(RUN))
+            };
+            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
+            least = zone.least_on_line(edges, over, most_m).or(least);
+        }
+        least
+    }
 }
 
 impl Zones {
-    pub(super) const NONE: Self = Self {
-        all: List::new(Near::NONE),
+    /// No zones.
+    pub const NONE: Self = Self {
+        all: List::new(Near {
+            zone: 0,
+            runs: (0, 0),
+        }),
         runs: List::new(Run {
             span_m: (Vec2::ZERO, Vec2::ZERO),
-            corners_m: [Vec2::ZERO; RUN + 1],
+            first: 0,
         }),
+        entered: false,
         wind_mps: Vec3::ZERO,
         until_s: 0.0,
         spare_m: 0.0,
         binding: Binding::ALL,
     };
 
+    /// The zones of the mission, of which these are near, and the ground.
+    pub const fn over<'a>(&'a self, mission: &'a Mission<'a>) -> Fixed<'a> {
+        Fixed {
+            zones: self,
+            mission: mission.zones,
+            ground: mission.ground,
+        }
+    }
+
     /// Whether no zone is known.
     pub fn is_empty(&self) -> bool {
-        self.all.is_empty()
+        self.all.is_empty() && !self.entered
     }
 
     /// The part of a line that counts, over the ground, where all are at rest.
-    fn over(&self, line: &Line) -> Option<Line> {
+    fn counted(&self, line: &Line) -> Option<Line> {
         let duration_s = line.duration_s.min(self.until_s - line.at_s);
         (duration_s >= 0.0).then_some(Line {
             from_m: line.from_m + self.wind_mps * line.at_s,
@@ -142,81 +175,54 @@ impl Zones {
         })
     }
 
-    /// The least distance of a line over the ground from the nearest, metres, and its moment, seconds, if below one.
-    fn least_on(&self, over: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
-            return Some((f64::NEG_INFINITY, over.at_s));
-        }
-        let mut least = None;
-        for Near { zone, runs } in self.all.iter() {
-            let runs = self.runs.get(runs.0..runs.1).unwrap_or(&[]);
-            let edges = |near_m: Span| {
-                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
-                runs.flat_map(|run| {
-                    let next_m = run.corners_m.iter().copied().skip(1);
-                    run.corners_m.iter().copied().zip(next_m)
-                })
-            };
-            let most_m = least.map_or(below_m, |(least_m, _)| least_m);
-            least = zone.least_on_line(edges, over, most_m).or(least);
-        }
-        least
-    }
-
     /// Forgets all, in a wind, metres per second; those that follow count up to a moment, seconds.
     pub const fn clear(&mut self, wind_mps: Vec3, until_s: f64) {
         self.all.clear();
         self.runs.clear();
         (self.wind_mps, self.until_s, self.spare_m) = (wind_mps, until_s, 0.0);
+        self.entered = false;
         self.binding = Binding::ALL;
     }
 
-    /// Adds what of a zone is within a distance of the place where flights begin, metres. False where that place is on the wrong
-    /// side, or there is no room: then everything counts as entered, and nothing is proven.
-    pub fn add(&mut self, zone: &Zone<'_>, (at_m, within_m): (Vec3, f64)) -> bool {
-        let fits = !zone.is_entered(at_m) && self.take(zone, at_m.truncate(), within_m).is_some();
-        if !fits {
-            self.all.clear();
-            let mut nowhere = Near::NONE;
-            nowhere.zone.keep_in = true;
-            self.all.push(nowhere);
-        }
-        fits
+    /// Adds what of a zone of the mission, by its index, is within a distance of the place where flights begin, metres. False where that
+    /// place is on the wrong side, or there is no room: then everything counts as entered, and nothing is proven.
+    pub fn add(
+        &mut self,
+        mission: &[Zone<'_>],
+        index: usize,
+        (at_m, within_m): (Vec3, f64),
+    ) -> bool {
+        let zone = mission.get(index).filter(|zone| !zone.is_entered(at_m));
+        let fits = zone.and_then(|zone| self.take(zone, index, (at_m.truncate(), within_m)));
+        self.entered |= fits.is_none();
+        !self.entered
     }
 
-    fn take(&mut self, zone: &Zone<'_>, at: Vec2, within_m: f64) -> Option<()> {
+    fn take(&mut self, zone: &Zone<'_>, index: usize, (at, within_m): (Vec2, f64)) -> Option<()> {
         let near_m = (at - Vec2::splat(within_m), at + Vec2::splat(within_m));
-        let first = self.runs.len();
-        let (outline, whole_m) = match zone.outline {
+        let begin = self.runs.len();
+        let whole_m = match zone.outline {
             Outline::Circle(center_m, radius_m) => {
                 let beside_m = Vec2::splat(radius_m);
-                let whole_m = (center_m - beside_m, center_m + beside_m);
-                (Outline::Circle(center_m, radius_m), whole_m)
+                (center_m - beside_m, center_m + beside_m)
             }
-            Outline::Polygon(corners_m) => {
-                (Outline::Polygon(&[]), span_m(corners_m.iter().copied()))
-            }
+            Outline::Polygon(corners_m) => span_m(corners_m.iter().copied()),
         };
         if !zone.keep_in && !meet(&whole_m, &near_m) {
             return Some(());
         }
         // To know what is over a zone takes all its edges.
         let takes_all = !zone.keep_in && zone.heights_m != ALL_HEIGHTS_M;
-        let mut edges = zone.edges().peekable();
-        while let Some((from_m, _)) = edges.peek().copied() {
-            let mut corners_m = [from_m; RUN + 1];
-            let mut last_m = from_m;
-            for slot in corners_m.iter_mut().skip(1) {
-                last_m = edges.next().map_or(last_m, |(_, to_m)| to_m);
-                *slot = last_m;
-            }
-            let span_m = span_m(corners_m);
+        for first in (0..zone.edges().count()).step_by(RUN) {
+            let edges = zone.edges_from(first).take(RUN);
+            let span_m = span_m(edges.flat_map(|(from_m, to_m)| [from_m, to_m]));
             if takes_all || meet(&span_m, &near_m) {
-                self.runs.push(Run { span_m, corners_m })?;
+                self.runs.push(Run { span_m, first })?;
             }
         }
-        let runs = (first, self.runs.len());
-        let zone = Zone { outline, ..*zone };
+        let word = |index| u32::try_from(index).ok();
+        let runs = (word(begin)?, word(self.runs.len())?);
+        let zone = word(index)?;
         self.all.push(Near { zone, runs }).map(|_| ())
     }
 }
@@ -229,9 +235,9 @@ impl Obstruction for Fixed<'_> {
 
     fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {
         let zones = self.zones;
-        let over = zones.over(line);
+        let over = zones.counted(line);
         over.is_some_and(|over| {
-            zones.least_on(&over, below_m, meter).is_some()
+            self.least_on(&over, below_m, meter).is_some()
                 || self.ground.is_some_and(|ground| {
                     let asked = (below_m.max(0.0), 0.0);
                     ground.lowest(&over, asked, zones.binding, meter).0 < 0.0
@@ -240,8 +246,8 @@ impl Obstruction for Fixed<'_> {
     }
 
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        let over = self.zones.over(line)?;
-        let least = self.zones.least_on(&over, below_m, meter);
+        let over = self.zones.counted(line)?;
+        let least = self.least_on(&over, below_m, meter);
         let most_m = least.map_or(below_m, |(least_m, _)| least_m);
         let found = self
             .ground

@@ -210,6 +210,10 @@ pub struct Bend {
     pub(super) roll_out_m: (f64, f64),
 }
 
+/// Displacements of roll-outs from banks: forward and left of the course at their start, metres. Most of the work of taking the motion
+/// of a vehicle is for these.
+pub type RollOuts = [(f64, f64); ROLL_OUTS];
+
 /// The vehicle's motion under commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flyer {
@@ -232,8 +236,7 @@ pub struct Flyer {
     rolling_out: Rolls,
     /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
     begun: [Roll; 5],
-    /// Displacements of roll-outs from banks: forward and left of the course at their start, metres.
-    roll_outs_m: [(f64, f64); ROLL_OUTS],
+    roll_outs_m: RollOuts,
     roll_in: RollIn,
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Option<Bend>; 3],
@@ -273,9 +276,28 @@ impl Flyer {
 
     /// Takes the motion of a vehicle.
     pub fn set(&mut self, vehicle: &Vehicle) {
+        self.take(vehicle, None);
+    }
+
+    /// Takes the motion of a vehicle, and its roll-outs in exchange for those of the one before.
+    pub fn exchange(&mut self, vehicle: &Vehicle, roll_outs_m: &mut RollOuts) {
+        let known_m = core::mem::replace(roll_outs_m, self.roll_outs_m);
+        self.take(vehicle, Some(&known_m));
+    }
+
+    /// The roll-outs of its vehicle.
+    pub const fn roll_outs_m(&self) -> &RollOuts {
+        &self.roll_outs_m
+    }
+
+    fn take(&mut self, vehicle: &Vehicle, roll_outs_m: Option<&RollOuts>) {
         *self = Self::blank(vehicle);
         if !self.is_ideal() {
             self.prepare_rolls();
+            match roll_outs_m {
+                Some(known_m) => self.roll_outs_m = *known_m,
+                None => self.roll_out_from_all(),
+            }
             let mut roll_in = RollIn::none();
             roll_in.roll(self, -self.full_bank_rad, |_| false);
             self.roll_in = roll_in;

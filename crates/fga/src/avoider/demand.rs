@@ -1,7 +1,7 @@
 //! What is asked of a manoeuvre: a ladder of demands, the most that is asked first.
 
-use crate::avoider::Avoider;
 use crate::avoider::intruders::{Clearance, Freedom};
+use crate::avoider::{Avoider, Places};
 use crate::certificate::Hazard;
 
 /// The separation that a manoeuvre must keep.
@@ -65,7 +65,7 @@ pub(super) const WANTED: usize = 1;
 /// the error of their vertical speed (0.2 m/s), over a quarter of a minute.
 pub(super) const BEYOND_M: f64 = 3.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The demand of a rung.
     pub(super) fn demand_of(&self, rung: usize) -> Demand {
         let [highest, ..] = &LADDER;
@@ -139,10 +139,10 @@ impl Avoider {
     }
 
     /// Takes the limits in need in place of the normal ones, or back again.
-    const fn change_limits(&mut self) {
-        if let Some((vehicle, flyer)) = &mut self.in_need {
+    pub(super) fn change_limits(&mut self) {
+        if let Some((vehicle, roll_outs_m)) = &mut self.in_need {
             core::mem::swap(vehicle, &mut self.vehicle);
-            core::mem::swap(flyer, &mut self.flyer);
+            self.flyer.exchange(&self.vehicle, roll_outs_m);
         }
     }
 }
@@ -183,7 +183,7 @@ mod tests {
         avoider.set_vehicle_in_need(Some(steep)).unwrap();
         assert_eq!(margins_m(&avoider), [0.05, 0.05]);
         let last = avoider.distinct_demand(RUNGS - 1).unwrap();
-        let radius_m = |avoider: &mut Avoider| avoider.flyer.turn_radius_m();
+        let radius_m = |avoider: &mut Avoider<dyn Places>| avoider.flyer.turn_radius_m();
         let normal_m = radius_m(&mut avoider);
         assert_eq!(avoider.within_limits(&last, radius_m), 0.5 * normal_m);
         assert_eq!(radius_m(&mut avoider), normal_m);

@@ -10,7 +10,7 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
-use crate::certificate::{Hazard, Hazards};
+use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::prediction::whole;
 use crate::situation::{MovementBounds, Obstacle};
@@ -181,7 +181,7 @@ pub(super) fn most_hazards(freedom: Freedom, (obstacle, trend): (&Obstacle, Tren
 /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
 /// start on. `hazard` is its straight motion.
 pub(super) fn add_aircraft(
-    hazards: &mut Hazards,
+    add: &mut impl FnMut(Hazard),
     hazard: &Hazard,
     (obstacle, trend): (&Obstacle, Trend),
     (freedom, clearance): (Freedom, Clearance),
@@ -192,7 +192,7 @@ pub(super) fn add_aircraft(
         hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
     }
     let Some(bounds) = obstacle.movement.bounds() else {
-        return put(hazards, hazard);
+        return add(hazard);
     };
     let (climbs, brief_s) = match freedom {
         Freedom::Expected => (1.0, 0.0),
@@ -214,16 +214,16 @@ pub(super) fn add_aircraft(
         hazard.velocity_mps = at.velocity_mps;
         hazard.position_m = at.position_m + at.velocity_mps * age_s;
         hazard.stretch_m = since.later_m();
-        return put(hazards, hazard);
+        return add(hazard);
     }
     let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
     for (rate_radps, for_s) in all.flatten().take(motions) {
-        add_motion(hazards, &hazard, &since, (rate_radps, for_s));
+        add_motion(add, &hazard, &since, (rate_radps, for_s));
     }
 }
 
 /// A turn for a time, then straight on, of a hazard that stretches.
-fn add_motion(hazards: &mut Hazards, hazard: &Hazard, since: &Since, turn: (f64, f64)) {
+fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: (f64, f64)) {
     let mut hazard = *hazard;
     let mut at = since.report(&hazard);
     let begins_s = at.at_s;
@@ -232,51 +232,44 @@ fn add_motion(hazards: &mut Hazards, hazard: &Hazard, since: &Since, turn: (f64,
     let (rate_radps, for_s) = turn;
     for _ in 0..chords {
         let next = at.turned(rate_radps, for_s / chords as f64);
-        add_leg(hazards, &hazard, &at, &next, rate_radps);
+        add_leg(add, &hazard, &at, &next, rate_radps);
         at = next;
     }
     let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
     if left_s > 0.0 && since.change_mps > 0.0 {
         let next = at.turned(0.0, left_s);
-        add_leg(hazards, &hazard, &at, &next, 0.0);
+        add_leg(add, &hazard, &at, &next, 0.0);
         at = next;
     }
-    put(
-        hazards,
-        Hazard {
-            position_m: at.position_m - at.velocity_mps * at.at_s,
-            velocity_mps: at.velocity_mps,
-            stretch_m: since.later_m(),
-            window_s: (at.at_s, f64::INFINITY),
-            ..hazard
-        },
-    );
+    add(Hazard {
+        position_m: at.position_m - at.velocity_mps * at.at_s,
+        velocity_mps: at.velocity_mps,
+        stretch_m: since.later_m(),
+        window_s: (at.at_s, f64::INFINITY),
+        ..hazard
+    });
 }
 
-fn add_leg(hazards: &mut Hazards, hazard: &Hazard, from: &Moment, to: &Moment, rate_radps: f64) {
+fn add_leg(
+    add: &mut impl FnMut(Hazard),
+    hazard: &Hazard,
+    from: &Moment,
+    to: &Moment,
+    rate_radps: f64,
+) {
     let duration_s = to.at_s - from.at_s;
     let velocity_mps = (to.position_m - from.position_m) / duration_s;
     let speed_mps = libm::sqrt(
         from.velocity_mps.x * from.velocity_mps.x + from.velocity_mps.y * from.velocity_mps.y,
     );
     let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
-    put(
-        hazards,
-        Hazard {
-            position_m: from.position_m - velocity_mps * from.at_s,
-            velocity_mps,
-            volume: hazard.volume.grown(bow_m),
-            window_s: (from.at_s, to.at_s),
-            ..*hazard
-        },
-    );
-}
-
-/// Adds a hazard.
-pub(super) fn put(hazards: &mut Hazards, hazard: Hazard) {
-    let place = hazards.rows().len();
-    let index = u32::try_from(place).unwrap_or(u32::MAX);
-    hazards.put(place, Hazard { index, ..hazard });
+    add(Hazard {
+        position_m: from.position_m - velocity_mps * from.at_s,
+        velocity_mps,
+        volume: hazard.volume.grown(bow_m),
+        window_s: (from.at_s, to.at_s),
+        ..*hazard
+    });
 }
 
 /// How heights may have changed since a report, and may change: by a change of climb, and by its end.
@@ -351,6 +344,7 @@ impl Moment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certificate::Hazards;
     use crate::situation::{Movement, ProtectedVolume};
 
     const BOUNDS: MovementBounds = MovementBounds::CREWED;
@@ -382,7 +376,7 @@ mod tests {
         let mut motions = Hazards::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
         add_aircraft(
-            &mut motions,
+            &mut |hazard| assert!(motions.put(motions.rows().len(), hazard)),
             &hazard,
             (&obstacle, trend),
             (freedom, EXACT),
@@ -396,7 +390,7 @@ mod tests {
         let hazard = Hazard::new(0, obstacle, Vec3::ZERO, 3.0);
         let trend = Trend::of(obstacle);
         add_aircraft(
-            &mut motions,
+            &mut |hazard| assert!(motions.put(motions.rows().len(), hazard)),
             &hazard,
             (obstacle, trend),
             (freedom, EXACT),

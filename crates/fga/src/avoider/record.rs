@@ -157,7 +157,7 @@ pub struct Record {
 }
 
 /// The command until the next step, and its reasons.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Decision {
     /// State of the avoider.
     pub state: State,
@@ -198,13 +198,65 @@ impl Reason {
 impl Decision {
     /// A decision with nothing on record but its reason.
     pub fn new(state: State, command: &Maneuver, reason: Reason) -> Self {
-        Self {
-            state,
-            command: *command,
-            record: Record {
-                reason,
-                ..Record::default()
+        let mut decision = Self::default();
+        decision.set(state, command, reason);
+        decision
+    }
+
+    /// The same in its place: what is large on record is not written.
+    pub(super) fn set(&mut self, state: State, command: &Maneuver, reason: Reason) {
+        (self.state, self.command) = (state, *command);
+        let record = &mut self.record;
+        (record.reason, record.work) = (reason, Work::default());
+        (record.threat, record.certified) = (None, None);
+        (record.chosen, record.alternative) = (None, None);
+        (record.start_s, record.latest_start_s) = (None, None);
+        (record.resilience, record.straight_aircraft) = (None, 0);
+        (record.in_need, record.clock_set_back) = (false, false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decision_in_the_place_of_another_one_has_nothing_of_it() {
+        let hold = Maneuver::hold();
+        let chosen = Some(Candidate {
+            maneuver: hold,
+            margin_m: 1.0,
+            cost: 1.0,
+            verdict: Verdict::Chosen,
+        });
+        let threat = Some(Threat {
+            id: 1,
+            entry_s: 1.0,
+            closest_s: 1.0,
+            margin_m: 1.0,
+        });
+        let record = Record {
+            reason: Reason::RejoinKept,
+            threat,
+            latest_start_s: Some(1.0),
+            start_s: Some(1.0),
+            chosen,
+            certified: None,
+            alternative: chosen,
+            resilience: Some(1.0),
+            straight_aircraft: 1,
+            in_need: true,
+            clock_set_back: true,
+            work: Work {
+                work: 1,
+                ..Work::default()
             },
-        }
+        };
+        let mut decision = Decision {
+            record,
+            ..Decision::default()
+        };
+        decision.set(State::Cruise, &hold, Reason::Clear);
+        assert_eq!(decision, Decision::default());
     }
 }

@@ -1,18 +1,19 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 mod known;
+mod places;
+mod relaxed;
 pub(super) mod zones;
 
-use self::known::Known;
+pub use self::known::Known;
+pub use self::places::{AllPlaces, LIMITS, Lent, MAX_TRACKED, Places};
+use self::relaxed::{LEAVING_SHARE, relaxed};
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
-use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
+use crate::certificate::{Around, Hazard, MAX_HAZARDS, Zones};
 use crate::meter::{COMPARED, MOTION, Meter};
-use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
-
-/// Most obstacles of a decision: the most urgent ones.
-pub const MAX_TRACKED: usize = MAX_HAZARDS;
+use crate::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
 
 /// A missing obstacle is extrapolated for this long, seconds.
 const COASTED_S: f64 = 5.0;
@@ -26,22 +27,19 @@ const FLAT_M: f64 = 1e9;
 /// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
 const FLAT_WITHIN_M: f64 = 1e4;
 
-/// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
-const LEAVING_SHARE: f64 = 0.98;
-
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is an answer about the same step, and any of them may hold with any other"
 )]
-pub struct Tracks {
-    /// The expected motion of each obstacle, or all motions that were asked for.
-    hazards: Hazards,
-    /// Whether they are those that were asked for.
+pub struct Tracks<P: ?Sized = AllPlaces> {
+    /// The zones near the aircraft.
+    zones: Zones,
+    /// Number of hazards.
+    hazards: usize,
+    /// Whether they are all motions that were asked for, not the expected motion of each obstacle.
     moving: bool,
-    /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet.
-    known: [Known; MAX_TRACKED],
     /// Number of obstacles of this step.
     count: usize,
     /// Number of all that the next step remembers: the limits of altitude are not among them.
@@ -64,6 +62,8 @@ pub struct Tracks {
     pub overflow: bool,
     /// Whether any has an uncertainty.
     pub uncertain: bool,
+    /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet; the hazards.
+    places: P,
 }
 
 /// What an obstacle is seen from.
@@ -111,10 +111,17 @@ impl Tracks {
         reason = "no allocation: the caller says where it lies"
     )]
     pub const fn new() -> Self {
+        Self::within(([Known::NONE; MAX_HAZARDS], [Hazard::NONE; MAX_HAZARDS]))
+    }
+}
+
+impl<P: Places> Tracks<P> {
+    /// No obstacles, with room for some.
+    pub const fn within(places: P) -> Self {
         Self {
-            hazards: Hazards::new(),
+            zones: Zones::NONE,
+            hazards: 0,
             moving: false,
-            known: [Known::NONE; MAX_TRACKED],
             count: 0,
             len: 0,
             aircraft: 0,
@@ -131,13 +138,16 @@ impl Tracks {
             inside: false,
             overflow: false,
             uncertain: false,
+            places,
         }
     }
+}
 
+impl<P: Places + ?Sized> Tracks<P> {
     /// Forgets the obstacles of this step.
     pub fn clear(&mut self) {
-        self.hazards.clear();
-        self.hazards.zones.clear(Vec3::ZERO, 0.0);
+        self.hazards = 0;
+        self.zones.clear(Vec3::ZERO, 0.0);
         self.moving = false;
         (self.count, self.aircraft, self.work) = (0, 0, 0);
         self.farthest = None;
@@ -151,14 +161,41 @@ impl Tracks {
         self.len = 0;
     }
 
-    /// The hazards.
-    pub const fn hazards(&self) -> &Hazards {
-        &self.hazards
+    /// The hazards one by one.
+    pub fn rows(&self) -> &[Hazard] {
+        self.places.all().1.get(..self.hazards).unwrap_or(&[])
+    }
+
+    /// The hazards, and what the mission has of zones and ground.
+    pub(super) fn around<'a>(&'a self, mission: &'a Mission<'a>) -> Around<'a> {
+        Around {
+            rows: self.rows(),
+            fixed: self.zones.over(mission),
+        }
+    }
+
+    /// Whether any zone is near.
+    pub(super) fn has_zones(&self) -> bool {
+        !self.zones.is_empty()
+    }
+
+    /// All places of obstacles.
+    fn all_known(&self) -> &[Known] {
+        self.places.all().0
+    }
+
+    /// Puts a hazard at an index: replaces one, or appends behind the last one.
+    fn put_hazard(&mut self, place: usize, hazard: Hazard) {
+        let slot = self.places.all_mut().1.get_mut(place);
+        if let Some(slot) = slot.filter(|_| place <= self.hazards) {
+            *slot = hazard;
+            self.hazards = self.hazards.max(place + 1);
+        }
     }
 
     /// The obstacles of this step as last heard of.
     fn known(&self) -> &[Known] {
-        self.known.get(..self.count).unwrap_or(&[])
+        self.all_known().get(..self.count).unwrap_or(&[])
     }
 
     /// An obstacle of this step.
@@ -190,7 +227,7 @@ impl Tracks {
         freedom: &impl Fn(&Hazard) -> Freedom,
         meter: &Meter,
     ) -> Option<(usize, (f64, usize), usize)> {
-        let mut left = MAX_HAZARDS - self.count;
+        let mut left = self.places.all().1.len().saturating_sub(self.count);
         let mut last = (f64::NEG_INFINITY, 0);
         for turning in 0..self.aircraft {
             meter.take(self.count / 2).then_some(())?;
@@ -235,7 +272,7 @@ impl Tracks {
         clearance: Clearance,
         meter: &Meter,
     ) {
-        self.hazards.clear();
+        self.hazards = 0;
         self.moving = true;
         if !meter.take(self.count) {
             return;
@@ -257,9 +294,13 @@ impl Tracks {
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
                 (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
             }
-            let before = self.hazards.rows().len();
-            add_aircraft(&mut self.hazards, &hazard, (&known, trend), asked, motions);
-            let added = self.hazards.rows().len() - before;
+            let before = self.hazards;
+            let mut add = |hazard| {
+                let index = u32::try_from(self.hazards).unwrap_or(u32::MAX);
+                self.put_hazard(self.hazards, Hazard { index, ..hazard });
+            };
+            add_aircraft(&mut add, &hazard, (&known, trend), asked, motions);
+            let added = self.hazards - before;
             if !meter.take(MOTION * added) {
                 return;
             }
@@ -272,11 +313,11 @@ impl Tracks {
             return;
         }
         self.moving = false;
-        self.hazards.clear();
+        self.hazards = 0;
         for place in 0..self.count {
             if let Some(known) = self.obstacle(place) {
                 let hazard = (self.seen_from).hazard(place, &known.obstacle, known.until_s);
-                self.hazards.put(place, hazard);
+                self.put_hazard(place, hazard);
             }
         }
     }
@@ -309,7 +350,7 @@ impl Tracks {
 
     /// Adds what is no obstacle but limits the flight, up to a moment, seconds, where there is room.
     fn add_limit(&mut self, limit: &Obstacle, until_s: f64) {
-        if self.count < MAX_TRACKED {
+        if self.count < self.all_known().len() {
             let known = Known {
                 obstacle: *limit,
                 heard_s: self.seen_from.time_s,
@@ -373,7 +414,7 @@ impl Tracks {
     fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), before: usize) {
         self.work += self.seen as usize / 2;
         for place in self.count..self.len {
-            let Some(last) = self.known.get(place).copied() else {
+            let Some(last) = self.all_known().get(place).copied() else {
                 break;
             };
             let missing_s = situation.time_s - last.heard_s;
@@ -434,7 +475,12 @@ impl Tracks {
             until_s: f64::INFINITY,
         };
         let mut place = self.count;
-        let mut last = self.known.iter().take(self.len).enumerate().skip(place);
+        let mut last = self
+            .all_known()
+            .iter()
+            .take(self.len)
+            .enumerate()
+            .skip(place);
         let from =
             if let Some((from, last)) = last.find(|(_, last)| last.obstacle.id == obstacle.id) {
                 known.trend = last.trend;
@@ -447,7 +493,7 @@ impl Tracks {
                     );
                 }
                 from
-            } else if self.len < MAX_TRACKED {
+            } else if self.len + LIMITS < self.all_known().len() {
                 self.len += 1;
                 self.len - 1
             } else {
@@ -462,7 +508,14 @@ impl Tracks {
                 farthest
             };
         let mut moved = known;
-        for slot in self.known.iter_mut().take(from + 1).skip(place) {
+        for slot in self
+            .places
+            .all_mut()
+            .0
+            .iter_mut()
+            .take(from + 1)
+            .skip(place)
+        {
             core::mem::swap(slot, &mut moved);
         }
         self.put(place, obstacle, known);
@@ -471,10 +524,11 @@ impl Tracks {
     /// Takes an obstacle at a place with its expected motion, and what is remembered of it.
     fn put(&mut self, place: usize, seen: &Obstacle, known: Known) {
         let hazard = self.seen_from.hazard(place, seen, known.until_s);
-        self.hazards.put(place, hazard);
-        if let Some(slot) = self.known.get_mut(place) {
+        self.put_hazard(place, hazard);
+        let own_m = self.seen_from.own_m;
+        if let Some(slot) = self.places.all_mut().0.get_mut(place) {
             *slot = known;
-            slot.distance_m = hazard.margin_m(self.seen_from.own_m, 0.0);
+            slot.distance_m = hazard.margin_m(own_m, 0.0);
             self.count = self.count.max(place + 1);
             self.farthest = None;
         }
@@ -489,7 +543,11 @@ impl Tracks {
             self.work += MAX_TRACKED / 2;
         }
         self.work += MAX_TRACKED / COMPARED;
-        let distances_m = self.known.iter().map(|known| known.distance_m);
+        let distances_m = self
+            .all_known()
+            .iter()
+            .take(self.len)
+            .map(|known| known.distance_m);
         let farthest = (distances_m.enumerate())
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, f64::NEG_INFINITY));
@@ -498,85 +556,16 @@ impl Tracks {
     }
 }
 
-/// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that
-/// the aircraft is just outside: a manoeuvre certified against it leads out. While the aircraft is outside of the
-/// volume itself, the result is at least as large as that one.
-fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
-    let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
-    match *widened {
-        ProtectedVolume::Sphere { .. } => {
-            let distance_m = offset_m.length();
-            let least_m = if distance_m >= true_m { true_m } else { 0.0 };
-            ProtectedVolume::Sphere {
-                radius_m: (LEAVING_SHARE * distance_m).max(least_m),
-            }
-        }
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
-        } => {
-            let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
-            let share = (horizontal / radius_m).max(offset_m.z.abs() / half_height_m);
-            let mut radius_m = (LEAVING_SHARE * share * radius_m).max(true_m);
-            let mut half_height_m = (LEAVING_SHARE * share * half_height_m).max(true_half_m);
-            // Being beyond either of the two keeps it outside.
-            if horizontal >= true_m {
-                radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
-            } else {
-                let above_m = LEAVING_SHARE * offset_m.z.abs();
-                half_height_m = half_height_m.min(above_m).max(true_half_m);
-            }
-            ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// An earlier version used a volume smaller than the true one when the aircraft was outside of the volume
-    /// itself but inside its widened one, near the surface.
-    #[test]
-    fn a_relaxed_volume_is_as_large_as_the_true_one_until_that_is_entered() {
-        let places = [
-            Vec3::new(30.1, 0.0, 0.0),
-            Vec3::new(0.0, 31.0, 9.0),
-            Vec3::new(3.0, 4.0, 10.05),
-            Vec3::new(29.0, 0.0, 11.0),
-            Vec3::new(38.0, 0.0, 9.9),
-        ];
-        let cylinder = ProtectedVolume::Cylinder {
-            radius_m: 30.0,
-            half_height_m: 10.0,
-        };
-        let sphere = ProtectedVolume::Sphere { radius_m: 30.0 };
-        for offset_m in places {
-            for itself in [cylinder, sphere] {
-                let widened = itself.grown(12.0);
-                if itself.margin_m(offset_m) < 0.0 || widened.margin_m(offset_m) >= 0.0 {
-                    continue;
-                }
-                let shrunk = relaxed(&widened, &itself, offset_m);
-                assert!(shrunk.radius_m() >= itself.radius_m(), "{shrunk:?}");
-                assert!(
-                    shrunk.half_height_m() >= itself.half_height_m(),
-                    "{shrunk:?}"
-                );
-                assert!(shrunk.margin_m(offset_m) >= 0.0, "{shrunk:?} {offset_m}");
-            }
-        }
-    }
 
     /// In an earlier version some of more than sixty aircraft had no hazard at all.
     #[test]
     fn each_of_many_aircraft_keeps_a_hazard() {
         use crate::situation::{Mission, Obstacles, Ownship};
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        for count in [1_u32, 6, 7, 50, 62, 64, 107, 108, 128] {
+        for count in [1_u32, 6, 7, 50, 62, 64, 107, 108, 126] {
             let rows: alloc::vec::Vec<Obstacle> = (0..count)
                 .map(|id| Obstacle {
                     movement: Movement::CREWED,
@@ -612,12 +601,46 @@ mod tests {
             let meter = Meter::unlimited();
             tracks.withstand(|_| Freedom::Share(1.0), exact, &meter);
             for id in 0..count {
-                let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
+                let has = tracks.rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");
             }
             // The nearest may turn.
-            let of_first = tracks.hazards().rows().iter().filter(|h| h.id == 0);
+            let of_first = tracks.rows().iter().filter(|h| h.id == 0);
             assert!(of_first.count() > 2 || count > 107, "{count}");
+        }
+    }
+
+    /// Limits of altitude without room would be no limits.
+    #[test]
+    fn obstacles_leave_room_to_the_limits_of_altitude() {
+        use crate::situation::{Mission, Ownship};
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let obstacle = |id| Obstacle::straight(id, Vec3::X * 300.0, -Vec3::X, volume);
+        let rows = [1, 2, 3, 4, 5, 6, 7, 8, 9].map(obstacle);
+        let situation = Situation {
+            time_s: 0.0,
+            ownship: Ownship {
+                position_m: Vec3::ZERO,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+                airspeed_mps: 20.0,
+            },
+            obstacles: Obstacles::Rows(&rows),
+            mission: Mission::NONE,
+            wind_mps: Vec3::ZERO,
+        };
+        let (known, hazards) = (&mut [Known::NONE; 3 + LIMITS], &mut [Hazard::NONE; 5]);
+        let mut tracks = Tracks::within((known.as_mut(), hazards.as_mut()));
+        for _ in 0..2 {
+            tracks.load(&situation, f64::INFINITY, 60.0, 3.0);
+            tracks.stay_between([-50.0, 50.0]);
+            assert!(tracks.overflow);
+            let flat = tracks
+                .rows()
+                .iter()
+                .map(|row| row.volume.radius_m() == FLAT_M);
+            assert!(flat.eq([false, false, false, true, true]));
         }
     }
 }

@@ -15,7 +15,8 @@ use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Kept, Now, Plan, Reason, Start, State, Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
+    Verdict,
 };
 use crate::certificate::{Asked, Certified, certify_set, prove};
 use crate::limit::Limit as _;
@@ -49,25 +50,18 @@ const ENOUGH_M: f64 = 1e3;
 /// seconds.
 const NEXT_ENCOUNTER_S: f64 = 10.0;
 
-/// A manoeuvre and what was asked of it.
+/// What was found of a manoeuvre, which is kept in the tables, and what was asked of it.
 #[derive(Clone, Copy)]
 struct Answer {
     found: Found,
-    maneuver: Maneuver,
     proof: Proof,
     rung: usize,
 }
 
 impl Answer {
-    fn new(search: &Search<'_>, (found, proof): (Found, Proof), rung: usize) -> Self {
-        let departure = search.departure(found.turns.wait_s);
-        Self {
-            // A wait lets the bank roll out, which turns the aircraft.
-            maneuver: search.maneuver(&found.turns, &departure),
-            found,
-            proof,
-            rung,
-        }
+    fn new(search: &mut Search<'_>, (found, proof): (Found, Proof), rung: usize) -> Self {
+        search.keep(&found.turns);
+        Self { found, proof, rung }
     }
 }
 
@@ -75,7 +69,6 @@ impl Plan {
     /// The plan with another manoeuvre, decided now.
     fn with(&self, answer: &Answer, time_s: f64) -> Self {
         Self {
-            maneuver: answer.maneuver,
             decided_s: time_s,
             start_s: self.start_s.min(time_s),
             proof: answer.proof,
@@ -94,43 +87,45 @@ impl Plan {
     }
 }
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     pub(super) fn step_turn_aware(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
         mut kept: Option<&mut Kept<'_>>,
-    ) -> Decision {
+        decision: &mut Decision,
+    ) {
         if self.state == State::Cruise
             && !has_entered(situation, self.progress.index(), &self.flyer)
-            && let Some(decision) = self.quiet(situation, now, kept.as_deref_mut())
+            && self.is_quiet(situation, now, kept.as_deref_mut(), decision)
         {
-            return decision;
+            return;
         }
         self.load_tracks(situation, kept);
         self.far_s = self.far_horizon_s(now);
         (self.looked_at, self.is_cut) = (0, false);
-        let mut decision = match self.state {
-            State::Cruise | State::Threatened => self.watch(situation, now),
-            State::Avoiding => self.avoid(situation, now),
-            State::Recovering => self.come_back(situation, now),
-        };
+        match self.state {
+            State::Cruise | State::Threatened => self.watch(situation, now, decision),
+            State::Avoiding => self.avoid(situation, now, decision),
+            State::Recovering => self.come_back(situation, now, decision),
+        }
         decision.record.work.candidates = self.looked_at;
         decision.record.work.limit_met |= self.is_cut || self.looked_at > 0 && self.tracks.overflow;
-        decision
     }
 
-    /// The decision of the many cycles in which the leg ahead is straight and clear.
-    fn quiet(
+    /// Whether this is one of the many cycles in which the leg ahead is straight and clear; then with its decision.
+    fn is_quiet(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
         kept: Option<&mut Kept<'_>>,
-    ) -> Option<Decision> {
+        decision: &mut Decision,
+    ) -> bool {
         let horizon_s = self.settings.horizon_s;
-        let course_rad = self
-            .progress
-            .straight_course_rad(now, &self.flyer, horizon_s)?;
+        let course = (self.progress).straight_course_rad(now, &self.flyer, horizon_s);
+        let Some(course_rad) = course else {
+            return false;
+        };
         let line = LineAhead {
             position_m: now.position_m,
             velocity_mps: self.ours_mps,
@@ -143,14 +138,15 @@ impl Avoider {
             None => line.is_clear_of(&situation.obstacles),
             Some(kept) => kept.is_clear_of(&line),
         };
-        is_clear.then(|| {
+        if is_clear {
             let command = Maneuver::turn(0.0, course_rad, now.climb_rad);
-            self.decision(&command, Reason::Clear)
-        })
+            self.say(decision, &command, Reason::Clear);
+        }
+        is_clear
     }
 
     /// On the mission: is it clear, and if not, when and where should the aircraft turn?
-    fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
+    fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
@@ -159,10 +155,10 @@ impl Avoider {
         {
             self.plan = Some(plan);
             if plan.start_s > time_s {
-                return self.report(&plan, time_s, Reason::WaitingForStart);
+                return self.report(decision, &plan, time_s, Reason::WaitingForStart);
             }
             self.state = State::Avoiding;
-            return self.report(&plan, time_s, Reason::ManeuverChosen);
+            return self.report(decision, &plan, time_s, Reason::ManeuverChosen);
         }
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
@@ -170,22 +166,21 @@ impl Avoider {
         self.withstand(|_| Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
-            return self.decision(&nominal, Reason::Clear);
+            return self.say(decision, &nominal, Reason::Clear);
         };
         self.grids = 0;
         let is_urgent = self.settings.start == Start::AtDetection;
         // A threat that may turn or is minutes ahead is waited for: a manoeuvre planned minutes ahead takes minutes.
         let may_wait = self.tracks.has_aircraft() || threat.entry_s > self.settings.horizon_s;
-        let mut decision = if !is_urgent && may_wait && self.has_reserve(&nominal, now) {
+        if !is_urgent && may_wait && self.has_reserve(&nominal, now) {
             match self.small_now(&nominal, now, &threat) {
-                Some(small) => self.begin(situation, &small, (threat, against)),
-                None => self.wait(&nominal, &threat),
+                Some(small) => self.begin(situation, &small, (threat, against), decision),
+                None => self.wait(&nominal, &threat, decision),
             }
         } else {
-            self.plan_anew(situation, now, &nominal, (threat, against))
-        };
+            self.plan_anew(situation, now, &nominal, (threat, against), decision);
+        }
         decision.record.work.threats = 1;
-        decision
     }
 
     /// Chooses a manoeuvre and its start.
@@ -195,7 +190,8 @@ impl Avoider {
         now: &Now<'_>,
         nominal: &Maneuver,
         threat: (Threat, Against),
-    ) -> Decision {
+        decision: &mut Decision,
+    ) {
         // What may turn is avoided once it cannot wait.
         let start = if self.tracks.has_aircraft() {
             Start::AtDetection
@@ -208,15 +204,14 @@ impl Avoider {
             choice::choose(search, start, moments, (&mut latest_s, &mut other))
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
-            return self.decision(nominal, Reason::BestAvailable);
+            return self.say(decision, nominal, Reason::BestAvailable);
         };
-        let mut decision = self.begin(situation, &answer, threat);
+        self.begin(situation, &answer, threat, decision);
         if let Some(plan) = &mut self.plan {
             plan.latest_start_s = latest_s.map(|latest_s| situation.time_s + latest_s);
         }
         decision.record.latest_start_s = latest_s;
         decision.record.alternative = other;
-        decision
     }
 
     /// Begins to avoid with a manoeuvre, or waits for its start.
@@ -225,10 +220,10 @@ impl Avoider {
         situation: &Situation<'_>,
         answer: &Answer,
         (threat, against): (Threat, Against),
-    ) -> Decision {
+        decision: &mut Decision,
+    ) {
         let time_s = situation.time_s;
         let plan = Plan {
-            maneuver: answer.maneuver,
             decided_s: time_s,
             start_s: time_s + answer.found.turns.wait_s,
             joined_s: f64::INFINITY,
@@ -243,7 +238,7 @@ impl Avoider {
             next_start_s: None,
             is_small: self.is_small(answer, threat.id),
         };
-        self.plan = Some(plan);
+        (self.plan, self.flown) = (Some(plan), self.tables.answer);
         let (state, reason) = if !answer.proof.is_certified() {
             (State::Avoiding, self.unproven())
         } else if plan.start_s > time_s {
@@ -252,7 +247,7 @@ impl Avoider {
             (State::Avoiding, Reason::ManeuverChosen)
         };
         self.state = state;
-        self.report(&plan, time_s, reason)
+        self.report(decision, &plan, time_s, reason);
     }
 
     /// The reason of a manoeuvre without a certificate.
@@ -265,22 +260,22 @@ impl Avoider {
     }
 
     /// Flying the manoeuvre: returns, keeps it, or replaces it.
-    fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
+    fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
         let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
             self.state = State::Cruise;
-            return self.watch(situation, now);
+            return self.watch(situation, now, decision);
         };
         if self.has_begun(&plan, situation, now)
             && let Some(back) =
                 self.way_back(situation, now, &plan, (LOOK_BACK_EVERY, f64::INFINITY))
         {
-            self.plan = Some(back);
+            (self.plan, self.flown) = (Some(back), self.back);
             self.state = State::Recovering;
-            return self.report(&back, time_s, Reason::RejoinChosen);
+            return self.report(decision, &back, time_s, Reason::RejoinChosen);
         }
-        let (flown, hold) = (plan.remaining(time_s), Maneuver::hold());
+        let (flown, hold) = (self.remaining(&plan, time_s), &Maneuver::HOLD);
         let kept = self.kept_rung(&mut plan, situation, now);
         // Whether it withstands no turn of an aircraft: then a better one cannot wait.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
@@ -288,15 +283,15 @@ impl Avoider {
             self.plan = Some(plan);
             // It stays on its rung, but claims what is proven now.
             plan.rung = kept.unwrap_or(plan.rung);
-            return self.report(&plan, time_s, Reason::WaitingForStart);
+            return self.report(decision, &plan, time_s, Reason::WaitingForStart);
         }
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
         let answer = if kept.is_some() {
             is_due.then(|| self.better(&plan, situation, now)).flatten()
         } else if is_due || self.grids < GRIDS_A_SEARCH {
-            self.highest_beside(&plan, 0..RUNGS, now)
-                .or_else(|| self.best(Some((&mut plan, &flown)), &hold, now))
+            self.highest_beside(0..RUNGS, now)
+                .or_else(|| self.best(Some((&mut plan, &flown)), hold, now))
         } else {
             None
         };
@@ -308,6 +303,7 @@ impl Avoider {
                 is_small: threat.is_some_and(|threat| self.is_small(answer, threat.id)),
                 ..plan.with(answer, time_s)
             };
+            self.flown = self.tables.answer;
         }
         let reason = match (plan.proof.is_certified(), answer) {
             (true, Some(_)) => Reason::ManeuverReplaced,
@@ -315,7 +311,7 @@ impl Avoider {
             (false, _) => Reason::BestAvailable,
         };
         self.plan = Some(plan);
-        self.report(&plan, time_s, reason)
+        self.report(decision, &plan, time_s, reason);
     }
 
     /// Whether a way back may end the manoeuvre: it has been flown for the time of a turn, or all aircraft pass. Otherwise an
@@ -366,8 +362,7 @@ impl Avoider {
                     now.course_rad + leg.turn_onto_rad(now),
                     leg.climb_rad.limited(low, high),
                 ),
-                hazards: avoider.tracks.hazards(),
-                ground: now.ground,
+                around: avoider.tracks.around(now.mission),
                 horizon_s: demand.horizon_s,
                 target_m: demand.margin_m,
                 climb_limits_rad: (low, high),
@@ -400,21 +395,21 @@ impl Avoider {
             floor_m,
             enough_m,
         };
-        let around = self.tracks.hazards().over(now.ground);
+        let around = self.tracks.around(now.mission);
         certify_set(&self.flyer, &self.path, &around, &asked, &self.meter).proven_m()
     }
 
     /// The certificate of the manoeuvre predicted last: that it keeps a target up to a horizon; its margin is capped.
     fn prove(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> Option<Certified> {
-        let around = self.tracks.hazards().over(now.ground);
+        let around = self.tracks.around(now.mission);
         prove(&self.flyer, &self.path, around, asked, &self.meter)
     }
 
     /// The decision to fly the rest of a plan.
-    fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
+    fn report(&self, decision: &mut Decision, plan: &Plan, time_s: f64, reason: Reason) {
         let elapsed_s = time_s - plan.threat_found_s;
-        let command = plan.remaining(time_s);
-        let mut decision = self.decision(&command, reason);
+        let command = self.remaining(plan, time_s);
+        self.say(decision, &command, reason);
         let demand = self.demand_of(plan.rung);
         let record = &mut decision.record;
         // After the predicted entry the threat is history.
@@ -442,7 +437,6 @@ impl Avoider {
                 Verdict::Rejected
             },
         });
-        decision
     }
 }
 
@@ -499,7 +493,7 @@ mod tests {
         };
         let now = Now {
             state: MotionState::of(&situation.ownship),
-            ground: None,
+            mission: &situation.mission,
         };
         avoider.meter = crate::meter::Meter::unlimited();
         avoider.load_tracks(&situation, None);
@@ -525,10 +519,10 @@ mod tests {
                 margin_m: 0.05,
                 cost: 0.0,
             },
-            maneuver: Maneuver::turn(0.0, course_rad, 0.0),
             proof: Proof::Open,
             rung,
         };
+        avoider.tables.answer = Maneuver::turn(0.0, course_rad, 0.0);
         let threat = Threat {
             id: 1,
             entry_s: 5.0,
@@ -537,13 +531,16 @@ mod tests {
         };
         let mut against = Against::default();
         against.add(1);
-        avoider.begin(situation, &answer, (threat, against));
+        let decision = &mut Decision::default();
+        avoider.begin(situation, &answer, (threat, against), decision);
         avoider.plan.unwrap()
     }
 
     fn reason(rows: &[Obstacle]) -> Reason {
         among(rows, |avoider, situation, now| {
-            avoider.watch(situation, now).record.reason
+            let mut decision = Decision::default();
+            avoider.watch(situation, now, &mut decision);
+            decision.record.reason
         })
     }
 
@@ -576,8 +573,9 @@ mod tests {
             among(
                 &[sphere(1, (ahead_m, 0.0), (13.5, 0.0))],
                 |avoider, situation, now| {
-                    let reason = avoider.watch(situation, now).record.reason;
-                    assert!(reason != Reason::Clear);
+                    let mut decision = Decision::default();
+                    avoider.watch(situation, now, &mut decision);
+                    assert!(decision.record.reason != Reason::Clear);
                     avoider.plan.is_some()
                 },
             )

@@ -7,6 +7,7 @@ mod ground;
 mod inside;
 mod kept;
 mod lane_change;
+mod lent;
 mod need;
 mod objectives;
 mod policies;

@@ -46,6 +46,10 @@ impl Flyer {
         self.rolling_over = Rolls::new(-full_rad, full_rad, self.pace);
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
+    }
+
+    /// Computes the roll-outs from all banks of the table.
+    pub(super) fn roll_out_from_all(&mut self) {
         let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
         for place in 0..ROLL_OUTS {
             let rolled_out_m = self.rolled_out_m(place as f64 * step_rad);

@@ -6,7 +6,7 @@ use crate::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume};
 
 /// An obstacle at its last report, over the ground.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Known {
+pub struct Known {
     pub(super) obstacle: Obstacle,
     pub(super) heard_s: f64,
     /// Distance of its hazard at its last step, metres.
@@ -18,7 +18,7 @@ pub(super) struct Known {
 
 impl Known {
     /// Zeros.
-    pub(super) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         obstacle: Obstacle {
             kind: ObstacleKind::Passengers,
             movement: Movement::AtRest,

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::{FLAT_M, LEAVING_SHARE, Tracks};
+use super::{FLAT_M, LEAVING_SHARE, Places, Tracks};
 use crate::Vec3;
 use crate::certificate::Line;
 use crate::ground::{Binding, Ground};
@@ -33,7 +33,7 @@ const GROUND_WORK: u32 = 4_000;
 const DECIDES_S: f64 = 1.0;
 const ROLLS: f64 = 3.0;
 
-impl Tracks {
+impl<P: Places + ?Sized> Tracks<P> {
     /// Adds the zones of the mission, for the time of a full circle: so long the aircraft can turn back from a wall. One that the
     /// mission ahead is on the wrong side of within that time does not bind. Of one that the aircraft has entered, a plane follows
     /// it out.
@@ -52,11 +52,11 @@ impl Tracks {
         let circle_s = TAU / flyer.course_rate_radps();
         let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
         let ahead = mission_ahead(situation, leg, flyer);
-        let zones = &mut self.hazards.zones;
+        let zones = &mut self.zones;
         zones.clear(situation.wind_mps, circle_s);
         // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
         let mut least_m = wanted_m;
-        for zone in situation.mission.zones {
+        for (index, zone) in mission.zones.iter().enumerate() {
             self.work += zone.edges().count() * (2 + ahead.len());
             let of_mission_m = nearest_m(zone, &ahead, least_m);
             if of_mission_m < 0.0 {
@@ -68,7 +68,7 @@ impl Tracks {
                 continue;
             }
             least_m = of_own_m;
-            if !self.hazards.zones.add(zone, (own_m, reach_m)) {
+            if !self.zones.add(mission.zones, index, (own_m, reach_m)) {
                 self.overflow = true;
                 return;
             }
@@ -77,14 +77,14 @@ impl Tracks {
             let meter = Meter::new(GROUND_WORK, GROUND_WORK);
             let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
             self.work += meter.done() as usize;
-            self.hazards.zones.binding = binding;
+            self.zones.binding = binding;
             if is_only_own([of_mission_m, of_own_m]) {
                 self.lead_out(Vec3::Z * -of_own_m, (flyer, climb_limits_rad), wanted_m);
             }
             least_m = of_mission_m.min(of_own_m).max(0.0);
         }
         if least_m < wanted_m {
-            self.hazards.zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
+            self.zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
         }
     }
 

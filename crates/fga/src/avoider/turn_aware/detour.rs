@@ -1,6 +1,6 @@
 //! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between zones.
 
-use crate::avoider::Avoider;
+use crate::avoider::{Avoider, Places};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
@@ -29,7 +29,7 @@ const FAR_AFTER_RAD: f64 = 60.0;
 /// The fractions of multiples of these two are spread evenly over a square: the reciprocals of the plastic ratio and of its square.
 const SPREAD: [f64; 2] = [0.754_878, 0.569_840];
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A turn away from an obstacle alongside, or between zones, with a straight flight after it, one of many, and the aircraft after it;
     /// none while a way back without one may still be found.
     pub(super) fn detour(
@@ -43,8 +43,7 @@ impl Avoider {
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        let is_between_zones =
-            !self.tracks.hazards().zones.is_empty() && waited_rad > 2.0 * AFTER_RAD;
+        let is_between_zones = self.tracks.has_zones() && waited_rad > 2.0 * AFTER_RAD;
         if !is_between_zones && !self.is_accompanied(situation) {
             return None;
         }
@@ -65,7 +64,7 @@ impl Avoider {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
-        self.tracks.hazards().rows().iter().any(|hazard| {
+        self.tracks.rows().iter().any(|hazard| {
             (velocity_mps - hazard.velocity_mps).length() < ALONGSIDE_SPEED * own.airspeed_mps
                 && hazard.velocity_mps != -situation.wind_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m

@@ -1,7 +1,7 @@
 //! Certifies farther ahead among obstacles that move nearly as the aircraft does: a gap between them that is
 //! certified for a minute may close in the next.
 
-use crate::avoider::Avoider;
+use crate::avoider::{Avoider, Places};
 use crate::certificate::Hazard;
 use crate::prediction::MotionState;
 
@@ -12,7 +12,7 @@ const SLOW: f64 = 0.4;
 /// Longest horizon of a manoeuvre among such obstacles, seconds.
 const FAR_S: f64 = 240.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The longer horizon of a manoeuvre's certificate: an obstacle that flies nearly as the aircraft does, now or
     /// on the mission, takes long to pass.
     pub(super) fn far_horizon_s(&self, now: &MotionState) -> f64 {
@@ -25,7 +25,7 @@ impl Avoider {
             let mut ours_mps = ours_mps.iter();
             ours_mps.any(|mps| (hazard.velocity_mps - mps).length() < slow_mps)
         };
-        if self.tracks.hazards().rows().iter().any(stays) {
+        if self.tracks.rows().iter().any(stays) {
             horizon_s.max(FAR_S)
         } else {
             horizon_s

@@ -1,7 +1,7 @@
 //! Whether the certificate of a manoeuvre still holds.
 
 use crate::avoider::demand::{RUNGS, WANTED};
-use crate::avoider::{Avoider, Now, Plan};
+use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::search::Proof;
 use crate::situation::Situation;
 
@@ -11,7 +11,7 @@ pub(super) const KEEP_SHARE: f64 = 0.5;
 /// ... over a horizon that is shorter by the time between two looks for something better, seconds.
 const KEEP_SHORTER_S: f64 = 1.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The highest rung whose demand the rest of a plan keeps, with a new certificate in the plan; the longer horizon only where
     /// it was planned for it.
     pub(super) fn kept_rung(
@@ -41,7 +41,8 @@ impl Avoider {
                 demand.margin_m,
             );
             let certified = self.within_limits(&demand, |avoider| {
-                avoider.predict(&plan.remaining(situation.time_s), now, asked.0);
+                let rest = avoider.remaining(plan, situation.time_s);
+                avoider.predict(&rest, now, asked.0);
                 avoider.prove(now, asked)
             });
             if let Some(certified) = certified {

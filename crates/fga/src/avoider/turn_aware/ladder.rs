@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::angle::Side;
 use crate::avoider::demand::{BEYOND_M, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
-use crate::avoider::{Avoider, Now, Plan};
+use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -30,7 +30,7 @@ const MOST_STEPS: u32 = 12;
 /// With less of a step's work left the depth in cylinders is not searched.
 const DEPTH_WORK: u32 = 4000;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A manoeuvre on a higher rung, or one on the same, nearer to the mission's course than the present one.
     pub(super) fn better(
         &mut self,
@@ -45,11 +45,11 @@ impl Avoider {
                 return None;
             }
         } else {
-            let (hold, variety) = (Maneuver::hold(), self.cycle / LOOK_EVERY);
-            let flown = plan.remaining(situation.time_s);
-            let higher = self.highest_beside(plan, 0..plan.rung, now).or_else(|| {
+            let (hold, variety) = (&Maneuver::HOLD, self.cycle / LOOK_EVERY);
+            let flown = self.remaining(plan, situation.time_s);
+            let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
                 let rungs = 0..if has_aircraft { 0 } else { plan.rung };
-                self.highest(rungs, &hold, now, |search| {
+                self.highest(rungs, hold, now, |search| {
                     let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
                     proof.is_certified().then_some(found)
                 })
@@ -64,15 +64,15 @@ impl Avoider {
         }
         let rung = plan.rung.min(WANTED);
         // Steps away from the mission's course, not the least certified turn: what is found keeps some room to spare.
-        let (leg, away_rad) = (self.progress.leg(now), self.away_rad(plan, now));
-        let last_rad = plan.maneuver.stages().last()?.climb_rad;
+        let (leg, away_rad) = (self.progress.leg(now), self.away_rad(now));
+        let last_rad = self.flown.stages().last()?.climb_rad;
         let (low, high) = self.climb_limits_rad();
         let climbs_rad = [leg.climb_rad.limited(low, high), last_rad];
         let steps = (0..MOST_STEPS).map(|k| f64::from(k) * CLEARLY_LESS_RAD);
         let nearer = steps.take_while(|aside_rad| *aside_rad <= away_rad.abs() - CLEARLY_LESS_RAD);
         let demand = self.demand_of(rung);
         self.ask(&demand, BEYOND_M);
-        self.search(&Maneuver::hold(), now, &demand, |search| {
+        self.search(&Maneuver::HOLD, now, &demand, |search| {
             let mut courses =
                 nearer.flat_map(|aside_rad| climbs_rad.map(|climb_rad| (aside_rad, climb_rad)));
             courses.find_map(|(aside_rad, climb_rad)| {
@@ -94,21 +94,16 @@ impl Avoider {
     }
 
     /// The course of a plan, radians from that of the mission.
-    fn away_rad(&self, plan: &Plan, now: &MotionState) -> f64 {
+    fn away_rad(&self, now: &MotionState) -> f64 {
         let course_rad =
-            (plan.maneuver.stages().last()).map_or(now.course_rad, |last| last.course_rad);
+            (self.flown.stages().last()).map_or(now.course_rad, |last| last.course_rad);
         course_rad - now.course_rad - self.progress.leg(now).turn_onto_rad(now)
     }
 
-    /// The certified manoeuvre on the highest of some rungs that has one, on the side of a plan if there is one.
-    pub(super) fn highest_beside(
-        &mut self,
-        plan: &Plan,
-        rungs: Range<usize>,
-        now: &Now<'_>,
-    ) -> Option<Answer> {
-        let side = [Side::of(self.away_rad(plan, now))];
-        self.highest(rungs, &Maneuver::hold(), now, |search| {
+    /// The certified manoeuvre on the highest of some rungs that has one, on the side of the present manoeuvre.
+    pub(super) fn highest_beside(&mut self, rungs: Range<usize>, now: &Now<'_>) -> Option<Answer> {
+        let side = [Side::of(self.away_rad(now))];
+        self.highest(rungs, &Maneuver::HOLD, now, |search| {
             let beside = search.cheapest_to(&side, 0.0);
             beside.or_else(|| search.cheapest(0.0))
         })
@@ -171,12 +166,13 @@ impl Avoider {
             self.grids = GRIDS_A_SEARCH;
         }
         let mut deepest = Some(best);
-        let cylinders = self.tracks.hazards().rows().iter().any(Hazard::is_cylinder);
+        let cylinders = self.tracks.rows().iter().any(Hazard::is_cylinder);
         let differs = cylinders || self.tracks.uncertain;
         if best.found.margin_m < 0.0 && differs && self.meter.left() >= DEPTH_WORK {
             self.by_depth();
-            deepest = self.search(&Maneuver::hold(), now, &demand, |search| {
-                let (found, _) = search.best(Some(&best.maneuver), Effort::Quick, variety)?;
+            let from = self.tables.answer;
+            deepest = self.search(&Maneuver::HOLD, now, &demand, |search| {
+                let (found, _) = search.best(Some(&from), Effort::Quick, variety)?;
                 Some(Answer::new(search, (found, best.proof), lowest))
             });
         }
@@ -211,7 +207,7 @@ mod tests {
     fn highest(rows: &[Obstacle], drift_m: f64) -> Option<(usize, f64)> {
         among(rows, |avoider, _, now| {
             avoider.drift_m = drift_m;
-            let answer = avoider.highest(0..RUNGS, &Maneuver::hold(), now, |search| {
+            let answer = avoider.highest(0..RUNGS, &Maneuver::HOLD, now, |search| {
                 search.cheapest(0.0)
             })?;
             assert!(answer.proof.is_certified());
@@ -292,10 +288,10 @@ mod tests {
             };
             let rows = [known, forged];
             let (best, clear_m) = among(&rows, |avoider, _, now| {
-                let best = avoider.best(None, &Maneuver::hold(), now).unwrap();
-                let exact = [known];
+                let best = avoider.best(None, &Maneuver::HOLD, now).unwrap();
+                let (exact, flown) = ([known], avoider.tables.answer);
                 let clear_m = among(&exact, |avoider, _, now| {
-                    avoider.margin_of(&best.maneuver, now, (60.0, f64::MIN, ENOUGH_M))
+                    avoider.margin_of(&flown, now, (60.0, f64::MIN, ENOUGH_M))
                 });
                 (best, clear_m)
             });

@@ -5,7 +5,7 @@
 //! look begins where the aircraft has come to.
 
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Now, Plan, Reason, State};
+use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -17,7 +17,7 @@ const HALVES: u32 = 2;
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
     fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
@@ -26,42 +26,47 @@ impl Avoider {
         }
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;
-        let back = plan.remaining(situation.time_s);
+        let back = self.remaining(plan, situation.time_s);
         self.withstand(|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
         self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
     }
 
     /// On the way back.
-    pub(super) fn come_back(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> Decision {
+    pub(super) fn come_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        decision: &mut Decision,
+    ) {
         let time_s = situation.time_s;
         if let Some(mut plan) = self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                return self.meet_next((&plan, start_s), situation, now);
+                return self.meet_next((&plan, start_s), (situation, now), decision);
             }
             // Beyond the mission's end there is nothing to return to.
             if time_s >= plan.joined_s || self.progress.is_complete() {
                 self.plan = None;
                 self.state = State::Cruise;
-                let mut decision = self.watch(situation, now);
+                self.watch(situation, now, decision);
                 if decision.record.reason == Reason::Clear {
                     decision.record.reason = Reason::Rejoined;
                 }
-                return decision;
+                return;
             }
             let holds = self.keeps_back(&mut plan, situation, now);
             if holds {
                 if let Some(sooner) = self.sooner_back(situation, now, &plan) {
-                    self.plan = Some(sooner);
-                    return self.report(&sooner, time_s, Reason::RejoinChosen);
+                    (self.plan, self.flown) = (Some(sooner), self.back);
+                    return self.report(decision, &sooner, time_s, Reason::RejoinChosen);
                 }
                 self.plan = Some(plan);
-                return self.report(&plan, time_s, Reason::RejoinKept);
+                return self.report(decision, &plan, time_s, Reason::RejoinKept);
             }
         }
         self.plan = None;
         self.state = State::Cruise;
-        self.watch(situation, now)
+        self.watch(situation, now, decision);
     }
 
     /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
@@ -69,20 +74,21 @@ impl Avoider {
     fn meet_next(
         &mut self,
         (plan, start_s): (&Plan, f64),
-        situation: &Situation<'_>,
-        now: &Now<'_>,
-    ) -> Decision {
+        (situation, now): (&Situation<'_>, &Now<'_>),
+        decision: &mut Decision,
+    ) {
         let next = plan.threat.zip(self.returned);
         let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
         if !is_again {
-            self.plan = None;
+            (self.plan, self.back) = (None, self.flown);
             self.state = State::Cruise;
             self.meter.reserve(HALVES);
-            let anew = self.watch(situation, now);
+            self.watch(situation, now, decision);
             self.meter.extend(HALVES);
-            if !anew.record.reason.is_unproven() {
-                return anew;
+            if !decision.record.reason.is_unproven() {
+                return;
             }
+            self.flown = self.back;
         }
         self.plan = Some(Plan {
             start_s,
@@ -90,7 +96,7 @@ impl Avoider {
             ..*plan
         });
         self.state = State::Threatened;
-        self.watch(situation, now)
+        self.watch(situation, now, decision);
     }
 
     /// A certified way back that joins the mission sooner than this one, if there is one now.

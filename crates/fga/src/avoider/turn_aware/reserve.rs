@@ -8,7 +8,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{BEYOND_M, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Now, Reason, State, Threat};
+use crate::avoider::{Avoider, Decision, Now, Places, Reason, State, Threat};
 use crate::maneuver::Maneuver;
 
 use super::Answer;
@@ -33,7 +33,7 @@ const WIDE: f64 = 1.2;
 /// An intruder that is faster than the aircraft by this factor leaves too little for a second manoeuvre.
 const MUCH_FASTER: f64 = 2.0;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// Whether a large turn that begins later along a path withstands all that is wanted.
     pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
         self.may_wait(along, now, RESERVE_RAD)
@@ -48,7 +48,7 @@ impl Avoider {
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
     pub(super) fn is_free(&mut self, now: &Now<'_>) -> bool {
         self.withstand(|_| Freedom::Brief, (0.0, self.wanted_m()));
-        self.has_turn(&Maneuver::hold(), now, (0.0, PI))
+        self.has_turn(&Maneuver::HOLD, now, (0.0, PI))
     }
 
     /// Whether a turn that begins after some seconds along a path keeps clear of the hazards of now.
@@ -66,12 +66,11 @@ impl Avoider {
     }
 
     /// Flies on along the mission while a threat is known.
-    pub(super) fn wait(&mut self, nominal: &Maneuver, threat: &Threat) -> Decision {
+    pub(super) fn wait(&mut self, nominal: &Maneuver, threat: &Threat, decision: &mut Decision) {
         self.state = State::Threatened;
-        let mut decision = self.decision(nominal, Reason::WaitingForStart);
+        self.say(decision, nominal, Reason::WaitingForStart);
         decision.record.threat = Some(*threat);
         decision.record.start_s = Some(WAIT_S);
-        decision
     }
 
     /// A small manoeuvre to begin now, because its last moment has come.
@@ -85,7 +84,7 @@ impl Avoider {
         if !is_time || self.may_wait(nominal, now, SMALL_TURN_RAD) {
             return None;
         }
-        self.highest(0..WANTED + 1, &Maneuver::hold(), now, |search| {
+        self.highest(0..WANTED + 1, &Maneuver::HOLD, now, |search| {
             search.cheapest(0.0)
         })
         .filter(|answer| self.is_small(answer, threat.id))
@@ -100,7 +99,7 @@ impl Avoider {
     fn pays_small(&self, id: u32) -> bool {
         let wide_m = WIDE * self.flyer.turn_radius_m();
         let fast_mps = MUCH_FASTER * self.flyer.airspeed_mps();
-        let mut hazards = self.tracks.hazards().rows().iter();
+        let mut hazards = self.tracks.rows().iter();
         self.tracks.has_aircraft()
             && hazards.any(|hazard| {
                 hazard.id == id
@@ -139,7 +138,7 @@ mod tests {
                 ..aircraft(1, (900.0, 0.0), (-speed_mps, 0.0))
             };
             among(&[row], |avoider, situation, _| {
-                let plan = plan(avoider, situation, (turn_rad, WANTED));
+                plan(avoider, situation, (turn_rad, WANTED));
                 let turns = Turns {
                     wait_s: 0.0,
                     turn_rad,
@@ -152,7 +151,6 @@ mod tests {
                         margin_m: 0.0,
                         cost: 0.0,
                     },
-                    maneuver: plan.maneuver,
                     proof: Proof::Open,
                     rung: WANTED,
                 };

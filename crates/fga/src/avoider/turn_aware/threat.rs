@@ -1,7 +1,7 @@
 //! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
 
 use crate::avoider::demand::Demand;
-use crate::avoider::{Against, Avoider, Now, Threat};
+use crate::avoider::{Against, Avoider, Now, Places, Threat};
 use crate::certificate::{Asked, certify_set, mark_close};
 use crate::maneuver::Maneuver;
 
@@ -13,7 +13,7 @@ const THREAT_PARTS: u32 = 2;
 /// Halvings for the moment of an entry.
 const ENTRY_HALVINGS: usize = 24;
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
     /// follows.
     pub(super) fn first_threat(
@@ -36,10 +36,10 @@ impl Avoider {
     ) -> Option<(Threat, Against)> {
         let reach @ (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         self.predict(nominal, now, horizon_s);
-        let hazards = self.tracks.hazards();
+        let hazards = self.tracks.rows();
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let mut first: Option<Threat> = None;
-        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
+        for (hazard, _) in hazards.iter().zip(close).filter(|(_, close)| *close) {
             let closest = self.certify_one(hazard, (horizon_s, f64::MIN, target_m));
             // A hazard that was not examined to its end may be anything.
             if closest.margin_m >= target_m && !self.meter.is_met() {
@@ -93,7 +93,7 @@ impl Avoider {
             floor_m: f64::MIN,
             enough_m: 0.0,
         };
-        let fixed = self.tracks.hazards().over(now.ground).all_fixed();
+        let fixed = self.tracks.around(now.mission).fixed;
         let found = certify_set(&self.flyer, &self.path, &fixed, &asked, &self.meter);
         (found.margin_m < 0.0).then_some(Threat {
             id: u32::MAX,
@@ -116,7 +116,7 @@ impl Avoider {
         }
         let reach = (self.settings.horizon_s, target_m);
         self.predict(maneuver, now, reach.0);
-        let hazards = self.tracks.hazards();
+        let hazards = self.tracks.rows();
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         self.with_close(against, &close, reach)
     }
@@ -128,7 +128,7 @@ impl Avoider {
         close: &[bool],
         (until_s, target_m): (f64, f64),
     ) -> Against {
-        let hazards = self.tracks.hazards().rows().iter().zip(close);
+        let hazards = self.tracks.rows().iter().zip(close);
         for (hazard, _) in hazards.filter(|(_, close)| **close) {
             if self.meter.is_met() {
                 break;

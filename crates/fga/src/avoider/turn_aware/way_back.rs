@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Now, Plan, Returned};
+use crate::avoider::{Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -95,7 +95,7 @@ const fn place_of(look: usize) -> usize {
     }
 }
 
-impl Avoider {
+impl Avoider<dyn Places + '_> {
     /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
     /// joins the mission after `latest_s`.
     pub(super) fn way_back(
@@ -157,13 +157,13 @@ impl Avoider {
         let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
         // clear of the expected motion.
-        let is_robust = |avoider: &mut Self, back: &Plan| {
-            let back = &back.maneuver;
+        let is_robust = |avoider: &mut Self| {
+            let back = &{ avoider.back };
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
-        let Some(back) = back.filter(|back| is_robust(self, back)) else {
+        let Some(back) = back.filter(|_| is_robust(self)) else {
             self.progress = before;
             return None;
         };
@@ -198,8 +198,8 @@ impl Avoider {
         self.on_mission(situation, |progress, route| {
             progress.round_corners(route, far.horizon_s, &mut maneuver, joined)
         });
+        self.back = maneuver;
         let mut back = Plan {
-            maneuver,
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
@@ -250,13 +250,14 @@ impl Avoider {
         now: &Now<'_>,
         demand: &Demand,
     ) -> Option<Plan> {
-        let maneuver = back.maneuver;
+        let maneuver = self.back;
         let (threat, against) = self.first_threat(&maneuver, now, demand)?;
         let found = self.search(&maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let proven = search.proven(found)?;
             Some(Answer::new(search, proven, back.rung))
         })?;
+        self.back = self.tables.answer;
         Some(Plan {
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
@@ -280,11 +281,11 @@ impl Avoider {
         if self.meter.is_met() {
             return WayAhead::Blocked;
         }
-        let hazards = self.tracks.hazards();
+        let hazards = self.tracks.rows();
         let reach = (horizon_s, target_m);
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let is_whole = self.path.is_complete();
-        for (hazard, close) in hazards.rows().iter().zip(close) {
+        for (hazard, close) in hazards.iter().zip(close) {
             if is_whole && !close {
                 continue;
             }
