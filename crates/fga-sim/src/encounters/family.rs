@@ -1,5 +1,7 @@
 //! Kinds of encounters.
 
+use super::scenery::Surroundings;
+
 /// A range; equal ends are a fixed value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range(pub f64, pub f64);
@@ -12,6 +14,17 @@ pub enum Family {
     /// the avoidable shares agree with those that others found for these cells; with threats from
     /// anywhere, or above and below, far more is avoidable.) Static ones lie in the way ahead.
     Threats {
+        /// Number of threats.
+        count: u32,
+        /// Distance at the start, metres.
+        first_seen_m: Range,
+        /// Speed, metres per second; (0, 0) is static and lies ahead.
+        speed_mps: Range,
+    },
+    /// The same threats among ground or zones.
+    Among {
+        /// The surroundings.
+        place: Surroundings,
         /// Number of threats.
         count: u32,
         /// Distance at the start, metres.
