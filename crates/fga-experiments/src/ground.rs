@@ -28,7 +28,7 @@ const ORACLE_S: f64 = 60.0;
 
 /// Options of `ground`.
 #[derive(Args, Debug)]
-pub(crate) struct GroundArgs {
+pub(crate) struct SceneryArgs {
     /// Number of encounters, over all families.
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     count: u64,
@@ -53,7 +53,6 @@ pub(crate) struct GroundArgs {
 /// One flight.
 struct GroundFlight {
     number: u64,
-    acted: bool,
     unproven: bool,
     /// Least margin of the protected volumes, metres.
     margin_m: f64,
@@ -106,7 +105,7 @@ impl Observer for Blind<'_> {
 }
 
 /// Flies all families and prints the counts.
-pub(crate) fn run(args: &GroundArgs) -> Result<(), String> {
+pub(crate) fn run(args: &SceneryArgs) -> Result<(), String> {
     let mut all = Vec::new();
     for (family, index) in args.families.iter().zip(0..) {
         let sources: Result<Vec<EncounterSource>, String> = INTRUDERS
@@ -136,10 +135,9 @@ fn show(name: &str, flown: &[GroundFlight]) {
     let avoidable = count(&|f| f.entered() && f.is_avoidable());
     let saved = flown.len() - entered;
     println!(
-        "{name}: flown {}, acted {}, with a decision that is not certified {}; into the ground {}, below the clearance {}, over unknown ground {}, on the wrong \
+        "{name}: flown {}, with a decision that is not certified {}; into the ground {}, below the clearance {}, over unknown ground {}, on the wrong \
          side of a zone {}; in a volume {entered}, of them avoidable {avoidable}: {:.2} % of what the oracle saves; unknown to the policy, in the ground or on the wrong side of a zone {}",
         flown.len(),
-        count(&|f| f.acted),
         count(&|f| f.unproven),
         count(&|f| f.above_m.1 < 0.0),
         count(&|f| f.above_m.0 < 0.0),
@@ -168,7 +166,7 @@ fn show(name: &str, flown: &[GroundFlight]) {
 fn fly_one(
     source: &EncounterSource,
     number: u64,
-    args: &GroundArgs,
+    args: &SceneryArgs,
 ) -> Result<GroundFlight, String> {
     let settings = settings(false, PolicyChoice::Avoider(Start::Free), LONGEST_S)?;
     let encounter = source.encounter(number);
@@ -210,7 +208,6 @@ fn fly_one(
         .fold(f64::INFINITY, f64::min);
     let mut flight = GroundFlight {
         number,
-        acted: outcome.start_s.is_some(),
         unproven: seen.0,
         margin_m: outcome.min_margin_m,
         above_m: (above_m - asked_m, above_m),

@@ -74,7 +74,7 @@ enum Experiment {
     /// Count losses, needless manoeuvres and changes in a folder of recordings of two aircraft.
     Flown(flown::FlownArgs),
     /// Count the flights over ground and among zones that go wrong, and what an oracle with the same ground saves of them.
-    Ground(ground::GroundArgs),
+    Ground(ground::SceneryArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
     /// Count the claims of a resilience that do not hold when the aircraft do exactly what it covers.

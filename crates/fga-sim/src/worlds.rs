@@ -170,6 +170,7 @@ impl Worlds {
         let encounter = self.settings.source.encounter(number);
         let mut world = self.empty.clone();
         populate(&mut world, &encounter, &self.settings.model.protection);
+        self.settings.source.scenery(number).place(&mut world);
         world
     }
 

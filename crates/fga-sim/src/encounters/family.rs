@@ -1,10 +1,34 @@
 //! Kinds of encounters.
 
-use super::scenery::Surroundings;
-
 /// A range; equal ends are a fixed value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range(pub f64, pub f64);
+
+/// The surroundings of an encounter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Landscape {
+    /// A valley along the mission, with walls on both sides.
+    Valley,
+    /// Ridges across the mission, which passes over them where they are low.
+    Ridges,
+    /// Ground across the mission as high as a wall, with a gap through which mission and intruders lead.
+    GroundWall,
+    /// A fence around the mission, and zones to keep out of beside it.
+    Corridor,
+}
+
+impl Landscape {
+    /// Those with a name as a family.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        match name {
+            "valley" => Some(Self::Valley),
+            "ridges" => Some(Self::Ridges),
+            "ground-wall" => Some(Self::GroundWall),
+            "corridor" => Some(Self::Corridor),
+            _ => None,
+        }
+    }
+}
 
 /// A kind of encounter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +48,7 @@ pub enum Family {
     /// The same threats among ground or zones.
     Among {
         /// The surroundings.
-        place: Surroundings,
+        place: Landscape,
         /// Number of threats.
         count: u32,
         /// Distance at the start, metres.

@@ -1,6 +1,6 @@
 //! Cells by name, for examples and campaigns.
 
-use super::{Bystanders, EncounterSource, Family, Range, Surroundings};
+use super::{Bystanders, EncounterSource, Family, Landscape, Range};
 
 impl EncounterSource {
     /// Reads a cell such as `threats:3:100-500:45-60,planar`: a family with its numbers, then
@@ -22,7 +22,7 @@ impl EncounterSource {
                 first_seen_m: range(seen)?,
                 speed_mps: range(speed)?,
             },
-            [name, count_, seen, speed] if let Some(place) = Surroundings::named(name) => {
+            [name, count_, seen, speed] if let Some(place) = Landscape::named(name) => {
                 Family::Among {
                     place,
                     count: count(count_)?,

@@ -9,35 +9,9 @@ use alloc::sync::Arc;
 use fga::Vec2;
 use fga::zone::ALL_HEIGHTS_M;
 
-use super::family::Range;
+use super::family::{Landscape, Range};
 use super::{EncounterSource, Family, Random};
 use crate::world::{World, WorldGround, WorldOutline, WorldZone};
-
-/// The surroundings of an encounter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surroundings {
-    /// A valley along the mission, with walls on both sides.
-    Valley,
-    /// Ridges across the mission, which passes over them where they are low.
-    Ridges,
-    /// Ground across the mission as high as a wall, with a gap through which mission and intruders lead.
-    GroundWall,
-    /// A fence around the mission, and zones to keep out of beside it.
-    Corridor,
-}
-
-impl Surroundings {
-    /// Those with a name as a family.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        match name {
-            "valley" => Some(Self::Valley),
-            "ridges" => Some(Self::Ridges),
-            "ground-wall" => Some(Self::GroundWall),
-            "corridor" => Some(Self::Corridor),
-            _ => None,
-        }
-    }
-}
 
 /// Ground and zones of an encounter.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -78,6 +52,11 @@ const WAVES: usize = 6;
 const OTHER_STREAM: u64 = 0x6772_6f75_6e64;
 
 impl EncounterSource {
+    /// Whether its encounters have ground or zones.
+    pub const fn has_surroundings(&self) -> bool {
+        matches!(self.family, Family::Among { .. })
+    }
+
     /// Ground and zones of the encounter with this number; none for a family without them.
     pub fn scenery(&self, number: u64) -> Scenery {
         let Family::Among { place, .. } = self.family else {
@@ -87,7 +66,7 @@ impl EncounterSource {
         let table_4 = Self::table_4(self.family, false, 0);
         let scale =
             (self.airspeed_mps / table_4.airspeed_mps).max(self.radius_m / table_4.radius_m);
-        if place == Surroundings::Corridor {
+        if place == Landscape::Corridor {
             return Scenery {
                 ground: None,
                 zones: corridor(&mut random, scale),
@@ -104,7 +83,7 @@ impl EncounterSource {
 
 /// The shape of the ground.
 struct Relief {
-    place: Surroundings,
+    place: Landscape,
     /// Height of the lowest ground, metres.
     floor_m: f64,
     /// Right and left of the mission: how far off it rises, metres, and how steeply.
@@ -116,7 +95,7 @@ struct Relief {
 }
 
 impl Relief {
-    fn draw(place: Surroundings, random: &mut Random) -> Self {
+    fn draw(place: Landscape, random: &mut Random) -> Self {
         let mut side = || {
             (
                 random.within(Range(30.0, 200.0)),
@@ -126,7 +105,7 @@ impl Relief {
         let sides = [side(), side()];
         let mut crests = Vec::new();
         match place {
-            Surroundings::Ridges => {
+            Landscape::Ridges => {
                 let mut along_m = random.within(Range(50.0, 250.0));
                 while along_m < 1500.0 {
                     let slant = random.within(Range(-0.7, 0.7));
@@ -135,7 +114,7 @@ impl Relief {
                     along_m += random.within(Range(150.0, 450.0));
                 }
             }
-            Surroundings::GroundWall => {
+            Landscape::GroundWall => {
                 let slant = random.within(Range(-0.3, 0.3));
                 let broad_m = random.within(Range(100.0, 400.0));
                 crests.push([
@@ -145,7 +124,7 @@ impl Relief {
                     slant,
                 ]);
             }
-            Surroundings::Valley | Surroundings::Corridor => {}
+            Landscape::Valley | Landscape::Corridor => {}
         }
         let mut per_m = core::f64::consts::TAU / random.within(Range(300.0, 600.0));
         let waves = [(); WAVES].map(|()| {
@@ -185,10 +164,10 @@ impl Relief {
         let off_m = at.y.abs();
         let up_m = match self.place {
             // Spurs lead down into it.
-            Surroundings::Valley | Surroundings::Corridor => {
+            Landscape::Valley | Landscape::Corridor => {
                 steep * (off_m - wide_m * (0.4 + 1.2 * rough)).max(0.0)
             }
-            Surroundings::Ridges => {
+            Landscape::Ridges => {
                 let crest_m = |&[along_m, broad_m, high_m, slant]: &[f64; 4]| {
                     let across = (at.x - along_m - slant * at.y) / broad_m;
                     let rises = (off_m / (2.0 * wide_m)).min(1.0);
@@ -196,7 +175,7 @@ impl Relief {
                 };
                 self.crests.iter().map(crest_m).fold(0.0, f64::max)
             }
-            Surroundings::GroundWall => {
+            Landscape::GroundWall => {
                 let is_wall = |&[along_m, broad_m, _, slant]: &[f64; 4]| {
                     (0.0..=broad_m).contains(&(at.x - along_m - slant * at.y))
                 };

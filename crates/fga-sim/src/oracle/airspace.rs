@@ -32,13 +32,26 @@ pub struct OracleAirspace {
 impl OracleAirspace {
     /// Those of a world; `None` where it has none.
     pub fn of(world: &World) -> Option<Self> {
-        let has_limits = world.limits_m.0.is_finite() || world.limits_m.1.is_finite();
-        let is_bounded = has_limits || world.ground.is_some() || !world.zones.is_empty();
-        is_bounded.then(|| Self {
+        let limited = Self::limited(world.limits_m, world.wind_mps);
+        if world.ground.is_none() && world.zones.is_empty() {
+            return limited;
+        }
+        Some(Self {
             ground: world.ground.clone(),
             zones: world.zones.clone(),
             limits_m: world.limits_m,
             wind_mps: world.wind_mps,
+        })
+    }
+
+    /// A lowest and a highest altitude alone, metres, in air that moves; `None` where both are infinite.
+    pub fn limited(limits_m: (f64, f64), wind_mps: Vec3) -> Option<Self> {
+        let has_limits = limits_m.0.is_finite() || limits_m.1.is_finite();
+        has_limits.then(|| Self {
+            ground: None,
+            zones: Vec::new(),
+            limits_m,
+            wind_mps,
         })
     }
 

@@ -8,9 +8,10 @@ use fga::zone::ALL_HEIGHTS_M;
 use fga_sim::batch::empty_world;
 use fga_sim::encounters::{EncounterSource, Scenery};
 use fga_sim::oracle::{
-    OracleAirspace, OracleAnswer, OracleFlight, OracleObstacle, OracleSettings, OracleStart,
+    Judge, OracleAirspace, OracleAnswer, OracleFlight, OracleObstacle, OracleSettings, OracleStart,
     OracleVehicle, Stages, best_margin_within,
 };
+use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{World, WorldGround, WorldOutline, WorldZone};
 
 use crate::drawn::drawn_settings;
@@ -180,4 +181,25 @@ fn drawn_surroundings_leave_the_mission_clear_and_differ_from_each_other() {
             }
         }
     }
+}
+
+/// A sphere ahead, above and below which the aircraft has no room, and beside it too little in the layer of its vehicle file.
+#[test]
+fn encounters_of_a_file_are_judged_within_the_limits_of_the_vehicle() {
+    let mut model = drawn_settings(0).model;
+    model.vehicle.turn_radius_m = 200.0;
+    let ahead = fga::situation::ProtectedVolume::Sphere { radius_m: 60.0 };
+    let encounter = fga_formats::encounters::Encounter {
+        id: 0,
+        obstacles: vec![fga::situation::Obstacle::straight(
+            0,
+            Vec3::X * 130.0,
+            Vec3::ZERO,
+            ahead,
+        )],
+    };
+    let best_m = |model: &VehicleModel| Judge::new(model, 60.0).unwrap().best_margin_m(&encounter);
+    let free_m = best_m(&model);
+    model.limits_m = (-5.0, 5.0);
+    assert!(best_m(&model) < free_m - 1.0, "{} {free_m}", best_m(&model));
 }
