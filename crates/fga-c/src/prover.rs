@@ -1,13 +1,15 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
 use fga::Vec3;
-use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
+use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, Zones, certify_set, prove};
+use fga::ground::Ground;
 use fga::maneuver::MAX_STAGES;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::Movement;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::airspace::{each_zone, ground};
 use crate::growable::Growable;
 use crate::input::{
     WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
@@ -104,7 +106,7 @@ pub struct fga_certificate {
     pub margin_m: f64,
     /// Where the target is not proven: time of the least separation, seconds from the decision.
     pub at_s: f64,
-    /// Where the target is not proven: identifier of the obstacle that comes closest. Else 0.
+    /// Where the target is not proven: identifier of the obstacle that comes closest. Else 0, as where that is a zone or the ground.
     pub obstacle_id: u32,
     /// Number of obstacles that the proof covers.
     pub obstacle_count: u32,
@@ -165,14 +167,27 @@ impl Proving {
         Ok(aircraft)
     }
 
+    /// Forgets the zones of the last proof; the new ones, where the aircraft begins, and its reach, metres.
+    fn zones(
+        &mut self,
+        situation: &fga_situation,
+        question: &fga_question,
+    ) -> Result<(&mut Zones, Vec3, f64), Refused> {
+        let (_, ownship, wind_mps) = situation.moment()?;
+        let speed_mps = self.flyer.airspeed_mps() + wind_mps.length();
+        let reach_m = question.target_m + speed_mps * question.horizon_s;
+        let zones = &mut self.hazards.zones;
+        zones.clear(wind_mps, question.horizon_s);
+        Ok((zones, ownship.position_m, reach_m))
+    }
+
     fn prove(
         &mut self,
         situation: &fga_situation,
         stages: &[fga_stage],
-        obstacles: &[fga_obstacle],
+        (obstacles, ground): (&[fga_obstacle], Option<&Ground<'_>>),
         question: &fga_question,
     ) -> Result<Found, Refused> {
-        question.check()?;
         let (_, ownship, wind_mps) = situation.moment()?;
         let maneuver = maneuver(stages)?;
         let straight_aircraft =
@@ -183,7 +198,7 @@ impl Proving {
         self.path
             .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
-        let around = self.hazards.over(None);
+        let around = self.hazards.over(ground);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
             return Ok(Found {
@@ -200,7 +215,7 @@ impl Proving {
             floor_m: f64::MIN,
             enough_m: target_m,
         };
-        let around = self.hazards.over(None);
+        let around = self.hazards.over(ground);
         let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
@@ -293,11 +308,14 @@ unsafe fn stages<'a>(
 /// Proves that a manoeuvre, of whatever origin, keeps a separation from every obstacle of a situation, in continuous time: the
 /// aircraft flies the stages, with the response of the prover's vehicle, and each obstacle keeps its velocity or its place.
 ///
+/// It keeps the same separation from every zone, on the side that is allowed, and above the ground with its error and clearance. Where
+/// the aircraft begins on the wrong side of a zone, or more edges are within its reach than there is room for, nothing is proven.
+///
 /// The proof covers neither turns of aircraft, which `straight_aircraft` counts, nor limits of altitude. With no stages the
 /// manoeuvre holds course and climb angle.
 ///
-/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `TOO_MANY`: no obstacle is
-/// left out.
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`: no
+/// obstacle and no zone is left out.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fga_certify(
     prover: *mut fga_prover,
@@ -322,9 +340,17 @@ pub unsafe extern "C" fn fga_certify(
             let (obstacles, of) = list(situation.obstacles, count)?;
             apart(&[at_work.span, span, asked, answer, of_stages, of, why])?;
             fga_obstacle::sized(obstacles)?;
-            let found = at_work
-                .value()
-                .prove(&situation, stages, obstacles, &question)?;
+            question.check()?;
+            let written = [at_work.span, answer, why];
+            let ground = ground(situation.ground, &written)?;
+            let proving = at_work.value();
+            let (zones, own_m, reach_m) = proving.zones(&situation, &question)?;
+            let given_zones = (situation.zones, situation.zone_count);
+            each_zone(given_zones, &written, |zone| {
+                zones.add(&zone, (own_m, reach_m));
+            })?;
+            let around = (obstacles, ground.as_ref());
+            let found = proving.prove(&situation, stages, around, &question)?;
             fill(certificate, |out| {
                 out.verdict = found.verdict;
                 out.margin_m = found.margin_m;
