@@ -36,6 +36,8 @@ fga_verdict judge(const char *name, const fga_situation &situation, const fga_st
   }
   if (certificate.verdict == FGA_VERDICT_PROVEN) {
     std::printf("%-16s proven: at least %.2f m beyond every volume\n", name, certificate.margin_m);
+  } else if (certificate.obstacle_id == 0) {
+    std::printf("%-16s not proven: %.1f m from the zone after %.1f s\n", name, certificate.margin_m, certificate.at_s);
   } else {
     std::printf("%-16s not proven: %.1f m from the volume of obstacle %u after %.1f s\n", name, certificate.margin_m,
                 static_cast<unsigned>(certificate.obstacle_id), certificate.at_s);
@@ -85,5 +87,22 @@ int main() {
   }
   std::printf("fga: %s, %s\n", fga::text(decision.state), fga::text(decision.reason));
   const bool own = judge("fga's own", situation, decision.stages, decision.stage_count) == FGA_VERDICT_PROVEN;
-  return !straight_on && !slightly && clearly && own ? 0 : 1;
+
+  // A village on the right, to keep out of.
+  const fga_place corners[] = {{60.0, -15.0}, {900.0, -15.0}, {900.0, -400.0}, {60.0, -400.0}};
+  fga_zone village{};
+  village.kind = FGA_ZONE_KIND_KEEP_OUT;
+  village.corners = corners;
+  village.corner_count = 4;
+  village.floor_m = -std::numeric_limits<double>::infinity();
+  village.ceiling_m = 300.0;
+  situation.zones = &village;
+  situation.zone_count = 1;
+  const bool over_it = judge("over the village", situation, clear, 1) == FGA_VERDICT_PROVEN;
+  if (refused("restart", avoider.restart(), avoider.why()) ||
+      refused("step", avoider.step(situation, decision), avoider.why())) {
+    return 1;
+  }
+  const bool beside_it = judge("fga's other one", situation, decision.stages, decision.stage_count) == FGA_VERDICT_PROVEN;
+  return !straight_on && !slightly && clearly && own && !over_it && beside_it ? 0 : 1;
 }

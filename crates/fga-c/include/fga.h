@@ -46,6 +46,15 @@
 // Alignment of all storage, bytes.
 #define FGA_ALIGN 16
 
+// Most zones of a situation.
+#define FGA_ZONES_MOST 32
+
+// Most corners of a zone.
+#define FGA_ZONE_CORNERS_MOST 256
+
+// Most posts of a ground in a row, and most rows.
+#define FGA_GROUND_POSTS_MOST 32768
+
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_FIXED_BYTES 85504
 
@@ -290,6 +299,25 @@ typedef uint32_t fga_passing;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What a zone is for.
+enum fga_zone_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The aircraft keeps out of it.
+  FGA_ZONE_KIND_KEEP_OUT = 0,
+  // The aircraft keeps within it.
+  FGA_ZONE_KIND_KEEP_IN = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum fga_zone_kind fga_zone_kind;
+#else
+typedef uint32_t fga_zone_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // The form of a protected volume.
 enum fga_volume
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -498,6 +526,57 @@ typedef struct fga_ownship {
   double airspeed_mps;
 } fga_ownship;
 
+// A place over the ground, or a distance east and north.
+typedef struct fga_place {
+  // East, metres.
+  double east_m;
+  // North, metres.
+  double north_m;
+} fga_place;
+
+// A zone: what is above a polygon or a circle between two altitudes. What an odd number of the edges of a polygon surrounds is
+// inside.
+typedef struct fga_zone {
+  // What it is for: an `fga_zone_kind`.
+  uint32_t kind;
+  // Number of corners of a polygon: 3 to `FGA_ZONE_CORNERS_MOST`; 0 for a circle.
+  uint32_t corner_count;
+  // The corners of a polygon in order, either way round; they are read during the call only.
+  const struct fga_place *corners;
+  // Centre of a circle.
+  struct fga_place center;
+  // Radius of a circle, metres, above 0.
+  double radius_m;
+  // Its floor, metres up; `-INFINITY` without one.
+  double floor_m;
+  // Its ceiling, metres up; `INFINITY` without one.
+  double ceiling_m;
+} fga_zone;
+
+// Heights of the ground on a regular grid, bilinear in between. Outside of it, and where a height is not a number, the ground is
+// unknown: no manoeuvre leads there by choice.
+typedef struct fga_ground {
+  // `sizeof(fga_ground)`.
+  uint32_t size;
+  // Posts in a row, from the west to the east: 2 to `FGA_GROUND_POSTS_MOST`.
+  uint32_t columns;
+  // Rows, from the south to the north: 2 to `FGA_GROUND_POSTS_MOST`.
+  uint32_t rows;
+  // The south-west post.
+  struct fga_place corner;
+  // Distance from post to post, metres, above 0.
+  struct fga_place spacing;
+  // Heights of the posts, metres up, row by row; they are read during the call only.
+  const float *heights_m;
+  // The largest heights of blocks, which `fga_ground_fill_peaks` has filled in from these heights: `fga_ground_peak_count` of
+  // them. Others make the ground another one.
+  const float *peaks_m;
+  // Vertical error of the heights, metres.
+  double error_m;
+  // Height above the ground that is asked for, metres, beyond the error.
+  double clearance_m;
+} fga_ground;
+
 // What is around the aircraft at a moment. Positions and velocities are over the ground.
 typedef struct fga_situation {
   // `sizeof(fga_situation)`.
@@ -512,6 +591,12 @@ typedef struct fga_situation {
   struct fga_ownship ownship;
   // Velocity of the air over the ground, metres per second.
   struct fga_enu wind_mps;
+  // Number of zones: at most `FGA_ZONES_MOST`.
+  uint32_t zone_count;
+  // The zones; they and their corners are read during the call only.
+  const struct fga_zone *zones;
+  // The ground, read during the call only; null where it is not known and not asked for.
+  const struct fga_ground *ground;
 } fga_situation;
 
 // A command from a moment on, until the next stage begins.
@@ -633,7 +718,7 @@ typedef struct fga_certificate {
   double margin_m;
   // Where the target is not proven: time of the least separation, seconds from the decision.
   double at_s;
-  // Where the target is not proven: identifier of the obstacle that comes closest. Else 0.
+  // Where the target is not proven: identifier of the obstacle that comes closest. Else 0, as where that is a zone or the ground.
   uint32_t obstacle_id;
   // Number of obstacles that the proof covers.
   uint32_t obstacle_count;
@@ -649,6 +734,17 @@ extern "C" {
 
 // The version of the interface of the linked library: the program's header has it as `FGA_ABI_VERSION`.
 uint32_t fga_abi_version(void);
+
+// Number of the largest heights of blocks of a ground; 0 where its posts are too few or too many.
+uint32_t fga_ground_peak_count(uint32_t columns, uint32_t rows);
+
+// Fills in the largest heights of blocks of a ground, `fga_ground_peak_count` of them, once for heights that stay.
+//
+// Refuses `NULL`, `MISALIGNED`, `ALIASED`, `OUT_OF_RANGE`.
+fga_status fga_ground_fill_peaks(uint32_t columns,
+                                 uint32_t rows,
+                                 const float *heights_m,
+                                 float *peaks_m);
 
 // Bytes of storage for an avoider with room for these numbers of obstacles a step and waypoints; 0 where one is above
 // `FGA_CAPACITY_MOST`. For static storage the macro `FGA_AVOIDER_BYTES` gives the same.
@@ -723,8 +819,8 @@ fga_status fga_avoider_restart(struct fga_avoider *avoider);
 // `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number have
 // no effect; of more obstacles than there is room for, those count that the aircraft could meet first.
 //
-// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship and wind),
-// `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles); then the avoider has not decided, and `decision` stays as it was.
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship, wind, zones and
+// ground), `UNKNOWN_VALUE`, `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles or `FGA_ZONES_MOST` zones); then the avoider has not decided, and `decision` stays as it was.
 fga_status fga_avoider_step(struct fga_avoider *avoider,
                             const struct fga_situation *situation,
                             struct fga_decision *decision,
@@ -761,11 +857,14 @@ fga_status fga_prover_init(void *storage,
 // Proves that a manoeuvre, of whatever origin, keeps a separation from every obstacle of a situation, in continuous time: the
 // aircraft flies the stages, with the response of the prover's vehicle, and each obstacle keeps its velocity or its place.
 //
+// It keeps the same separation from every zone, on the side that is allowed, and above the ground with its error and clearance. Where
+// the aircraft begins on the wrong side of a zone, or more edges are within its reach than there is room for, nothing is proven.
+//
 // The proof covers neither turns of aircraft, which `straight_aircraft` counts, nor limits of altitude. With no stages the
 // manoeuvre holds course and climb angle.
 //
-// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `TOO_MANY`: no obstacle is
-// left out.
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`: no
+// obstacle and no zone is left out.
 fga_status fga_certify(struct fga_prover *prover,
                        const struct fga_situation *situation,
                        const struct fga_stage *stages,

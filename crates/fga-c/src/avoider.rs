@@ -8,6 +8,7 @@ use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::airspace::{NO_ZONES, ground, take_zones};
 use crate::decision::fga_decision;
 use crate::growable::{Growable, size_word};
 use crate::input::{
@@ -454,8 +455,8 @@ pub unsafe extern "C" fn fga_avoider_restart(avoider: *mut fga_avoider) -> fga_s
 /// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number have
 /// no effect; of more obstacles than there is room for, those count that the aircraft could meet first.
 ///
-/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship and wind),
-/// `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles); then the avoider has not decided, and `decision` stays as it was.
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship, wind, zones and
+/// ground), `UNKNOWN_VALUE`, `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles or `FGA_ZONES_MOST` zones); then the avoider has not decided, and `decision` stays as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fga_avoider_step(
     avoider: *mut fga_avoider,
@@ -475,6 +476,14 @@ pub unsafe extern "C" fn fga_avoider_step(
             let (obstacles, of) = list(situation.obstacles, count)?;
             apart(&[at_work.span, span, of, answer, why])?;
             fga_obstacle::sized(obstacles)?;
+            let written = [at_work.span, answer, why];
+            let mut zones = NO_ZONES;
+            take_zones(
+                (situation.zones, situation.zone_count),
+                &written,
+                &mut zones,
+            )?;
+            let ground = ground(situation.ground, &written)?;
             let (time_s, ownship, wind_mps) = situation.moment()?;
             let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &ownship);
             let places = at_work.obstacle_places().cast_const();
@@ -486,8 +495,8 @@ pub unsafe extern "C" fn fga_avoider_step(
                 waypoints_m: core::slice::from_raw_parts(waypoints_m, count),
                 passing: core::slice::from_raw_parts(passing, count),
                 limits_m: flying.limits_m,
-                zones: &[],
-                ground: None,
+                zones: &zones,
+                ground: ground.as_ref(),
             };
             let now = Situation {
                 time_s,

@@ -11,6 +11,7 @@ use fga::situation::{
 };
 use fga::vehicle::{Response, Vehicle};
 
+use crate::airspace::{fga_ground, fga_zone};
 use crate::growable::{Growable, size_word};
 use crate::status::{Refused, fga_status};
 
@@ -480,9 +481,15 @@ pub struct fga_situation {
     pub ownship: fga_ownship,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: fga_enu,
+    /// Number of zones: at most `FGA_ZONES_MOST`.
+    pub zone_count: u32,
+    /// The zones; they and their corners are read during the call only.
+    pub zones: *const fga_zone,
+    /// The ground, read during the call only; null where it is not known and not asked for.
+    pub ground: *const fga_ground,
 }
 
-// SAFETY: `repr(C)`, the size first, then numbers and a pointer that may be null.
+// SAFETY: `repr(C)`, the size first, then numbers and pointers that may be null.
 unsafe impl Growable for fga_situation {}
 
 impl fga_situation {

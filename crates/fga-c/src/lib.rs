@@ -12,6 +12,7 @@
 //! | `status` | what does a call answer, and why does it refuse? |
 //! | `memory` | is it safe to read and write where the caller says? |
 //! | `input` | what does the caller give? |
+//! | `airspace` | which zones and which ground does the caller lend? |
 //! | `avoider` | what to fly until the next step? |
 //! | `decision` | what was decided, and why? |
 //! | `prover` | how close does somebody else's manoeuvre come to the obstacles? |
@@ -33,6 +34,7 @@
 extern crate std;
 
 mod abi;
+mod airspace;
 mod avoider;
 mod decision;
 mod growable;
@@ -42,6 +44,10 @@ mod prover;
 mod status;
 
 pub use abi::{FGA_ABI_VERSION, FGA_ALIGN, fga_abi_version};
+pub use airspace::{
+    FGA_GROUND_POSTS_MOST, FGA_ZONE_CORNERS_MOST, FGA_ZONES_MOST, fga_ground,
+    fga_ground_fill_peaks, fga_ground_peak_count, fga_place, fga_zone, fga_zone_kind,
+};
 pub use avoider::*;
 pub use decision::*;
 pub use input::{

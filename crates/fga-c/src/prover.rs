@@ -6,8 +6,10 @@ use fga::maneuver::MAX_STAGES;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::{Mission, Movement};
+use fga::zone::Zone;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::airspace::{NO_ZONES, ground, take_zones};
 use crate::growable::Growable;
 use crate::input::{
     WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
@@ -104,7 +106,7 @@ pub struct fga_certificate {
     pub margin_m: f64,
     /// Where the target is not proven: time of the least separation, seconds from the decision.
     pub at_s: f64,
-    /// Where the target is not proven: identifier of the obstacle that comes closest. Else 0.
+    /// Where the target is not proven: identifier of the obstacle that comes closest. Else 0, as where that is a zone or the ground.
     pub obstacle_id: u32,
     /// Number of obstacles that the proof covers.
     pub obstacle_count: u32,
@@ -165,25 +167,37 @@ impl Proving {
         Ok(aircraft)
     }
 
+    /// Takes the zones within reach as hazards.
+    fn take_zones(&mut self, zones: &[Zone<'_>], moment: (Vec3, Vec3), question: &fga_question) {
+        let (place_m, wind_mps) = moment;
+        let speed_mps = self.flyer.airspeed_mps() + wind_mps.length();
+        let reach_m = question.target_m + speed_mps * question.horizon_s;
+        let near = &mut self.hazards.zones;
+        near.clear(wind_mps, question.horizon_s);
+        for index in 0..zones.len() {
+            near.add(zones, index, (place_m, reach_m));
+        }
+    }
+
     fn prove(
         &mut self,
         situation: &fga_situation,
         stages: &[fga_stage],
-        obstacles: &[fga_obstacle],
+        (obstacles, mission): (&[fga_obstacle], &Mission<'_>),
         question: &fga_question,
     ) -> Result<Found, Refused> {
-        question.check()?;
         let (_, ownship, wind_mps) = situation.moment()?;
         let maneuver = maneuver(stages)?;
         let straight_aircraft =
             self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;
+        self.take_zones(mission.zones, (ownship.position_m, wind_mps), question);
         let meter = within(question.work_limit);
         let (horizon_s, target_m) = (question.horizon_s, question.target_m);
         let now = MotionState::of(&ownship);
         self.path
             .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
-        let around = self.hazards.over(&Mission::NONE);
+        let around = self.hazards.over(mission);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
             return Ok(Found {
@@ -200,7 +214,7 @@ impl Proving {
             floor_m: f64::MIN,
             enough_m: target_m,
         };
-        let around = self.hazards.over(&Mission::NONE);
+        let around = self.hazards.over(mission);
         let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
@@ -293,11 +307,14 @@ unsafe fn stages<'a>(
 /// Proves that a manoeuvre, of whatever origin, keeps a separation from every obstacle of a situation, in continuous time: the
 /// aircraft flies the stages, with the response of the prover's vehicle, and each obstacle keeps its velocity or its place.
 ///
+/// It keeps the same separation from every zone, on the side that is allowed, and above the ground with its error and clearance. Where
+/// the aircraft begins on the wrong side of a zone, or more edges are within its reach than there is room for, nothing is proven.
+///
 /// The proof covers neither turns of aircraft, which `straight_aircraft` counts, nor limits of altitude. With no stages the
 /// manoeuvre holds course and climb angle.
 ///
-/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `TOO_MANY`: no obstacle is
-/// left out.
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`: no
+/// obstacle and no zone is left out.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fga_certify(
     prover: *mut fga_prover,
@@ -322,9 +339,24 @@ pub unsafe extern "C" fn fga_certify(
             let (obstacles, of) = list(situation.obstacles, count)?;
             apart(&[at_work.span, span, asked, answer, of_stages, of, why])?;
             fga_obstacle::sized(obstacles)?;
+            question.check()?;
+            let written = [at_work.span, answer, why];
+            let ground = ground(situation.ground, &written)?;
+            let mut zones = NO_ZONES;
+            take_zones(
+                (situation.zones, situation.zone_count),
+                &written,
+                &mut zones,
+            )?;
+            let mission = Mission {
+                zones: &zones,
+                ground: ground.as_ref(),
+                ..Mission::NONE
+            };
+            let around = (obstacles, &mission);
             let found = at_work
                 .value()
-                .prove(&situation, stages, obstacles, &question)?;
+                .prove(&situation, stages, around, &question)?;
             fill(certificate, |out| {
                 out.verdict = found.verdict;
                 out.margin_m = found.margin_m;

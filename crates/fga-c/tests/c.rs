@@ -264,6 +264,7 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
     let program = build("second_opinion.cpp", "c++", &options, into.path());
     let printed = ran(&mut Command::new(program));
     assert!(printed.contains("40 degrees right proven"), "{printed}");
+    assert!(printed.contains("over the village not proven"), "{printed}");
 }
 
 #[test]

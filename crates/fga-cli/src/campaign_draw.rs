@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_formats::atomic::{AtomicFile, AtomicFolder};
 use fga_formats::words::counted;
-use fga_formats::{OutputError, atomic, daa, encounters};
+use fga_formats::{InputError, OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
 use fga_sim::drawn::{Content, DrawnWriter, Origin, ROWS, TRACKS};
@@ -50,6 +50,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     common::tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
+    if campaign.has_surroundings() {
+        return Err(InputError::in_file(
+            &args.file,
+            "has cells with ground or zones, which tables of encounters cannot hold, expected other cells; fga campaign show flies one of them",
+        )
+        .into());
+    }
     let folder = args.out.prepare(&args.file)?;
     let whole = AtomicFolder::create(&folder)?;
     let drawn = draw(&campaign, whole.path()).map_err(|failure| match failure {

@@ -14,6 +14,7 @@
 //! | [`quality`] | what does a smaller limit of work cost? |
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
+//! | [`ground`] | how many flights come into the ground, leave a fence or enter a volume that an oracle with the same ground keeps? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
 //! | [`proven`] | is the resilience in a record true? |
 //! | [`returns`] | does every aircraft return to its mission once nothing is near? |
@@ -28,6 +29,7 @@ mod common;
 mod departures;
 mod families;
 mod flown;
+mod ground;
 mod intruders;
 mod lost;
 mod missions;
@@ -71,6 +73,8 @@ enum Experiment {
     Families(families::FamiliesArgs),
     /// Count losses, needless manoeuvres and changes in a folder of recordings of two aircraft.
     Flown(flown::FlownArgs),
+    /// Count the flights over ground and among zones that go wrong, and what an oracle with the same ground saves of them.
+    Ground(ground::SceneryArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
     /// Count the claims of a resilience that do not hold when the aircraft do exactly what it covers.
@@ -97,6 +101,7 @@ fn main() -> ExitCode {
         Experiment::Quality(args) => quality::run(&args),
         Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),
+        Experiment::Ground(args) => ground::run(&args),
         Experiment::Intruders(args) => {
             intruders::run(&args);
             Ok(())

@@ -77,6 +77,16 @@ fn a_wrong_cell_is_one_sentence() {
 }
 
 #[test]
+fn no_flight_over_ground_and_among_zones_goes_wrong_where_the_oracle_saves_it() {
+    let rows = experiment(&["ground", "40"]);
+    let all = rows.last().expect("a row");
+    assert!(all.starts_with("all: flown 40, "), "{rows:?}");
+    let right = "into the ground 0, below the clearance 0, over unknown ground 0, on the wrong side of a zone 0;";
+    assert!(all.contains(right), "{rows:?}");
+    assert!(all.contains("of them avoidable 0"), "{rows:?}");
+}
+
+#[test]
 fn no_margin_is_certified_that_another_program_does_not_fly() {
     let rows = experiment(&["certificates", "2000"]);
     assert!(

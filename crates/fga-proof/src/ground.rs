@@ -118,6 +118,12 @@ impl<'a> Ground<'a> {
         })
     }
 
+    /// Its south-west post and the spacing, metres; posts a row; the heights; and how high above them it takes to clear it, metres.
+    pub const fn posts(&self) -> ((Vec2, Vec2), usize, &'a [f32], f64) {
+        let place = (self.corner_m, self.spacing_m);
+        (place, self.columns, self.heights_m, self.needed_m)
+    }
+
     /// The highest ground of a cell within a box in cells, metres; `None` where a post is unknown.
     fn of_cell_m(&self, (column, row): (usize, usize), (low, high): (Vec2, Vec2)) -> Option<f64> {
         let south = row * self.columns + column;

@@ -8,7 +8,7 @@ use fga_results::campaign::finish;
 use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::folder::{encode_block, number_of};
-use fga_sim::campaign::metrics::{Access, FIELDS};
+use fga_sim::campaign::metrics::Access;
 use fga_sim::campaign::{
     Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
     Shard, Stamp, Task, assemble, run as fly, table,
@@ -434,7 +434,7 @@ impl Campaign {
             ),
             real("weight", |row| row.weight),
         ];
-        columns.extend(FIELDS.iter().map(|field| {
+        columns.extend(self.core.metric_fields().iter().map(|field| {
             let values = rows.iter().map(|row| &row.metrics);
             let column = match field.access {
                 Access::Real(get, _) => Column::MaybeReal(values.map(get).collect()),

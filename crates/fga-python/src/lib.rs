@@ -2,7 +2,7 @@
 //!
 //! | module | question |
 //! |---|---|
-//! | [`mod@value`], [`situation`] | what is the input of a decision? |
+//! | [`mod@value`], [`situation`], [`airspace`] | what is the input of a decision? |
 //! | [`decision`] | what is a decision? |
 //! | [`pilot`] | who decides? |
 //! | [`own`] | how does a policy of one's own decide? |
@@ -20,6 +20,7 @@
 
 #![deny(unsafe_code)]
 
+mod airspace;
 mod alerts;
 mod batch;
 mod campaign;
@@ -51,6 +52,8 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<settings::Settings>()?;
     module.add_class::<situation::Obstacles>()?;
     module.add_class::<situation::Mission>()?;
+    module.add_class::<airspace::Zone>()?;
+    module.add_class::<airspace::Ground>()?;
     module.add_class::<situation::Situation>()?;
     module.add_class::<decision::Stage>()?;
     module.add_class::<decision::Threat>()?;

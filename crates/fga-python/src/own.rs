@@ -13,9 +13,11 @@ use fga::vehicle::Vehicle as CoreVehicle;
 use fga_sim::campaign::parse_policy;
 use fga_sim::own::{Answer, Failure, FailureKind, Outside, OwnPolicy, Silence, Worker};
 use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
+use fga_sim::world::{WorldGround, WorldZone};
 use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::airspace::{Ground, Zone};
 use crate::decision::{Decision, Stage};
 use crate::settings::Settings;
 use crate::situation::{Around, Mission, Situation};
@@ -202,6 +204,8 @@ struct Begins {
     waypoints_m: Vec<Vec3>,
     passing: Vec<Passing>,
     limits_m: (f64, f64),
+    zones: Vec<Zone>,
+    ground: Option<Ground>,
 }
 
 /// Asks an object in one flight after the other.
@@ -225,6 +229,15 @@ impl Outside for Asked {
                 waypoints_m: mission.waypoints_m.to_vec(),
                 passing: mission.passing.to_vec(),
                 limits_m: mission.limits_m,
+                zones: mission
+                    .zones
+                    .iter()
+                    .map(|zone| Zone(WorldZone::of(zone)))
+                    .collect(),
+                ground: mission
+                    .ground
+                    .and_then(WorldGround::of)
+                    .map(|ground| Ground(Arc::new(ground))),
             }),
             retuned: self.retuned.take(),
             time_s: situation.time_s,
@@ -364,7 +377,8 @@ impl Flown {
 
     fn ask(&mut self, py: Python<'_>, question: Question) -> PyResult<Py<PyAny>> {
         if let Some(begins) = question.begins {
-            let mission = Mission::of(begins.waypoints_m, begins.passing, begins.limits_m);
+            let around = (begins.zones, begins.ground);
+            let mission = Mission::of(begins.waypoints_m, begins.passing, begins.limits_m, around);
             self.mission = Some(Py::new(py, mission)?);
             let (step, retune) = made(py, &self.policy, STEP, &begins.settings, &begins.vehicle)?;
             (self.step, self.retune) = (Some(step), retune);

@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sha2::{Digest as _, Sha256};
 
+use crate::airspace::{Ground, Zone};
 use crate::decision::Decision;
 use crate::failure::{input, output};
 use crate::own::{LIMIT_S, Policy, choice, warn_of_failures};
@@ -106,6 +107,10 @@ impl Simulation {
             world.mission_m.clone(),
             world.passing.clone(),
             world.limits_m,
+            (
+                world.zones.iter().cloned().map(Zone).collect(),
+                world.ground.clone().map(Ground),
+            ),
         );
         Ok(Self {
             mission: Py::new(py, mission)?,
@@ -176,27 +181,30 @@ impl Simulation {
         let mut guard = self.flight()?;
         let Flying { flight, path } = &mut *guard;
         let retuned = flight.take_retuned();
-        let Some(situation) = flight.situation() else {
-            return Ok(None);
-        };
         let decision = with_pilot(pilot, |pilot| {
             if let Some(vehicle) = &retuned {
                 pilot.retune(vehicle);
             }
-            pilot.step(&situation)
+            flight.show(|situation| (pilot.step(situation), situation.ownship))
         })?;
-        let ownship = situation.ownship;
+        let Some((decision, ownship)) = decision else {
+            return Ok(None);
+        };
         flight.advance(&decision, path);
         Ok(Some(Decision::of(decision, ownship)))
     }
 
-    /// The result of the flight so far, by the names of the columns of results.csv; of a recording also what the standards count
+    /// The result of the flight so far, by the names of the columns of results.csv, with `min_terrain_clearance_m` and
+    /// `min_zone_margin_m`, None without ground or zones; of a recording also what the standards count
     /// (`standards`: near mid-air collision, well clear, severity, alerts), by the names of the columns of results.parquet.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut guard = self.flight()?;
         let Flying { flight, path } = &mut *guard;
         let outcome = flight.outcome();
         let dict = outcome_dict(py, &outcome)?;
+        let (above_m, zones_m) = flight.surroundings_m();
+        dict.set_item("min_terrain_clearance_m", above_m)?;
+        dict.set_item("min_zone_margin_m", zones_m)?;
         if let Some(metrics) = metrics_of(&self.plan.world, path, &outcome) {
             let text = flight::standards(&metrics).to_string();
             let standards = py.import("json")?.call_method1("loads", (text,))?;

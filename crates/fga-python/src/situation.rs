@@ -10,6 +10,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::airspace::{Ground, Zone};
 use crate::value::{NewArguments, Obstacle, Ownship, Triple, expect, expect_finite, frozen, tuple};
 
 /// A column of numbers: an array of float64, or any sequence of numbers. Copied, so that it cannot
@@ -263,7 +264,8 @@ impl Obstacles {
 /// A mission: straight legs from waypoint to waypoint.
 ///
 /// `waypoints_m` holds (east, north, up) triples or an array of shape (n, 3); `fly_over` the indices of the
-/// waypoints that the aircraft passes over before the turn; `limits_m` the lowest and the highest altitude. No waypoint at all means: hold course and altitude.
+/// waypoints that the aircraft passes over before the turn; `limits_m` the lowest and the highest altitude;
+/// `zones` those of the airspace, `ground` the heights of the ground. No waypoint at all means: hold course and altitude.
 ///
 /// Raises ValueError for a single waypoint or a number that is not finite.
 #[pyclass(frozen, eq, module = "fga")]
@@ -272,16 +274,20 @@ pub(crate) struct Mission {
     waypoints_m: Vec<Vec3>,
     passing: Vec<Passing>,
     limits_m: (f64, f64),
+    zones: Vec<Zone>,
+    ground: Option<Ground>,
 }
 
 #[pymethods]
 impl Mission {
     #[new]
-    #[pyo3(signature = (waypoints_m, fly_over = Vec::new(), limits_m = (f64::NEG_INFINITY, f64::INFINITY)))]
+    #[pyo3(signature = (waypoints_m, fly_over = Vec::new(), limits_m = (f64::NEG_INFINITY, f64::INFINITY), zones = Vec::new(), ground = None))]
     fn new(
         waypoints_m: &Bound<'_, PyAny>,
         fly_over: Vec<usize>,
         limits_m: (f64, f64),
+        zones: Vec<Zone>,
+        ground: Option<Ground>,
     ) -> PyResult<Self> {
         let waypoints_m: Vec<Vec3> = waypoints_m
             .try_iter()?
@@ -311,6 +317,8 @@ impl Mission {
             waypoints_m,
             passing,
             limits_m,
+            zones,
+            ground,
         })
     }
 
@@ -335,6 +343,18 @@ impl Mission {
         self.limits_m
     }
 
+    /// The zones.
+    #[getter]
+    fn zones(&self) -> Vec<Zone> {
+        self.zones.clone()
+    }
+
+    /// The ground, if it is known.
+    #[getter]
+    fn ground(&self) -> Option<Ground> {
+        self.ground.clone()
+    }
+
     fn __len__(&self) -> usize {
         self.waypoints_m.len()
     }
@@ -345,6 +365,7 @@ impl Mission {
         waypoints_m: Vec<Vec3>,
         mut passing: Vec<Passing>,
         limits_m: (f64, f64),
+        (zones, ground): (Vec<Zone>, Option<Ground>),
     ) -> Self {
         // Beyond the end of the list a waypoint is fly-by, so that equal missions have equal lists.
         passing.truncate(waypoints_m.len());
@@ -357,6 +378,8 @@ impl Mission {
             waypoints_m,
             passing,
             limits_m,
+            zones,
+            ground,
         }
     }
 }
@@ -365,6 +388,8 @@ frozen! { Mission, this,
     "waypoints_m": this.waypoints_m(),
     "fly_over": this.fly_over(),
     "limits_m": this.limits_m(),
+    "zones": this.zones(),
+    "ground": this.ground(),
 }
 
 /// The obstacles of a situation.
@@ -514,6 +539,8 @@ impl Situation {
     /// Passes the situation to the core.
     pub(crate) fn with<T>(&self, show: impl FnOnce(&CoreSituation<'_>) -> T) -> T {
         let mission = self.mission.get();
+        let zones: Vec<_> = mission.zones.iter().map(|zone| zone.0.zone()).collect();
+        let ground = mission.ground.as_ref().and_then(|ground| ground.0.ground());
         show(&CoreSituation {
             time_s: self.time_s,
             ownship: self.ownship,
@@ -525,8 +552,8 @@ impl Situation {
                 waypoints_m: &mission.waypoints_m,
                 passing: &mission.passing,
                 limits_m: mission.limits_m,
-                zones: &[],
-                ground: None,
+                zones: &zones,
+                ground: ground.as_ref(),
             },
             wind_mps: self.wind_mps,
         })

@@ -128,6 +128,10 @@ pub fn summary(log: &RunLog) -> Value {
         summary["min_terrain_clearance_m"] = finite(ground.least.value_m).into();
         summary["min_terrain_clearance_t_s"] = ground.least.time_s.into();
     }
+    let zones_m = log.zones.iter().map(|zone| zone.margin.value_m);
+    if let Some(least_m) = zones_m.reduce(f64::min) {
+        summary["min_zone_margin_m"] = finite(least_m).into();
+    }
     if let Some(failure) = log.failure {
         summary["policy_failure"] = failure.name().into();
     }

@@ -69,7 +69,7 @@ pub fn guided_page<'a>(
 }
 
 fn ground(ground: &WorldGround) -> ReplayGround {
-    let (corner_m, spacing_m, columns, heights_m) = ground.posts();
+    let ((corner_m, spacing_m), columns, heights_m) = ground.posts();
     ReplayGround {
         corner_m: corner_m.to_array(),
         spacing_m: spacing_m.to_array(),

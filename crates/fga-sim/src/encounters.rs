@@ -12,10 +12,12 @@ pub mod fleet;
 pub mod modeled;
 pub(crate) mod parse;
 pub(crate) mod random;
+mod scenery;
 mod source;
 
-pub use family::{Family, Range};
+pub use family::{Family, Landscape, Range};
 pub use random::Random;
+pub use scenery::Scenery;
 pub use source::{Body, Bystanders, EncounterSource};
 
 use fga::situation::{Obstacle, ProtectedVolume};

@@ -154,10 +154,16 @@ impl WorldGround {
         )
     }
 
-    /// Its south-west post and the spacing east and north, metres; posts in a row; heights row by row from the south, each from the west,
-    /// metres, not a number where unknown.
-    pub fn posts(&self) -> (Vec2, Vec2, usize, &[f32]) {
-        (self.corner_m, self.spacing_m, self.columns, &self.heights_m)
+    /// Its south-west post and the spacing, metres; posts a row; and the heights, metres, as [`WorldGround::new`] takes them.
+    pub fn posts(&self) -> ((Vec2, Vec2), usize, &[f32]) {
+        let place = (self.corner_m, self.spacing_m);
+        (place, self.columns, &self.heights_m)
+    }
+
+    /// A copy of what a situation lends; all that it takes to clear it counts as clearance.
+    pub fn of(ground: &Ground<'_>) -> Option<Self> {
+        let (place, columns, heights_m, needed_m) = ground.posts();
+        Self::new(place, columns, heights_m.to_vec(), (0.0, needed_m))
     }
 
     /// Its vertical error, metres.

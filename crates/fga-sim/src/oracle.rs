@@ -8,6 +8,7 @@
 //! | question | answer |
 //! |---|---|
 //! | what is the largest margin that a manoeuvre keeps? | [`best_margin`] |
+//! | what is it over ground, among zones, within altitude limits? | [`best_margin_within`] |
 //! | what is it among aircraft whose tracks are known? | [`best_margin_on_tracks`], [`best_margin_of_tracks`] |
 //! | which safe manoeuvre leaves the x axis least? | [`least_departure`] |
 //! | where does a manoeuvre lead? | [`OracleFlight`] |
@@ -17,9 +18,12 @@
 //! ([`OracleObstacle::in_wind`]). The oracle knows every given obstacle from the start; to model an
 //! oracle that learns of an event later, start it from the state of that moment.
 //!
+//! Ground, zones and limits ([`OracleAirspace`]) stand over the ground. In a winding valley two turns are often too few.
+//!
 //! It does not try three or more turns, turns below the full rate, or any change of airspeed.
 //! "Lost" therefore means: lost for every manoeuvre of this family.
 
+mod airspace;
 mod arc;
 mod ascent;
 mod departure;
@@ -34,6 +38,7 @@ mod separation;
 mod tracks;
 mod tree;
 
+pub use airspace::OracleAirspace;
 pub use departure::{DepartureAnswer, least_departure};
 pub use flight::{FlightNode, OracleFlight};
 pub use judge::Judge;
@@ -41,5 +46,5 @@ pub use problem::{
     AVOIDABLE_MARGIN_M, OracleAnswer, OracleManeuver, OracleObstacle, OracleSettings, OracleStart,
     OracleTrack, OracleVehicle, Stages,
 };
-pub use search::{best_margin, best_margin_on_tracks};
+pub use search::{best_margin, best_margin_on_tracks, best_margin_within};
 pub use tracks::{TracksAnswer, best_margin_of_tracks};

@@ -170,6 +170,7 @@ impl Worlds {
         let encounter = self.settings.source.encounter(number);
         let mut world = self.empty.clone();
         populate(&mut world, &encounter, &self.settings.model.protection);
+        self.settings.source.scenery(number).place(&mut world);
         world
     }
 
@@ -233,10 +234,10 @@ impl Worlds {
         let Some(place) = self.places.get_mut(index) else {
             return stepped;
         };
-        let Some(situation) = place.flight.situation() else {
+        if place.flight.situation().is_none() {
             return stepped;
-        };
-        let own = &situation.ownship;
+        }
+        let own = place.flight.ownship();
         let turn_rad = if turn.is_finite() {
             turn.clamp(-1.0, 1.0) * core::f64::consts::FRAC_PI_2
         } else {
@@ -250,14 +251,13 @@ impl Worlds {
             own.climb_rad
         };
         let wish = Maneuver::turn(0.0, own.course_rad + turn_rad, climb_rad);
-        let decision = match &mut place.shield {
-            Some(shield) => {
-                let shielded = shield.step(&situation, &wish);
-                stepped.engaged = shielded.engaged;
-                shielded.decision
-            }
-            None => Decision::new(State::Cruise, &wish, Reason::Clear),
-        };
+        let shielded = (place.shield.as_mut())
+            .and_then(|shield| (place.flight).show(|situation| shield.step(situation, &wish)));
+        stepped.engaged = shielded.as_ref().is_some_and(|shielded| shielded.engaged);
+        let decision = shielded.map_or_else(
+            || Decision::new(State::Cruise, &wish, Reason::Clear),
+            |shielded| shielded.decision,
+        );
         let goes_on = place.flight.advance(&decision, &mut ());
         let off_m = libm::hypot(
             place.flight.ownship().position_m.y,

@@ -58,6 +58,20 @@ impl WorldZone {
         })
     }
 
+    /// A copy of what a situation lends.
+    pub fn of(zone: &Zone<'_>) -> Self {
+        let outline = match zone.outline {
+            Outline::Polygon(corners_m) => WorldOutline::Polygon(corners_m.to_vec()),
+            Outline::Circle(center_m, radius_m) => WorldOutline::Circle { center_m, radius_m },
+        };
+        Self {
+            name: String::new(),
+            keep_in: zone.keep_in,
+            outline,
+            heights_m: zone.heights_m,
+        }
+    }
+
     /// The zone as the core takes it.
     pub fn zone(&self) -> Zone<'_> {
         Zone {

@@ -170,6 +170,9 @@ impl Flight {
                 north: 0.0,
                 up: 0.0,
             },
+            zone_count: 0,
+            zones: null(),
+            ground: null(),
         };
         // SAFETY: right pointers.
         unsafe { fga_avoider_step(self.avoider, &raw const situation, decision, null_mut()) }

@@ -239,7 +239,7 @@ impl Fuzz {
             0 => ptr::null_mut(),
             _ => self.pointer(obstacles.as_mut_ptr()),
         };
-        fga_situation {
+        let mut situation = fga_situation {
             size: self.size::<fga_situation>(),
             obstacle_count: count,
             obstacles: list,
@@ -254,7 +254,12 @@ impl Fuzz {
                 self.number(-5.0, 5.0),
                 self.number(-0.5, 0.5),
             ),
-        }
+            zone_count: 0,
+            zones: ptr::null(),
+            ground: ptr::null(),
+        };
+        self.lend(&mut situation);
+        situation
     }
 
     pub(crate) fn stages(&mut self) -> Vec<fga_stage> {

@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code, reason = "calls the interface as C does")]
 
+mod airspace;
 mod drawn;
 mod lent;
 
@@ -45,6 +46,7 @@ struct Fuzz {
     why: Lent,
     time_s: f64,
     own: fga_ownship,
+    around: airspace::Airspace,
     results: u64,
     refusals: u64,
 }
@@ -71,6 +73,7 @@ impl Fuzz {
                 bank_left_rad: 0.0,
                 airspeed_mps: 15.0,
             },
+            around: airspace::Airspace::default(),
             results: 0,
             refusals: 0,
         }

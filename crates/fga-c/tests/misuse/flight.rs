@@ -1,7 +1,7 @@
 //! An avoider in a flight, and right structures to change.
 
 use core::ffi::{CStr, c_char};
-use core::ptr::null_mut;
+use core::ptr::{null, null_mut};
 
 use fga_c::*;
 
@@ -183,6 +183,9 @@ pub(crate) fn situation(time_s: f64, obstacles: &[fga_obstacle]) -> fga_situatio
             north: 0.0,
             up: 0.0,
         },
+        zone_count: 0,
+        zones: null(),
+        ground: null(),
     }
 }
 

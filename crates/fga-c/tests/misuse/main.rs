@@ -4,6 +4,7 @@
 
 extern crate alloc;
 
+mod airspace;
 mod flight;
 
 use alloc::collections::BTreeSet;

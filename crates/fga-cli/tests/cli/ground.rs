@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{errors, fga_in, repository};
+use crate::support::{errors, fga_in, repository, rows};
 
 #[test]
 fn a_flight_over_ground_keeps_above_it_and_says_so() {
@@ -44,4 +44,87 @@ fn a_flight_over_ground_keeps_above_it_and_says_so() {
     let flown = fga_in(folder.path(), &published);
     let told = "warning: published --start tc knows no ground, which only judges its flight";
     assert!(errors(&flown).contains(told), "{}", errors(&flown));
+}
+
+#[test]
+fn a_campaign_in_valleys_says_what_each_flight_keeps_and_shows_it_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let campaign = repository().join("campaigns/valleys.toml");
+    let campaign = campaign.to_str().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = fga_in(at, arguments);
+        assert!(output.status.success(), "{}", errors(&output));
+    };
+    run(&[
+        "campaign",
+        "run",
+        campaign,
+        "--encounters",
+        "24",
+        "--oracle",
+        "--csv",
+        "--out",
+        "all",
+    ]);
+    let flown = rows(&at.join("all/results.csv"));
+    assert_eq!(flown.len(), 24);
+    for row in &flown {
+        let number = |name: &str| row[name].parse::<f64>().ok();
+        let (ground_m, zone_m) = (
+            number("min_terrain_clearance_m"),
+            number("min_zone_margin_m"),
+        );
+        if row["source"].starts_with("corridor") {
+            assert!(ground_m.is_none() && zone_m.unwrap() >= 0.0, "{row:?}");
+        } else {
+            // The clearance and the error of the drawn ground.
+            assert!(
+                zone_m.is_none() && ground_m.unwrap() >= 25.0 - 1e-3,
+                "{row:?}"
+            );
+        }
+        assert_eq!(row["avoidable"], "true", "{row:?}");
+    }
+    for number in ["1", "4", "7", "10"] {
+        run(&[
+            "campaign",
+            "show",
+            "all",
+            "--encounter",
+            number,
+            "--out",
+            number,
+        ]);
+        let alone = fs::read_to_string(at.join(number).join("run.json")).unwrap();
+        let alone: serde_json::Value = serde_json::from_str(&alone).unwrap();
+        let row = flown.iter().find(|row| row["encounter"] == number).unwrap();
+        for (name, alone) in [
+            ("min_margin_m", &alone["min_margin_m"]),
+            ("min_terrain_clearance_m", &alone["min_terrain_clearance_m"]),
+        ] {
+            let together = row[name].parse::<f64>().ok();
+            let apart_m = alone.as_f64().unwrap_or(0.0) - together.unwrap_or(0.0);
+            assert!(apart_m.abs() < 1e-6, "{number} {name}");
+        }
+    }
+    // Another campaign has no such columns, and a table of encounters no ground.
+    let other = repository().join("campaigns/table4-static.toml");
+    let other = other.to_str().unwrap();
+    run(&[
+        "campaign",
+        "run",
+        other,
+        "--encounters",
+        "2",
+        "--csv",
+        "--out",
+        "other",
+    ]);
+    assert!(!rows(&at.join("other/results.csv"))[0].contains_key("min_zone_margin_m"));
+    let drawn = fga_in(at, &["campaign", "draw", campaign, "--encounters", "2"]);
+    assert_eq!(drawn.status.code(), Some(1));
+    let told =
+        "valleys.toml: has cells with ground or zones, which tables of encounters cannot hold";
+    assert!(errors(&drawn).contains(told), "{}", errors(&drawn));
 }

@@ -14,11 +14,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::CampaignError;
+use super::metrics::{ALL_FIELDS, FIELDS, Field};
 use super::sources::{self, ModelFile};
 use crate::batch::{self, BatchSettings};
 use crate::drawn::{self, Origin};
-use crate::encounters::EncounterSource;
 use crate::encounters::modeled::ModelSource;
+use crate::encounters::{EncounterSource, Scenery};
 use crate::fingerprint::fingerprint;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::own::{OwnPolicy, piped};
@@ -279,6 +280,8 @@ pub enum Scene {
 pub struct Drawn {
     /// Its content.
     pub scene: Scene,
+    /// The ground and the zones around it.
+    pub scenery: Scenery,
     /// Its number in its file or folder, else its number in the campaign.
     pub source_encounter: u64,
     /// Its master seed.
@@ -525,6 +528,20 @@ impl Campaign {
         &self.names
     }
 
+    /// Whether ground or zones surround some of its encounters.
+    pub fn has_surroundings(&self) -> bool {
+        self.cells.iter().any(EncounterSource::has_surroundings)
+    }
+
+    /// The metrics in its rows.
+    pub fn metric_fields(&self) -> &'static [Field] {
+        if self.has_surroundings() {
+            ALL_FIELDS
+        } else {
+            FIELDS
+        }
+    }
+
     /// Names of the named encounters.
     pub fn encounter_names(&self) -> &[String] {
         self.recordings.names()
@@ -554,6 +571,7 @@ impl Campaign {
                 if let Some(encounter) = file.get(rest) {
                     return Ok(Drawn {
                         source_encounter: encounter.id,
+                        scenery: Scenery::default(),
                         scene: Scene::Rows(Encounter {
                             id: number,
                             obstacles: encounter.obstacles.clone(),
@@ -571,6 +589,7 @@ impl Campaign {
             let origin = Origin::of(&recording).map_err(CampaignError::Other)?;
             return Ok(Drawn {
                 scene: Scene::Tracks(recording),
+                scenery: Scenery::default(),
                 source_encounter: rest as u64,
                 seed: origin.seed.unwrap_or(seed),
                 stream: origin.number.unwrap_or(number),
@@ -593,6 +612,7 @@ impl Campaign {
             let first = self.names.len() - configuration.models.len();
             return Ok(Drawn {
                 scene: Scene::Tracks(drawn.recording),
+                scenery: Scenery::default(),
                 source_encounter: number,
                 seed: source.seed(),
                 stream: number,
@@ -607,6 +627,7 @@ impl Campaign {
             .ok_or_else(past)?;
         Ok(Drawn {
             scene: Scene::Rows(source.encounter(number)),
+            scenery: source.scenery(number),
             source_encounter: number,
             seed: source.seed,
             stream: number,

@@ -14,7 +14,7 @@
 //! events = [0, 17]             # encounters whose events are logged, by number
 //!
 //! [[grid]]                     # every combination is a cell
-//! family = "threats"           # or from-anywhere
+//! family = "threats"           # or from-anywhere, valley, ridges, ground-wall, corridor
 //! count = [1, 2]
 //! first_seen_m = [300, [100, 500]]
 //! speed_mps = [[15, 20], [0, 60]]
@@ -53,7 +53,14 @@ use crate::recorded;
 use crate::vehicle_file::VehicleModel;
 
 /// Families with a count, a distance and a speed.
-const GRID_FAMILIES: [&str; 2] = ["threats", "from-anywhere"];
+const GRID_FAMILIES: [&str; 6] = [
+    "threats",
+    "from-anywhere",
+    "valley",
+    "ridges",
+    "ground-wall",
+    "corridor",
+];
 
 /// Number of encounters of a campaign that does not give one.
 const ENCOUNTERS: u64 = 10_000;

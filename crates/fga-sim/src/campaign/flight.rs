@@ -14,7 +14,8 @@ use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
 use crate::oracle::{
-    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, best_margin_of_tracks,
+    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle,
+    best_margin_of_tracks, best_margin_within,
 };
 use crate::policy::{PolicyChoice, PolicyPilot};
 use crate::recorded::plan_of;
@@ -158,6 +159,7 @@ impl<'a> Flyer<'a> {
         take: &mut Vec<Flown>,
     ) {
         self.world.seed = drawn.seed;
+        drawn.scenery.place(&mut self.world);
         batch::populate(&mut self.world, encounter, &self.campaign.model.protection);
         let held: Vec<f64> = encounter
             .obstacles
@@ -188,7 +190,9 @@ impl<'a> Flyer<'a> {
                     .in_wind(self.campaign.model.wind_mps)
                 })
                 .collect();
-            kept(best_margin(start, vehicle, &obstacles, settings).best_margin_m)
+            let airspace = OracleAirspace::of(&self.world);
+            let answer = best_margin_within(start, vehicle, &obstacles, airspace, settings);
+            kept(answer.best_margin_m)
         });
         for (policy, (settings, pilot)) in (0..).zip(&mut self.policies) {
             let begun = std::time::Instant::now();
@@ -200,6 +204,8 @@ impl<'a> Flyer<'a> {
                 settings,
             );
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let ground = self.engine.ground_separation();
+            let zones_m = self.engine.zone_margins().map(|least| least.value_m);
             let made = Made {
                 number,
                 drawn,
@@ -208,8 +214,11 @@ impl<'a> Flyer<'a> {
                 metrics: Metrics {
                     work: flown.outcome.work(),
                     policy_failure: flown.failure,
+                    min_terrain_clearance_m: ground.map(|ground| ground.least.value_m),
+                    min_zone_margin_m: zones_m.reduce(f64::min),
                     ..Metrics::default()
-                },
+                }
+                .rounded(),
                 flight_ns,
             };
             take.push(made.flown(&flown, &held, self.engine.separations()));

@@ -133,7 +133,7 @@ pub fn assemble(
     let csv_failed = |error| OutputError::new(&csv_path, error);
     let mut csv = csv.then(|| AtomicFile::create(&csv_path)).transpose()?;
     if let Some(csv) = &mut csv {
-        writeln!(csv, "{}", table::csv_columns()).map_err(csv_failed)?;
+        writeln!(csv, "{}", table::csv_columns(campaign)).map_err(csv_failed)?;
     }
     let mut summary = Summary::default();
     let mut line = Vec::new();

@@ -36,15 +36,15 @@ macro_rules! metrics {
     (@type Flag) => { Option<bool> };
     (@type Failure) => { Option<FailureKind> };
     ($($name:ident: $kind:ident, $meaning:literal;)*) => {
-        /// Metrics of one encounter under one policy; all but the last two are `None` for obstacles of families
+        /// Metrics of one encounter under one policy; all but the last four are `None` for obstacles of families
         /// and encounter files, which are no recorded or modeled aircraft.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Metrics {
             $(#[doc = $meaning] pub $name: metrics!(@type $kind),)*
         }
 
-        /// The metrics in the order of their columns.
-        pub const FIELDS: &[Field] = &[
+        /// All metrics in the order of their columns.
+        pub const ALL_FIELDS: &[Field] = &[
             $(Field {
                 name: stringify!($name),
                 meaning: $meaning,
@@ -83,7 +83,12 @@ metrics! {
     altitude_m: Real, "height of the ownship there in the frame of the recording or model, m";
     work: Real, "largest work of a decision, in units of the core's meter; empty for a policy that counts none";
     policy_failure: Failure, "how a policy of one's own failed, after which it flew the mission: raised, timed-out, not-finite, wrong-shape or ended; empty without a failure";
+    min_terrain_clearance_m: Real, "least height above the ground where it is known, m; empty without ground";
+    min_zone_margin_m: Real, "least distance of the zones, m; negative on the wrong side; empty without zones";
 }
+
+/// The metrics of every campaign; the last two of all belong to campaigns with ground or zones.
+pub const FIELDS: &[Field] = ALL_FIELDS.split_at(ALL_FIELDS.len() - 2).0;
 
 /// A class of geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,7 +118,7 @@ impl Geometry {
 impl Metrics {
     /// With rounded numbers: six decimals.
     pub(super) fn rounded(mut self) -> Self {
-        for field in FIELDS {
+        for field in ALL_FIELDS {
             if let Access::Real(get, set) = field.access {
                 let value = get(&self).filter(|value| value.is_finite()).map(kept);
                 set(&mut self, value);

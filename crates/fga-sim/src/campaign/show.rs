@@ -27,6 +27,7 @@ impl Campaign {
             Scene::Rows(encounter) => {
                 let mut world = self.world()?;
                 world.seed = drawn.seed;
+                drawn.scenery.place(&mut world);
                 batch::plan(world, &encounter, &self.model)
             }
             Scene::Tracks(recording) => {

@@ -29,7 +29,7 @@ use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::{ColumnPath, Type};
 use serde_json::Value;
 
-use super::metrics::{Access, FIELDS, Metrics};
+use super::metrics::{Access, Field, Metrics};
 use super::{Campaign, Row, Stamp};
 use crate::corrupt::guarded;
 use crate::own::FailureKind;
@@ -129,32 +129,33 @@ const MEANINGS: &[(&str, &str)] = &[
 const BEFORE: usize = MEANINGS.len();
 
 /// Names and meanings of all columns, in their order.
-pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let metrics = FIELDS.iter().map(|field| (field.name, field.meaning));
+fn meanings(fields: &[Field]) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let metrics = fields.iter().map(|field| (field.name, field.meaning));
     MEANINGS.iter().copied().chain(metrics)
 }
 
 /// Names of the columns as the first line of the CSV file.
-pub fn csv_columns() -> String {
-    meanings()
+pub fn csv_columns(campaign: &Campaign) -> String {
+    meanings(campaign.metric_fields())
         .map(|(name, _)| name)
         .collect::<Vec<_>>()
         .join(",")
 }
 
 /// The schema of the Parquet file. It is the same for every block, and reading it takes longer than some blocks.
-fn schema() -> Result<Arc<Type>, ParquetError> {
-    static SCHEMA: OnceLock<Arc<Type>> = OnceLock::new();
-    if let Some(schema) = SCHEMA.get() {
+fn schema(campaign: &Campaign) -> Result<Arc<Type>, ParquetError> {
+    static SCHEMAS: [OnceLock<Arc<Type>>; 2] = [const { OnceLock::new() }; 2];
+    let known = &SCHEMAS[usize::from(campaign.has_surroundings())];
+    if let Some(schema) = known.get() {
         return Ok(Arc::clone(schema));
     }
-    let schema = Arc::new(parse_message_type(&schema_in_words())?);
-    Ok(Arc::clone(SCHEMA.get_or_init(|| schema)))
+    let schema = Arc::new(parse_message_type(&schema_in_words(campaign))?);
+    Ok(Arc::clone(known.get_or_init(|| schema)))
 }
 
-fn schema_in_words() -> String {
+fn schema_in_words(campaign: &Campaign) -> String {
     let mut schema = format!("message campaign {{{BASE}");
-    for field in FIELDS {
+    for field in campaign.metric_fields() {
         let kind = match field.access {
             Access::Real(..) => "double",
             Access::Flag(..) => "boolean",
@@ -226,7 +227,7 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
         Column::MaybeText(rows.iter().map(name_of).collect()),
         real(|row| row.weight),
     ];
-    for field in FIELDS {
+    for field in campaign.metric_fields() {
         columns.push(match field.access {
             Access::Real(get, _) => {
                 Column::MaybeReal(rows.iter().map(|row| get(&row.metrics)).collect())
@@ -264,7 +265,7 @@ impl<W: Write + Send> TableWriter<W> {
                 "fga.configuration",
                 campaign.configuration.placeless().to_json(),
             ),
-            ("fga.columns", columns_in_words()),
+            ("fga.columns", columns_in_words(campaign)),
         ];
         let mut entries: Vec<(&str, String)> = entries.into();
         let left_out = configuration.left_out();
@@ -288,7 +289,7 @@ impl<W: Write + Send> TableWriter<W> {
             properties = properties
                 .set_column_encoding(ColumnPath::from(name), Encoding::DELTA_BINARY_PACKED);
         }
-        SerializedFileWriter::new(output, schema()?, Arc::new(properties.build())).map(Self)
+        SerializedFileWriter::new(output, schema(campaign)?, Arc::new(properties.build())).map(Self)
     }
 
     /// Writes one row group.
@@ -327,8 +328,8 @@ impl<W: Write + Send> TableWriter<W> {
 }
 
 /// The meaning of the columns, as JSON.
-fn columns_in_words() -> String {
-    let words: serde_json::Map<_, _> = meanings()
+fn columns_in_words(campaign: &Campaign) -> String {
+    let words: serde_json::Map<_, _> = meanings(campaign.metric_fields())
         .map(|(name, meaning)| (name.to_owned(), meaning.into()))
         .collect();
     serde_json::Value::Object(words).to_string()
@@ -367,7 +368,7 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
 ) -> Result<(), E> {
     let corrupt = |words: &str| ParquetError::General(words.to_owned());
     let reader = guarded(|| SerializedFileReader::new(input), corrupt)?;
-    let expected = schema()?;
+    let expected = schema(campaign)?;
     let found = reader.metadata().file_metadata().schema();
     if found != expected.as_ref() {
         return Err(ParquetError::General(other_columns(found, &expected)).into());
@@ -437,7 +438,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         .collect::<Result<Vec<_>, _>>()?;
     let weight = all::<DoubleType>(group, 23, count)?;
     let mut metrics = vec![Metrics::default(); count];
-    for (column, field) in (BEFORE..).zip(FIELDS) {
+    for (column, field) in (BEFORE..).zip(campaign.metric_fields()) {
         match field.access {
             Access::Real(_, set) => {
                 let values = maybe::<DoubleType>(group, column, count)?;

@@ -13,6 +13,12 @@ impl Family {
                 count,
                 first_seen_m,
                 speed_mps,
+            }
+            | Self::Among {
+                count,
+                first_seen_m,
+                speed_mps,
+                ..
             } => (0..count)
                 .map(|_| level_threat(source, random, first_seen_m, speed_mps))
                 .collect(),

@@ -4,6 +4,32 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range(pub f64, pub f64);
 
+/// The surroundings of an encounter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Landscape {
+    /// A valley along the mission, with walls on both sides.
+    Valley,
+    /// Ridges across the mission, which passes over them where they are low.
+    Ridges,
+    /// Ground across the mission as high as a wall, with a gap through which mission and intruders lead.
+    GroundWall,
+    /// A fence around the mission, and zones to keep out of beside it.
+    Corridor,
+}
+
+impl Landscape {
+    /// Those with a name as a family.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        match name {
+            "valley" => Some(Self::Valley),
+            "ridges" => Some(Self::Ridges),
+            "ground-wall" => Some(Self::GroundWall),
+            "corridor" => Some(Self::Corridor),
+            _ => None,
+        }
+    }
+}
+
 /// A kind of encounter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
@@ -12,6 +38,17 @@ pub enum Family {
     /// the avoidable shares agree with those that others found for these cells; with threats from
     /// anywhere, or above and below, far more is avoidable.) Static ones lie in the way ahead.
     Threats {
+        /// Number of threats.
+        count: u32,
+        /// Distance at the start, metres.
+        first_seen_m: Range,
+        /// Speed, metres per second; (0, 0) is static and lies ahead.
+        speed_mps: Range,
+    },
+    /// The same threats among ground or zones.
+    Among {
+        /// The surroundings.
+        place: Landscape,
         /// Number of threats.
         count: u32,
         /// Distance at the start, metres.

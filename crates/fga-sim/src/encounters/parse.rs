@@ -1,6 +1,6 @@
 //! Cells by name, for examples and campaigns.
 
-use super::{Bystanders, EncounterSource, Family, Range};
+use super::{Bystanders, EncounterSource, Family, Landscape, Range};
 
 impl EncounterSource {
     /// Reads a cell such as `threats:3:100-500:45-60,planar`: a family with its numbers, then
@@ -22,6 +22,14 @@ impl EncounterSource {
                 first_seen_m: range(seen)?,
                 speed_mps: range(speed)?,
             },
+            [name, count_, seen, speed] if let Some(place) = Landscape::named(name) => {
+                Family::Among {
+                    place,
+                    count: count(count_)?,
+                    first_seen_m: range(seen)?,
+                    speed_mps: range(speed)?,
+                }
+            }
             ["head-on", seen, speed] => Family::HeadOn {
                 first_seen_m: range(seen)?,
                 speed_mps: range(speed)?,
@@ -37,7 +45,8 @@ impl EncounterSource {
             },
             _ => {
                 return Err(format!(
-                    "{cell}: expected threats:COUNT:SEEN:SPEED, from-anywhere:COUNT:SEEN:SPEED, \
+                    "{cell}: expected threats:COUNT:SEEN:SPEED, from-anywhere:COUNT:SEEN:SPEED, valley:COUNT:SEEN:SPEED, \
+                     ridges:COUNT:SEEN:SPEED, ground-wall:COUNT:SEEN:SPEED, corridor:COUNT:SEEN:SPEED, \
                      head-on:SEEN:SPEED, overtaking, wall, wall-gap, stream:COUNT or pincer:COUNT"
                 ));
             }

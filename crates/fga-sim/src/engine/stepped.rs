@@ -7,7 +7,7 @@ use fga::vehicle::Vehicle;
 use super::flight::{Engine, FlightState, situation};
 use super::{Observer, Outcome};
 use crate::separation::Separation;
-use crate::world::{World, WorldObstacle};
+use crate::world::{World, WorldObstacle, WorldZone};
 
 /// A flight that waits for each decision.
 ///
@@ -88,7 +88,7 @@ impl SteppedFlight {
         &self.ownship
     }
 
-    /// The known obstacles now; without the world's zones and its ground, which only [`Engine::fly`] shows to its pilot. `None` once the flight has ended.
+    /// The known obstacles now; without the world's zones and its ground, which [`SteppedFlight::show`] has. `None` once the flight has ended.
     pub fn situation(&self) -> Option<Situation<'_>> {
         let sensor = &self.engine.sensor;
         self.ended_s.is_none().then(|| {
@@ -99,6 +99,32 @@ impl SteppedFlight {
                 self.time_s(),
             )
         })
+    }
+
+    /// Shows the known obstacles with the world's zones and its ground. `None` once the flight has ended.
+    pub fn show<T>(&self, to: impl FnOnce(&Situation<'_>) -> T) -> Option<T> {
+        let zones: Vec<_> = self.world.zones.iter().map(WorldZone::zone).collect();
+        let ground = (self.world.ground.as_ref()).and_then(|ground| ground.ground());
+        self.ended_s.is_none().then(|| {
+            let around = (zones.as_slice(), ground.as_ref());
+            let sensor = &self.engine.sensor;
+            to(&situation(
+                (&self.world, around),
+                self.ownship,
+                sensor,
+                self.time_s(),
+            ))
+        })
+    }
+
+    /// Least height above the ground and least distance of the zones until the last [`SteppedFlight::outcome`], metres; `None` without them.
+    pub fn surroundings_m(&self) -> (Option<f64>, Option<f64>) {
+        let above = self.engine.ground_separation();
+        let zones_m = self.engine.zone_margins().map(|least| least.value_m);
+        (
+            above.map(|above| above.least.value_m),
+            zones_m.reduce(f64::min),
+        )
     }
 
     /// Changed limits of the vehicle, once: the caller applies them before the next decision, as
@@ -176,7 +202,13 @@ mod tests {
     #[test]
     fn a_flight_step_by_step_is_the_flight_of_the_engine_to_the_bit() {
         let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
-        for name in ["first-flight.toml", "fig-16.toml", "sfo.toml"] {
+        for name in [
+            "first-flight.toml",
+            "fig-16.toml",
+            "sfo.toml",
+            "ridge.toml",
+            "fenced-valley.toml",
+        ] {
             let plan = Plan::read(&scenarios.join(name), None).unwrap();
             let world = plan.world.clone();
             let choice = PolicyChoice::default();
@@ -185,8 +217,7 @@ mod tests {
             let mut flight = SteppedFlight::new(world);
             let mut decisions = log.decisions.iter();
             let mut samples = Samples(Vec::new());
-            while let Some(situation) = flight.situation() {
-                let decision = pilot.step(&situation);
+            while let Some(decision) = flight.show(|situation| pilot.step(situation)) {
                 assert_eq!(Some(&decision), decisions.next().map(|log| &log.decision));
                 flight.advance(&decision, &mut samples);
                 if let Some(vehicle) = flight.take_retuned() {
@@ -206,6 +237,9 @@ mod tests {
             assert_eq!(decisions.next(), None);
             assert_eq!(samples.0, log.samples);
             assert_eq!(flight.outcome(), log.outcome);
+            let above_m = log.ground.map(|above| above.least.value_m);
+            let zones_m = log.zones.iter().map(|zone| zone.margin.value_m);
+            assert_eq!(flight.surroundings_m(), (above_m, zones_m.reduce(f64::min)));
         }
     }
 }

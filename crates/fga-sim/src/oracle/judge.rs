@@ -4,7 +4,9 @@ use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_formats::encounters::Encounter;
 
-use super::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use super::{
+    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
+};
 use crate::batch::volume_of;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
@@ -17,6 +19,7 @@ pub struct Judge {
     settings: OracleSettings,
     protection: ProtectedVolume,
     wind_mps: Vec3,
+    airspace: Option<OracleAirspace>,
 }
 
 impl Judge {
@@ -46,6 +49,7 @@ impl Judge {
             },
             protection: model.protection,
             wind_mps: model.wind_mps,
+            airspace: OracleAirspace::limited(model.limits_m, model.wind_mps),
         })
     }
 
@@ -70,7 +74,14 @@ impl Judge {
                 .in_wind(self.wind_mps)
             })
             .collect();
-        let answer = best_margin(&self.start, &self.vehicle, &obstacles, &self.settings);
+        let airspace = self.airspace.clone();
+        let answer = best_margin_within(
+            &self.start,
+            &self.vehicle,
+            &obstacles,
+            airspace,
+            &self.settings,
+        );
         libm::rint(answer.best_margin_m * 1e6) / 1e6
     }
 }

@@ -5,6 +5,7 @@
 
 use fga::Vec3;
 
+use super::airspace::OracleAirspace;
 use super::arc::{ArcNode, TurnArc};
 use super::ascent::Ascent;
 use super::flight::OracleFlight;
@@ -27,11 +28,29 @@ pub fn best_margin(
     obstacles: &[OracleObstacle],
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
+    best_margin_within(start, vehicle, obstacles, None, settings)
+}
+
+/// The same over ground, among zones and within altitude limits: the largest least of all these margins.
+///
+/// A search over two turns takes seconds where all turns end in the ground.
+pub fn best_margin_within(
+    start: &OracleStart,
+    vehicle: &OracleVehicle,
+    obstacles: &[OracleObstacle],
+    airspace: Option<OracleAirspace>,
+    settings: &OracleSettings,
+) -> OracleAnswer {
+    let bounds = airspace.map(|airspace| OracleBody::bounds(airspace, start.position_m));
+    let bodies: Vec<OracleBody> = obstacles
+        .iter()
+        .map(OracleBody::new)
+        .chain(bounds)
+        .collect();
     search(start, vehicle, &bodies, settings)
 }
 
-/// The same among aircraft on known tracks.
+/// The same as [`best_margin_within`] among aircraft on known tracks.
 ///
 /// The oracle knows how they will fly, which no policy does: an avoidable encounter is one that hindsight
 /// saves, and a lost one is lost for every policy.
@@ -39,9 +58,15 @@ pub fn best_margin_on_tracks(
     start: &OracleStart,
     vehicle: &OracleVehicle,
     tracks: &[OracleTrack],
+    airspace: Option<OracleAirspace>,
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bodies: Vec<OracleBody> = tracks.iter().map(OracleBody::on_track).collect();
+    let bounds = airspace.map(|airspace| OracleBody::bounds(airspace, start.position_m));
+    let bodies: Vec<OracleBody> = tracks
+        .iter()
+        .map(OracleBody::on_track)
+        .chain(bounds)
+        .collect();
     search(start, vehicle, &bodies, settings)
 }
 
@@ -333,10 +358,12 @@ pub(super) fn search(
     if ascent.best.0 >= enough || settings.stages == Stages::One {
         return answer(ascent.best);
     }
+    // Where the flight is bounded, one turn alone often ends at a wall.
+    let is_bounded = bodies.iter().any(OracleBody::is_bounds);
     if ascent.best.0 >= settings.settled_m
         || settings
             .enough_m
-            .is_some_and(|enough| ascent.best.0 < enough - HOPELESS_M)
+            .is_some_and(|enough| !is_bounded && ascent.best.0 < enough - HOPELESS_M)
         || at_its_limit(&problem, bodies, &ascent)
     {
         return answer(ascent.best);
@@ -360,6 +387,9 @@ fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &Ascent<'_>
     }) else {
         return false;
     };
+    if limiting.is_bounds() {
+        return false;
+    }
     let alone = [limiting.clone()];
     let problem = Problem {
         bodies: &alone,

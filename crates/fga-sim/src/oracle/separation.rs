@@ -5,9 +5,12 @@
 //! the bound A of its acceleration; where that could matter the piece is halved until the bound is
 //! below half a millimetre.
 
+use alloc::sync::Arc;
+
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 
+use super::airspace::{COARSE_M, EXACT_M, OracleAirspace};
 use super::flight::{FlightNode, OracleFlight, hermite};
 use super::{OracleObstacle, OracleTrack};
 
@@ -30,6 +33,8 @@ enum BodyMotion {
     Straight(StraightPiece),
     /// Pieces in the order of time.
     Pieces(Vec<StraightPiece>),
+    /// No obstacle, but what bounds the flight.
+    Bounds(Arc<OracleAirspace>),
 }
 
 /// An obstacle with precomputed values for the loops.
@@ -68,6 +73,18 @@ impl OracleBody {
         Self::with(&track.volume, BodyMotion::Pieces(pieces.collect()))
     }
 
+    /// Ground, zones and altitude limits around an aircraft that begins at a place.
+    pub(super) fn bounds(airspace: OracleAirspace, start_m: Vec3) -> Self {
+        let airspace = airspace.seen_from(start_m);
+        let nothing = ProtectedVolume::Sphere { radius_m: 0.0 };
+        Self::with(&nothing, BodyMotion::Bounds(Arc::new(airspace)))
+    }
+
+    /// Whether it is no obstacle, but what bounds the flight.
+    pub(super) const fn is_bounds(&self) -> bool {
+        matches!(self.motion, BodyMotion::Bounds(_))
+    }
+
     fn with(volume: &ProtectedVolume, motion: BodyMotion) -> Self {
         let (radius, half_height) = match *volume {
             ProtectedVolume::Sphere { radius_m } => (radius_m, None),
@@ -99,11 +116,15 @@ impl OracleBody {
                 let after = pieces.partition_point(|piece| piece.from_s <= to_s);
                 pieces.get(first..after).unwrap_or_default()
             }
+            BodyMotion::Bounds(_) => &[],
         }
     }
 
     /// Signed distance of `own` to the volume at `time_s`, metres; infinite while it is absent.
     pub(super) fn margin(&self, own: Vec3, time_s: f64) -> f64 {
+        if let BodyMotion::Bounds(airspace) = &self.motion {
+            return airspace.margin_m(own, time_s);
+        }
         self.pieces(time_s, time_s)
             .iter()
             .map(|piece| self.distance(own - piece.position - piece.velocity * time_s))
@@ -127,8 +148,15 @@ impl OracleBody {
     /// `p1` at `t1`.
     #[inline]
     pub(super) fn chord(&self, t0: f64, p0: Vec3, t1: f64, p1: Vec3, running: f64) -> f64 {
-        if let BodyMotion::Straight(piece) = &self.motion {
-            return self.beside(piece, (t0, p0), (t1, p1), running);
+        match &self.motion {
+            BodyMotion::Straight(piece) => {
+                return self.beside(piece, (t0, p0), (t1, p1), running);
+            }
+            BodyMotion::Bounds(airspace) => {
+                let place = |s: f64| (t0 + (t1 - t0) * s, p0 + (p1 - p0) * s);
+                return airspace.least_m((p0.distance(p1), COARSE_M), place, running);
+            }
+            BodyMotion::Pieces(_) => {}
         }
         let mut running = running;
         let along = |time_s: f64| p0 + (p1 - p0) * ((time_s - t0) / (t1 - t0).max(1e-9));
@@ -236,6 +264,21 @@ impl OracleBody {
     }
 }
 
+impl OracleBody {
+    /// The lesser of `running` and the margin on the piece of a flight between two nodes.
+    fn piece(&self, a: &FlightNode, b: &FlightNode, acceleration: f64, running: f64) -> f64 {
+        if let BodyMotion::Bounds(airspace) = &self.motion {
+            let length_m = a.velocity_mps.length() * (b.time_s - a.time_s);
+            let place = |s: f64| (a.time_s + (b.time_s - a.time_s) * s, hermite(a, b, s));
+            airspace.least_m((length_m, EXACT_M), place, running)
+        } else if a.straight {
+            self.chord(a.time_s, a.position_m, b.time_s, b.position_m, running)
+        } else {
+            self.curve(a, b, acceleration, running)
+        }
+    }
+}
+
 impl OracleFlight {
     /// The least signed distance to any protected volume over the flight, metres: never above the
     /// truth and within a millimetre of it; infinite without obstacles.
@@ -258,11 +301,7 @@ pub(super) fn least_margin(flight: &OracleFlight, bodies: &[OracleBody], stop_be
     for pair in nodes.windows(2) {
         let [a, b] = pair else { continue };
         for body in bodies {
-            running = if a.straight {
-                body.chord(a.time_s, a.position_m, b.time_s, b.position_m, running)
-            } else {
-                body.curve(a, b, flight.acceleration_mps2(), running)
-            };
+            running = body.piece(a, b, flight.acceleration_mps2(), running);
         }
         if running <= stop_below {
             return running;
@@ -284,11 +323,7 @@ pub(super) fn leg_margins(
             let mut running = cutoff;
             for pair in leg.windows(2) {
                 let [a, b] = pair else { continue };
-                running = if a.straight {
-                    body.chord(a.time_s, a.position_m, b.time_s, b.position_m, running)
-                } else {
-                    body.curve(a, b, flight.acceleration_mps2(), running)
-                };
+                running = body.piece(a, b, flight.acceleration_mps2(), running);
             }
             margins.push(running);
         }

@@ -7,7 +7,9 @@
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 
-use super::{OracleSettings, OracleStart, OracleTrack, OracleVehicle, best_margin_on_tracks};
+use super::{
+    OracleAirspace, OracleSettings, OracleStart, OracleTrack, OracleVehicle, best_margin_on_tracks,
+};
 use crate::plant::at_airspeed;
 use crate::track::Track;
 use crate::world::World;
@@ -55,7 +57,9 @@ pub fn best_margin_of_tracks(world: &World, settings: &OracleSettings) -> Option
         horizon_s: (until_s - start_s).max(1.0),
         ..*settings
     };
-    let answer = best_margin_on_tracks(&start, &OracleVehicle::from(&vehicle), &tracks, &settings);
+    let airspace = OracleAirspace::of(world);
+    let vehicle = OracleVehicle::from(&vehicle);
+    let answer = best_margin_on_tracks(&start, &vehicle, &tracks, airspace, &settings);
     Some(TracksAnswer {
         best_margin_m: libm::rint(answer.best_margin_m * 1e6) / 1e6,
         start_s,
@@ -144,8 +148,13 @@ mod tests {
         let points: Vec<(f64, Vec3)> = (0..=60)
             .map(|second| (f64::from(second), from_m + velocity_mps * f64::from(second)))
             .collect();
-        let tracked =
-            best_margin_on_tracks(&OracleStart::ORIGIN, &vehicle, &[track(&points)], &settings);
+        let tracked = best_margin_on_tracks(
+            &OracleStart::ORIGIN,
+            &vehicle,
+            &[track(&points)],
+            None,
+            &settings,
+        );
         assert!((straight.best_margin_m - tracked.best_margin_m).abs() < 0.02);
         assert!((straight.do_nothing_margin_m - tracked.do_nothing_margin_m).abs() < 1e-3);
     }
@@ -158,7 +167,7 @@ mod tests {
         let hold = |points: &[OracleTrack]| {
             let settings = OracleSettings::default();
             let vehicle = OracleVehicle::table_4();
-            best_margin_on_tracks(&OracleStart::ORIGIN, &vehicle, points, &settings)
+            best_margin_on_tracks(&OracleStart::ORIGIN, &vehicle, points, None, &settings)
                 .do_nothing_margin_m
         };
         let gone = track(&[(0.0, place), (10.0, place)]);

@@ -3,6 +3,7 @@
 
 extern crate alloc;
 
+mod bounded;
 mod certificates;
 mod charted;
 mod data;
