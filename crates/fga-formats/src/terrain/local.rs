@@ -76,7 +76,7 @@ impl LocalGround {
         let places_m = places_m.iter().map(|place_m| place_m.truncate());
         let low_m = places_m.clone().fold(Vec2::INFINITY, Vec2::min) - BESIDE_M;
         let high_m = places_m.fold(Vec2::NEG_INFINITY, Vec2::max) + BESIDE_M;
-        let (spacing_m, count) = posts(terrain, frame.origin().latitude_deg, high_m - low_m)?;
+        let (spacing_m, count) = terrain.posts(frame.origin().latitude_deg, high_m - low_m)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -187,28 +187,31 @@ impl LocalGround {
     }
 }
 
-/// How far apart the posts of a size at a latitude are, metres, and how many they are, east and north.
-fn posts(terrain: &Terrain, latitude_deg: f64, size_m: Vec2) -> Result<(Vec2, Vec2), String> {
-    let level = libm::cos(latitude_deg.to_radians());
-    let spacing_m = terrain
-        .fields()
-        .fold(Vec2::splat(BESIDE_M), |least_m, field| {
+impl Terrain {
+    /// How far apart the posts of [`LocalGround`] of a size, metres, are at a latitude, metres, and how many they are: each east and north.
+    ///
+    /// # Errors
+    /// Too many; a sentence without its subject.
+    pub fn posts(&self, latitude_deg: f64, size_m: Vec2) -> Result<(Vec2, Vec2), String> {
+        let level = libm::cos(latitude_deg.to_radians());
+        let spacing_m = self.fields().fold(Vec2::splat(BESIDE_M), |least_m, field| {
             let grid = field.grid();
             least_m.min(DEGREE_M * Vec2::new(grid.step_east_deg * level, grid.step_north_deg))
         });
-    let count = (size_m / spacing_m).ceil() + 1.0;
-    if count.element_product() > MOST_POSTS {
-        return Err(format!(
-            "has a height each {:.0} x {:.0} m, and the mission lies within {:.0} x {:.0} km: {:.0} million heights, expected at most {:.0}",
-            spacing_m.x,
-            spacing_m.y,
-            1e-3 * size_m.x,
-            1e-3 * size_m.y,
-            1e-6 * count.element_product(),
-            1e-6 * MOST_POSTS
-        ));
+        let count = (size_m / spacing_m).ceil() + 1.0;
+        if count.element_product() > MOST_POSTS {
+            return Err(format!(
+                "has a height each {:.0} x {:.0} m, and {:.0} x {:.0} km are flown over: {:.0} million heights, expected at most {:.0}",
+                spacing_m.x,
+                spacing_m.y,
+                1e-3 * size_m.x,
+                1e-3 * size_m.y,
+                1e-6 * count.element_product(),
+                1e-6 * MOST_POSTS
+            ));
+        }
+        Ok((spacing_m, count))
     }
-    Ok((spacing_m, count))
 }
 
 /// The height of the ground of files at a place of a frame, metres.

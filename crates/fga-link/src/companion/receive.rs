@@ -358,6 +358,7 @@ impl Companion {
         self.tracks.clear();
         self.fence = fence::Fence::default();
         self.fence_laid = 0;
+        self.forget_ground();
         self.way_mode = None;
         self.watch.mode_changed(now_s);
         self.forget_plan();

@@ -535,6 +535,7 @@ impl World {
         }
         if !self.killed {
             self.companion.tick(time_s);
+            self.companion.make_ground(time_s);
             self.flush();
         }
     }

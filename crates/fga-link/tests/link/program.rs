@@ -38,6 +38,7 @@ impl Program {
             endpoint: endpoint.parse().expect("an endpoint"),
             config: Config::parse(config).expect("a configuration"),
             traffic: Vec::new(),
+            terrain: None,
             dry_run: false,
             out: out.to_owned(),
             status: false,
