@@ -35,5 +35,5 @@ pub use file::{Datum, Given, Stated, TerrainFile};
 pub use local::LocalGround;
 pub use mosaic::Terrain;
 pub use reader::{parse, read};
-pub use requested::RequestedBlock;
+pub use requested::{RequestedBlock, Taken};
 pub use write::Cut;

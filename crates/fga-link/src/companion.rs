@@ -273,7 +273,7 @@ impl Companion {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
-            over: over_ground::OverGround::default(),
+            over: over_ground::OverGround::new(config.terrain.source.is_some()),
             held_reports: Vec::new(),
             trouble: String::new(),
             virtual_reports: around::virtual_reports(&config),
@@ -447,6 +447,7 @@ impl Companion {
             "defects",
             Value::Object(counts.into_iter().collect()),
         );
+        self.note_ground_heard(now_s);
         self.send_commands(now_s);
     }
 

@@ -229,8 +229,18 @@ impl Default for LimitsConfig {
 pub struct TerrainConfig {
     /// Files of heights, beside the configuration.
     pub file: Option<TerrainFiles>,
+    /// Who is asked for the heights where no file is given.
+    pub source: Option<TerrainSource>,
     /// Least height above the ground beyond its vertical error, metres.
     pub clearance_m: Option<f64>,
+}
+
+/// Who is asked for heights of the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TerrainSource {
+    /// The ground station, by `TERRAIN_REQUEST`.
+    GroundStation,
 }
 
 /// The conditions for acting and stopping.

@@ -4,6 +4,8 @@
 //! out: the program on a thread of its own. The ground is a square around the vehicle, made again when the vehicle has left its
 //! middle, so that it has one size whatever the mission.
 
+mod asked;
+
 use alloc::sync::Arc;
 
 use fga::{Vec2, Vec3};
@@ -11,6 +13,7 @@ use fga_formats::geodesy::LocalFrame;
 use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::dialects::ardupilotmega::MavFrame;
 
+pub(crate) use self::asked::Asked;
 use crate::mission::{Item, is_take_off_or_landing, item_position_m};
 
 /// The square reaches 3 km beyond this from the vehicle, metres …
@@ -58,33 +61,34 @@ fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<Leg> {
     legs
 }
 
-/// What the ground is made for.
+/// Where ground is made, and of which heights.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Place {
     frame: LocalFrame,
     middle_m: Vec2,
-    /// The number of the mission.
-    mission: u32,
     /// The number of the heights, of those that come piece by piece.
     heights: u32,
 }
 
 impl Place {
-    /// The place of a vehicle, metres, with the numbers of mission and heights.
-    pub(crate) fn new(frame: &LocalFrame, at_m: Vec3, numbers: (u32, u32)) -> Self {
+    /// The place of a vehicle, metres, with the number of the heights.
+    pub(crate) fn new(frame: &LocalFrame, at_m: Vec3, heights: u32) -> Self {
         Self {
             frame: *frame,
             middle_m: at_m.truncate(),
-            mission: numbers.0,
-            heights: numbers.1,
+            heights,
         }
     }
 
     /// Whether ground made here serves at another place too.
     pub(crate) fn serves(&self, other: &Self) -> bool {
         let moved_m = (self.middle_m - other.middle_m).abs().max_element();
-        let numbers = (self.mission, self.heights) == (other.mission, other.heights);
-        self.is_in(&other.frame) && numbers && moved_m <= MOVED_M
+        self.is_in(&other.frame) && self.heights == other.heights && moved_m <= MOVED_M
+    }
+
+    /// Whether its heights are older than those of a number.
+    pub(crate) const fn is_older(&self, heights: u32) -> bool {
+        self.heights != heights
     }
 
     /// Whether it is in a frame.
@@ -100,6 +104,8 @@ pub struct GroundOrder {
     terrain: Arc<Terrain>,
     legs: Vec<Leg>,
     clearance_m: f64,
+    /// Whether the ground is to be made, or a mission alone is to be checked.
+    makes: bool,
 }
 
 /// Where a mission is lower than it takes to clear the ground, or over unknown ground.
@@ -115,32 +121,39 @@ pub(crate) struct LowLegs {
 #[derive(Debug, Clone)]
 pub struct MadeGround {
     pub(crate) place: Place,
-    /// The ground, or why there is none.
-    pub(crate) ground: Result<LocalGround, String>,
+    /// The ground, or why there is none; `None` where the present one stays.
+    pub(crate) ground: Option<Result<LocalGround, String>>,
     pub(crate) legs: LowLegs,
 }
 
 impl GroundOrder {
-    /// An order for a place, with the heights, a mission, the altitude of home and the clearance that is asked for, metres.
+    /// An order for a place, with the heights, a mission, the altitude of home and the clearance that is asked for, metres, and
+    /// whether the ground is to be made too.
     pub(crate) fn new(
         place: Place,
         terrain: &Arc<Terrain>,
         (items, home_altitude_m): (&[Item], f64),
-        clearance_m: f64,
+        (clearance_m, makes): (f64, bool),
     ) -> Self {
         Self {
             legs: legs(items, &place.frame, home_altitude_m),
             place,
             terrain: Arc::clone(terrain),
             clearance_m,
+            makes,
         }
     }
 
-    /// Makes the ground.
+    /// Whether the ground is to be made.
+    pub(crate) const fn makes(&self) -> bool {
+        self.makes
+    }
+
+    /// Makes the ground, and checks the mission.
     pub fn make(self) -> MadeGround {
         let frame = &self.place.frame;
         let corners_m = [-AROUND_M, AROUND_M].map(|by_m| (self.place.middle_m + by_m).extend(0.0));
-        let ground = LocalGround::around(&self.terrain, frame, &corners_m, self.clearance_m);
+        let ground = || LocalGround::around(&self.terrain, frame, &corners_m, self.clearance_m);
         let needed_m = self.clearance_m + self.terrain.vertical_error_m();
         let mut legs = LowLegs::default();
         for leg in &self.legs {
@@ -154,8 +167,8 @@ impl GroundOrder {
             }
         }
         MadeGround {
+            ground: self.makes.then(ground),
             place: self.place,
-            ground,
             legs,
         }
     }
@@ -164,7 +177,7 @@ impl GroundOrder {
     pub fn fail(self) -> MadeGround {
         MadeGround {
             place: self.place,
-            ground: Err("could not be made".to_owned()),
+            ground: Some(Err("could not be made".to_owned())),
             legs: LowLegs::default(),
         }
     }

@@ -101,7 +101,7 @@ impl Companion {
         }
         let Some(state) = state else { return };
         self.lay_fence(now_s);
-        self.order_ground(&state);
+        self.order_ground(&state, now_s);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }

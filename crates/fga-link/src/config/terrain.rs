@@ -12,13 +12,23 @@ use crate::ground::SIDES_M;
 impl Config {
     /// The keys of the ground that are usable one by one and not together.
     pub(super) fn check_terrain(&self) -> Result<(), ConfigError> {
-        let TerrainConfig { file, clearance_m } = &self.terrain;
-        let message = match (file, clearance_m) {
-            (Some(_), None) => {
-                "terrain.file is given without terrain.clearance_m, expected the least height above the ground, metres"
+        let TerrainConfig {
+            file,
+            source,
+            clearance_m,
+        } = &self.terrain;
+        let message = match (file, source, clearance_m) {
+            (Some(_), Some(_), _) => {
+                "terrain.file and terrain.source are given, expected one of them"
             }
-            (None, Some(_)) => {
-                "terrain.clearance_m is given without terrain.file, expected a file of heights"
+            (Some(_), _, None) => {
+                "terrain.file is given without terrain.clearance_m, expected the least height above the ground, m"
+            }
+            (_, Some(_), None) => {
+                "terrain.source is given without terrain.clearance_m, expected the least height above the ground, m"
+            }
+            (None, None, Some(_)) => {
+                "terrain.clearance_m is given without terrain.file or terrain.source, expected one of them"
             }
             _ => return Ok(()),
         };

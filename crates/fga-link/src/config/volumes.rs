@@ -92,7 +92,7 @@ impl Config {
             let words = "Algorithm 4 (command.mode \"paper\") knows no fence: safety.use_fence has no effect";
             warnings.push(words.to_owned());
         }
-        if self.command.mode == CommandMode::Paper && self.terrain.file.is_some() {
+        if self.command.mode == CommandMode::Paper && self.terrain.clearance_m.is_some() {
             let words =
                 "Algorithm 4 (command.mode \"paper\") knows no ground: terrain has no effect";
             warnings.push(words.to_owned());
