@@ -275,16 +275,16 @@ fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
 /// What a ground station says of a height, at a time, seconds; `None` is silence.
 type Says<'a> = &'a dyn Fn(f64, [f64; 2], u8) -> Option<i16>;
 
-/// A ground station on the second link, which answers as MAVProxy does, `rate` pieces a second.
+/// Ground stations on the second link, which answer as MAVProxy does, all of them, one after the other.
 struct Station<'a> {
-    says: Says<'a>,
+    says: &'a [Says<'a>],
     request: Option<TERRAIN_REQUEST_DATA>,
     due_s: f64,
     requests: u32,
 }
 
 /// A flight past a head-on intruder with ground that a ground station sends.
-fn asked(says: Says<'_>, until_s: f64) -> (World, Flown, u32) {
+fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
     let config = "[terrain]\nsource = \"ground-station\"\nclearance_m = 30.0\n";
     let mut world = World::new(config, GOOD, 8);
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
@@ -341,26 +341,28 @@ impl Station<'_> {
         let north_m = (corner[0] - home.latitude_deg) * 111_320.0;
         let east_m = (corner[1] - home.longitude_deg) * 111_320.0 * corner[0].to_radians().cos();
         let (row, column) = (f64::from(bit / 8) * 4.0, f64::from(bit % 8) * 4.0);
-        let mut data = [0; 16];
-        for (index, height) in data.iter_mut().enumerate() {
-            let at_m = [
-                east_m + (column + (index % 4) as f64) * spacing_m,
-                north_m + (row + (index / 4) as f64) * spacing_m,
-            ];
-            let Some(said) = (self.says)(world.time_s, at_m, bit) else {
-                return;
+        for says in self.says {
+            let posts = core::array::from_fn(|index| {
+                let at_m = [
+                    east_m + (column + (index % 4) as f64) * spacing_m,
+                    north_m + (row + (index / 4) as f64) * spacing_m,
+                ];
+                says(world.time_s, at_m, bit)
+            });
+            let posts: [Option<i16>; 16] = posts;
+            if posts.contains(&None) {
+                continue;
+            }
+            let data = TERRAIN_DATA_DATA {
+                lat: request.lat,
+                lon: request.lon,
+                grid_spacing: request.grid_spacing,
+                gridbit: bit,
+                data: posts.map(Option::unwrap_or_default),
             };
-            *height = said;
+            let message = MavMessage::TERRAIN_DATA(data);
+            world.emulator.receive_on_second_link(&GROUND, &message);
         }
-        let data = TERRAIN_DATA_DATA {
-            lat: request.lat,
-            lon: request.lon,
-            grid_spacing: request.grid_spacing,
-            gridbit: bit,
-            data,
-        };
-        let message = MavMessage::TERRAIN_DATA(data);
-        world.emulator.receive_on_second_link(&GROUND, &message);
     }
 }
 
@@ -379,7 +381,7 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
     let says = move |_: f64, [east_m, _]: [f64; 2], _: u8| {
         Some(if side * east_m > 105.0 { 400 } else { 4 })
     };
-    let (world, flown, requests) = asked(&says, 130.0);
+    let (world, flown, requests) = asked(&[&says], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
     let to_ridge_m = if side > 0.0 {
@@ -399,7 +401,7 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
 
 #[test]
 fn a_silent_ground_station_is_told_asked_ever_less_often_and_traffic_is_avoided() {
-    let (world, flown, requests) = asked(&|_, _, _| None, 130.0);
+    let (world, flown, requests) = asked(&[&|_, _, _| None], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
     assert!(is_told(&world, "fga: no terrain from the ground station"));
@@ -410,36 +412,38 @@ fn a_silent_ground_station_is_told_asked_ever_less_often_and_traffic_is_avoided(
 #[test]
 fn lies_of_a_ground_station_are_counted_and_told_and_lower_no_ground() {
     // Heights that are no ground: nothing is known.
-    let (world, flown, _) = asked(&|_, _, _| Some(20_000), 130.0);
+    let (world, flown, _) = asked(&[&|_, _, _| Some(20_000)], 130.0);
     assert!(is_told(&world, "fga: terrain answers that are no ground"));
     assert!(pieces(&flown, "wrong") > 10 && pieces(&flown, "taken") == 0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    // The second answer to each piece is another one: the higher counts, whichever comes first.
+    // Of two that contradict each other the higher counts, whichever comes first.
     let side = choice();
-    let seen = std::cell::RefCell::new(std::collections::HashSet::new());
-    let says = |_: f64, [east_m, north_m]: [f64; 2], _: u8| {
-        let post = ((east_m * 1e-1) as i64, (north_m * 1e-1) as i64);
-        let is_first = seen.borrow_mut().insert(post);
-        Some(if is_first && side * east_m > 105.0 {
-            400
+    let ridge = move |_: f64, [east_m, _]: [f64; 2], _: u8| {
+        Some(if side * east_m > 105.0 { 400 } else { 4 })
+    };
+    let plain = |_: f64, _: [f64; 2], _: u8| Some(4);
+    let both: [[Says<'_>; 2]; 2] = [[&ridge, &plain], [&plain, &ridge]];
+    for says in both {
+        let (world, flown, _) = asked(&says, 130.0);
+        assert!(is_told(
+            &world,
+            "fga: terrain answers contradict, higher counts"
+        ));
+        assert!(pieces(&flown, "contradicting") > 10);
+        let to_ridge_m = if side > 0.0 {
+            flown.east_m[1]
         } else {
-            4
-        })
-    };
-    let (world, flown, _) = asked(&says, 130.0);
-    let to_ridge_m = if side > 0.0 {
-        flown.east_m[1]
-    } else {
-        -flown.east_m[0]
-    };
-    assert!(to_ridge_m < 20.0, "{:?}", flown.east_m);
-    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+            -flown.east_m[0]
+        };
+        assert!(to_ridge_m < 20.0, "{:?}", flown.east_m);
+        assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    }
 }
 
 #[test]
 fn half_of_the_pieces_leaves_the_other_half_unknown() {
     let says = |_: f64, _: [f64; 2], bit: u8| (bit % 2 == 0).then_some(4);
-    let (world, flown, _) = asked(&says, 130.0);
+    let (world, flown, _) = asked(&[&says], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
     assert!(pieces(&flown, "taken") >= 28);
