@@ -57,8 +57,6 @@ const HISTORY_S: f64 = 1.0;
 /// Component id of a receiver's reports in the telemetry log (`MAV_COMP_ID_ADSB`).
 const RECEIVER_SYSTEM: u8 = 200;
 const RECEIVER_COMPONENT: u8 = 156;
-/// The thread that makes ground looks this often whether the flight is over.
-const GROUND_TICK: Duration = Duration::from_millis(100);
 /// Longest time without a tick.
 const TICK: Duration = Duration::from_millis(10);
 /// Longest wait at the end of a flight for a heartbeat with the mode from before.
@@ -272,7 +270,7 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
 /// Makes ground until the flight is over. No heights can end the flight.
 fn make_ground(shared: &Shared, orders: &Receiver<GroundOrder>, to: &SyncSender<MadeGround>) {
     while !shared.is_over() {
-        let Ok(order) = orders.recv_timeout(GROUND_TICK) else {
+        let Ok(order) = orders.recv_timeout(TICK) else {
             continue;
         };
         let making = core::panic::AssertUnwindSafe(|| order.clone().make());

@@ -13,7 +13,7 @@ use fga_formats::geodesy::LocalFrame;
 use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::dialects::ardupilotmega::MavFrame;
 
-pub(crate) use self::asked::Asked;
+pub(crate) use self::asked::AskedBlocks;
 use crate::mission::{Item, is_take_off_or_landing, item_position_m};
 
 /// The square reaches 3 km beyond this from the vehicle, metres …
@@ -25,7 +25,7 @@ const MOVED_M: f64 = 2_000.0;
 
 /// A leg of a mission, metres in the local frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Leg {
+struct FlownLeg {
     item: u16,
     from_m: Vec3,
     to_m: Vec3,
@@ -33,7 +33,7 @@ struct Leg {
 
 /// The legs of a mission that lead over ground; a take-off and a landing are low by their nature, and over altitudes above the ground
 /// the vehicle keeps its height itself.
-fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<Leg> {
+fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<FlownLeg> {
     let mut legs = Vec::new();
     let mut before = None;
     for (number, item) in (0_u16..).zip(items).skip(1) {
@@ -46,7 +46,7 @@ fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<Leg> {
         if let Some((from_m, to_m)) = before.zip(level)
             && !is_take_off_or_landing(item)
         {
-            legs.push(Leg {
+            legs.push(FlownLeg {
                 item: number,
                 from_m,
                 to_m,
@@ -61,34 +61,29 @@ fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<Leg> {
     legs
 }
 
-/// Where ground is made, and of which heights.
+/// The square of ground around a vehicle, with what it is made of.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Square {
     frame: LocalFrame,
     middle_m: Vec2,
-    /// The number of the heights, of those that come piece by piece.
-    heights: u32,
+    /// The numbers of the mission, and of the heights where these come piece by piece.
+    numbers: (u32, u32),
 }
 
-impl Place {
-    /// The place of a vehicle, metres, with the number of the heights.
-    pub(crate) fn new(frame: &LocalFrame, at_m: Vec3, heights: u32) -> Self {
+impl Square {
+    /// Around a place, metres, with the numbers of mission and heights.
+    pub(crate) fn new(frame: &LocalFrame, at_m: Vec3, numbers: (u32, u32)) -> Self {
         Self {
             frame: *frame,
             middle_m: at_m.truncate(),
-            heights,
+            numbers,
         }
     }
 
-    /// Whether ground made here serves at another place too.
+    /// Whether it serves in the place of another one too.
     pub(crate) fn serves(&self, other: &Self) -> bool {
         let moved_m = (self.middle_m - other.middle_m).abs().max_element();
-        self.is_in(&other.frame) && self.heights == other.heights && moved_m <= MOVED_M
-    }
-
-    /// Whether its heights are older than those of a number.
-    pub(crate) const fn is_older(&self, heights: u32) -> bool {
-        self.heights != heights
+        self.is_in(&other.frame) && self.numbers == other.numbers && moved_m <= MOVED_M
     }
 
     /// Whether it is in a frame.
@@ -100,85 +95,69 @@ impl Place {
 /// Ground to make.
 #[derive(Debug, Clone)]
 pub struct GroundOrder {
-    place: Place,
+    square: Square,
     terrain: Arc<Terrain>,
-    legs: Vec<Leg>,
+    legs: Vec<FlownLeg>,
     clearance_m: f64,
-    /// Whether the ground is to be made, or a mission alone is to be checked.
-    makes: bool,
-}
-
-/// Where a mission is lower than it takes to clear the ground, or over unknown ground.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct LowLegs {
-    /// The items at the end of legs that are too low, with the least height above the ground, metres.
-    pub(crate) low: Vec<(u16, f64)>,
-    /// The items at the end of legs over unknown ground.
-    pub(crate) unknown: Vec<u16>,
 }
 
 /// Ground that is made.
 #[derive(Debug, Clone)]
 pub struct MadeGround {
-    pub(crate) place: Place,
-    /// The ground, or why there is none; `None` where the present one stays.
-    pub(crate) ground: Option<Result<LocalGround, String>>,
-    pub(crate) legs: LowLegs,
+    pub(crate) square: Square,
+    /// The ground, or why there is none.
+    pub(crate) ground: Result<LocalGround, String>,
+    /// The items at the end of legs that are lower than it takes to clear the ground, with the least height above it, metres.
+    pub(crate) low: Vec<(u16, f64)>,
+    /// The items at the end of legs over unknown ground.
+    pub(crate) unknown: Vec<u16>,
 }
 
 impl GroundOrder {
-    /// An order for a place, with the heights, a mission, the altitude of home and the clearance that is asked for, metres, and
-    /// whether the ground is to be made too.
+    /// An order for a square, with the heights, a mission, the altitude of home and the clearance that is asked for, metres.
     pub(crate) fn new(
-        place: Place,
+        square: Square,
         terrain: &Arc<Terrain>,
         (items, home_altitude_m): (&[Item], f64),
-        (clearance_m, makes): (f64, bool),
+        clearance_m: f64,
     ) -> Self {
         Self {
-            legs: legs(items, &place.frame, home_altitude_m),
-            place,
+            legs: legs(items, &square.frame, home_altitude_m),
+            square,
             terrain: Arc::clone(terrain),
             clearance_m,
-            makes,
         }
-    }
-
-    /// Whether the ground is to be made.
-    pub(crate) const fn makes(&self) -> bool {
-        self.makes
     }
 
     /// Makes the ground, and checks the mission.
     pub fn make(self) -> MadeGround {
-        let frame = &self.place.frame;
-        let corners_m = [-AROUND_M, AROUND_M].map(|by_m| (self.place.middle_m + by_m).extend(0.0));
-        let ground = || LocalGround::around(&self.terrain, frame, &corners_m, self.clearance_m);
+        let frame = &self.square.frame;
+        let corners_m = [-AROUND_M, AROUND_M].map(|by_m| (self.square.middle_m + by_m).extend(0.0));
+        let ground = LocalGround::around(&self.terrain, frame, &corners_m, self.clearance_m);
         let needed_m = self.clearance_m + self.terrain.vertical_error_m();
-        let mut legs = LowLegs::default();
+        let (mut low, mut unknown) = (Vec::new(), Vec::new());
         for leg in &self.legs {
             let found = self.terrain.clearance(frame, leg.from_m, leg.to_m);
-            let lowest = found.lowest.map(|lowest| lowest.clearance_m);
-            if let Some(above_m) = lowest.filter(|above_m| *above_m < needed_m) {
-                legs.low.push((leg.item, above_m));
-            }
-            if found.unknown_at.is_some() {
-                legs.unknown.push(leg.item);
-            }
+            let lowest_m = found.lowest.map(|lowest| lowest.clearance_m);
+            let lowest_m = lowest_m.filter(|above_m| *above_m < needed_m);
+            low.extend(lowest_m.map(|above_m| (leg.item, above_m)));
+            unknown.extend(found.unknown_at.map(|_| leg.item));
         }
         MadeGround {
-            ground: self.makes.then(ground),
-            place: self.place,
-            legs,
+            square: self.square,
+            ground,
+            low,
+            unknown,
         }
     }
 
-    /// The same without any ground, where making it has failed.
+    /// Without any ground, where making it has failed.
     pub fn fail(self) -> MadeGround {
         MadeGround {
-            place: self.place,
-            ground: Some(Err("could not be made".to_owned())),
-            legs: LowLegs::default(),
+            square: self.square,
+            ground: Err("could not be made".to_owned()),
+            low: Vec::new(),
+            unknown: Vec::new(),
         }
     }
 }

@@ -280,7 +280,6 @@ impl Companion {
             MavMessage::RANGEFINDER(data) if data.distance > 0.0 => {
                 self.take_distance(f64::from(data.distance), now_s);
             }
-            MavMessage::TERRAIN_REPORT(data) => self.take_terrain_report(data, now_s),
             MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
             MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),
             MavMessage::SCALED_PRESSURE(data) => {

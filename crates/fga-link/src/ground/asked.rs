@@ -14,10 +14,8 @@ const SPACING_M: u16 = 100;
 const ERROR_M: f64 = 16.0;
 /// ArduPilot asks this often, seconds; without an answer the pause doubles …
 const PAUSE_S: f64 = 2.0;
-/// … up to this, seconds.
+/// … up to this, seconds: then nobody seems to answer.
 const LONGEST_PAUSE_S: f64 = 32.0;
-/// After this long without an answer nobody seems to answer, seconds.
-const UNANSWERED_S: f64 = 30.0;
 /// Most blocks in memory.
 const MOST_BLOCKS: usize = 64;
 /// New pieces become ground this often, seconds.
@@ -36,37 +34,37 @@ pub(crate) struct Answers {
 
 /// The blocks that are asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Asked {
+pub(crate) struct AskedBlocks {
     /// The wanted ones first, the most urgent at the front.
     blocks: Vec<RequestedBlock>,
     wanted: usize,
     due_s: f64,
     pause_s: f64,
-    /// Since when no request was answered, seconds.
-    unanswered_since_s: Option<f64>,
-    /// Whether an answer came since the last request.
-    is_answered: bool,
+    /// How many requests in a row were not answered.
+    unanswered: usize,
+    /// Whether the last request waits for an answer.
+    waits: bool,
     answers: Answers,
     /// The pieces of the last ground, its number, and when it was made, seconds.
     laid: (u32, u32, f64),
 }
 
-impl Default for Asked {
+impl Default for AskedBlocks {
     fn default() -> Self {
         Self {
             blocks: Vec::new(),
             wanted: 0,
             due_s: f64::NEG_INFINITY,
             pause_s: PAUSE_S,
-            unanswered_since_s: None,
-            is_answered: false,
+            unanswered: 0,
+            waits: false,
             answers: Answers::default(),
             laid: (0, 0, f64::NEG_INFINITY),
         }
     }
 }
 
-impl Asked {
+impl AskedBlocks {
     /// The next request, where one is due; `places` gives latitudes and longitudes whose ground is wanted, degrees, the most urgent first.
     pub(crate) fn request(
         &mut self,
@@ -77,19 +75,22 @@ impl Asked {
             return None;
         }
         self.want(&places());
-        if core::mem::take(&mut self.is_answered) {
-            self.pause_s = PAUSE_S;
-            self.unanswered_since_s = None;
-        } else if self.unanswered_since_s.is_some() {
-            self.pause_s = (2.0 * self.pause_s).min(LONGEST_PAUSE_S);
-        }
-        self.due_s = now_s + self.pause_s;
-        let mut wanted = self.blocks.iter().take(self.wanted);
-        let Some(block) = wanted.find(|block| block.mask() != 0) else {
-            self.unanswered_since_s = None;
-            return None;
+        (self.pause_s, self.unanswered) = if self.waits {
+            (
+                (2.0 * self.pause_s).min(LONGEST_PAUSE_S),
+                self.unanswered + 1,
+            )
+        } else {
+            (PAUSE_S, 0)
         };
-        self.unanswered_since_s.get_or_insert(now_s);
+        self.due_s = now_s + self.pause_s;
+        let wanted = || self.blocks.iter().take(self.wanted);
+        let missing = || wanted().filter(|block| block.mask() != 0);
+        // What has no answer, a hole, holds up no other block.
+        let turn = self.unanswered.checked_rem(missing().count());
+        let block = turn.and_then(|turn| missing().nth(turn));
+        self.waits = block.is_some();
+        let block = block?;
         let [lat, lon] = block.corner_e7();
         Some(TERRAIN_REQUEST_DATA {
             mask: block.mask(),
@@ -134,7 +135,7 @@ impl Asked {
                 (self.answers.wrong == 1).then_some("fga: terrain answers that are no ground")
             }
             Taken::New => {
-                self.is_answered = true;
+                self.waits = false;
                 self.answers.taken += 1;
                 None
             }
@@ -163,15 +164,14 @@ impl Asked {
     }
 
     /// Whether all that is wanted has come, or nobody answers.
-    pub(crate) fn is_settled(&self, now_s: f64) -> bool {
-        let is_whole = self.wanted > 0 && self.unanswered_since_s.is_none();
-        is_whole || self.is_unanswered(now_s)
+    pub(crate) fn is_settled(&self) -> bool {
+        let mut wanted = self.blocks.iter().take(self.wanted);
+        self.is_unanswered() || self.wanted > 0 && wanted.all(|block| block.mask() == 0)
     }
 
     /// Whether requests have stayed without an answer for long.
-    pub(crate) fn is_unanswered(&self, now_s: f64) -> bool {
-        let since_s = self.unanswered_since_s.filter(|_| !self.is_answered);
-        since_s.is_some_and(|since_s| now_s - since_s >= UNANSWERED_S)
+    pub(crate) fn is_unanswered(&self) -> bool {
+        self.waits && self.pause_s >= LONGEST_PAUSE_S
     }
 
     /// What is known so far; `None` before the first piece.
