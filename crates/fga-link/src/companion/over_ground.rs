@@ -78,14 +78,6 @@ struct Reports {
     low: bool,
 }
 
-/// Whether a decision has just chosen its manoeuvre.
-const fn chooses(decision: &Decision) -> bool {
-    matches!(
-        decision.record.reason,
-        Reason::ManeuverChosen | Reason::ManeuverReplaced | Reason::BestAvailable
-    )
-}
-
 /// Whether manoeuvres lead elsewhere, whenever they begin.
 fn differ(one: &Maneuver, other: &Maneuver) -> bool {
     let (one, other) = (one.stages(), other.stages());
@@ -285,7 +277,9 @@ impl Companion {
 
     /// Whether to ask what would have been chosen without the ground.
     pub(super) fn asks_without_ground(&self, decision: &Decision) -> bool {
-        self.known_ground().is_some() && chooses(decision)
+        let reason = decision.record.reason;
+        let has_chosen = matches!(reason, Reason::ManeuverChosen | Reason::ManeuverReplaced);
+        has_chosen && self.known_ground().is_some()
     }
 
     /// Reports each once in a manoeuvre: that the ground decides where it leads, that it leads over unknown ground, or too low.

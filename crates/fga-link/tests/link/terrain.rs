@@ -28,7 +28,7 @@ const CONFIG: &str = "[terrain]\nfile = \"N37W123.hgt\"\nclearance_m = 30.0\n";
 const SIDE: u32 = 1201;
 
 /// The tile around the emulator's home with heights by metres east and north of it; `None` is a hole.
-fn tile(height_m: impl Fn(f64, f64) -> Option<i16>) -> Arc<Terrain> {
+pub(crate) fn tile(height_m: impl Fn(f64, f64) -> Option<i16>) -> Arc<Terrain> {
     let home = Settings::default().home;
     let mut bytes = Vec::new();
     for row in 0..SIDE {
