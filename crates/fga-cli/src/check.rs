@@ -398,10 +398,12 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
 
 #[cfg(feature = "fly")]
 fn link(path: &Path) -> Result<Usable, Failure> {
-    let config = crate::fly::config_file(path)?;
+    let (config, terrain) = crate::fly::config_file(path)?;
     let crewed = config.volume(fga_link::traffic::Class::Crewed);
+    let area = terrain.and_then(|terrain| terrain.area());
+    let over = area.map_or_else(String::new, |area| format!(", knows the ground of {area}"));
     let holds = format!(
-        "takes over {}, keeps {} x +-{} m from crewed aircraft, {}",
+        "takes over {}, keeps {} x +-{} m from crewed aircraft, {}{over}",
         config.vehicle.take_over.join(" and "),
         crewed.radius_m(),
         crewed.half_height_m(),

@@ -40,12 +40,13 @@ impl FileKind {
 
     /// The kind of a file, by the keys that only this kind has.
     pub(crate) fn of(keys: &BTreeSet<String>) -> Option<Self> {
-        const LINK: [&str; 11] = [
+        const LINK: [&str; 12] = [
             "vehicle",
             "protection",
             "volumes",
             "command",
             "limits",
+            "terrain",
             "safety",
             "response",
             "traffic",

@@ -12,6 +12,7 @@ use clap::Args;
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::gzip::unpacked;
+use fga_formats::terrain::Terrain;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::replay::replay;
@@ -62,9 +63,9 @@ pub(crate) struct FlyArgs {
 }
 
 pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
-    let config = read_config(args.config.as_ref())?;
+    let (config, terrain) = read_config(args.config.as_ref())?;
     if let Some(path) = &args.replay {
-        return run_replay(config, path);
+        return run_replay(config, terrain, path);
     }
     let Some(endpoint) = args.connect.clone() else {
         return Err(Failure::Input("--connect ENDPOINT is missing".to_owned()));
@@ -73,6 +74,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         endpoint,
         config,
         traffic: args.traffic.clone(),
+        terrain,
         dry_run: args.dry_run,
         out: args.out.clone(),
         status: !args.quiet,
@@ -128,21 +130,21 @@ fn count_interrupts() -> Arc<AtomicU32> {
     count
 }
 
-fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {
+fn read_config(path: Option<&PathBuf>) -> Result<(Config, Option<Arc<Terrain>>), Failure> {
     let Some(path) = path else {
-        return Ok(Config::default());
+        return Ok((Config::default(), None));
     };
-    let config = config_file(path)?;
+    let (config, terrain) = config_file(path)?;
     for warning in config.warnings() {
         let _ = writeln!(io::stderr(), "fga: {}: warning: {warning}", path.display());
     }
-    Ok(config)
+    Ok((config, terrain))
 }
 
-/// Reads and checks a configuration.
-pub(crate) fn config_file(path: &Path) -> Result<Config, Failure> {
+/// Reads and checks a configuration and the heights of the ground that it names.
+pub(crate) fn config_file(path: &Path) -> Result<(Config, Option<Arc<Terrain>>), Failure> {
     let text = read_text(path)?;
-    Config::parse(&text).map_err(|error| {
+    let config = Config::parse(&text).map_err(|error| {
         let error = error.to_string();
         let shown = path.display();
         // The sentence begins with the line, or with the key, if it has one.
@@ -152,7 +154,9 @@ pub(crate) fn config_file(path: &Path) -> Result<Config, Failure> {
             None => format!("{shown}: {error}"),
         };
         Failure::Input(told)
-    })
+    })?;
+    let terrain = config.read_terrain(path.parent().unwrap_or(Path::new("")))?;
+    Ok((config, terrain))
 }
 
 /// The line of the key, as in `protection.radius_m`, with which a sentence begins.
@@ -174,12 +178,17 @@ fn line_of(text: &str, sentence: &str) -> Option<usize> {
     None
 }
 
-fn run_replay(config: Config, path: &PathBuf) -> Result<ExitCode, Failure> {
+fn run_replay(
+    config: Config,
+    terrain: Option<Arc<Terrain>>,
+    path: &PathBuf,
+) -> Result<ExitCode, Failure> {
     let named = |error: io::Error| Failure::Input(format!("{}: {error}", path.display()));
     let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     let log = unpacked(&bytes, path)?;
     let mut companion =
         Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;
+    companion.set_terrain(terrain);
     let mut failed = None;
     let mut out = io::stdout().lock();
     let done = replay(log.as_ref(), &mut companion, |line| {

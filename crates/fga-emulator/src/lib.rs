@@ -269,6 +269,11 @@ impl Emulator {
     /// Takes a message on the second link. The answer goes back only on that link; the first link
     /// receives only the autopilot's texts about it.
     pub fn receive_on_second_link(&mut self, header: &MavHeader, message: &MavMessage) {
+        if matches!(message, MavMessage::TERRAIN_DATA(_)) {
+            // It names no receiver: passed on.
+            self.outbox.push(message.clone());
+            return;
+        }
         let first = core::mem::take(&mut self.outbox);
         self.receive(header, message);
         let answers = core::mem::replace(&mut self.outbox, first);

@@ -6,7 +6,7 @@ use mavlink::dialects::ardupilotmega::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, MISSION_ACK_DATA, MISSION_COUNT_DATA,
     MISSION_REQUEST_INT_DATA, MavCmd, MavMessage, MavMissionResult, MavMissionType, MavParamType,
     MavResult, PARAM_VALUE_DATA, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA,
-    TIMESYNC_DATA,
+    TERRAIN_REPORT_DATA, TIMESYNC_DATA,
 };
 
 use crate::commanded::HeadingTarget;
@@ -68,6 +68,17 @@ impl Emulator {
                     target_system: from.0,
                     target_component: from.1,
                 }));
+            }
+            // It names no receiver: passed on to the other link, where a ground station may answer.
+            MavMessage::TERRAIN_REQUEST(_) => self.second_outbox.push(message.clone()),
+            MavMessage::TERRAIN_CHECK(data) => {
+                // Without terrain of its own: a spacing of 0.
+                self.outbox
+                    .push(MavMessage::TERRAIN_REPORT(TERRAIN_REPORT_DATA {
+                        lat: data.lat,
+                        lon: data.lon,
+                        ..TERRAIN_REPORT_DATA::DEFAULT
+                    }));
             }
             MavMessage::ADSB_VEHICLE(data) => self.hear_intruder(data),
             MavMessage::STATUSTEXT(data) => {

@@ -1,6 +1,6 @@
 //! The tables of a scenario file. `docs/reference-files.md` gives the limits and defaults of each key.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use fga::situation::{Movement, ObstacleKind, Passing};
 use fga_formats::InputError;
@@ -189,13 +189,23 @@ pub struct TerrainTable {
 }
 
 /// One file of heights, or several.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(untagged, expecting = "a file of heights or a list of files")]
 pub enum TerrainFiles {
     /// One.
     One(PathBuf),
     /// Where several know a height, the first one counts.
     Several(Vec<PathBuf>),
+}
+
+impl TerrainFiles {
+    /// Their paths, from a folder.
+    pub fn within(&self, folder: &Path) -> Vec<PathBuf> {
+        match self {
+            Self::One(file) => vec![folder.join(file)],
+            Self::Several(files) => files.iter().map(|file| folder.join(file)).collect(),
+        }
+    }
 }
 
 /// Word for the side of a zone that the aircraft keeps to.

@@ -7,7 +7,7 @@
 //! | DTED 0, 1, 2 | a first word `UHL1` |
 //! | ArduPilot's terrain, also compressed with gzip | the ending `.DAT`, `.DAT.gz` |
 //!
-//! A [`RequestedBlock`] is ground that a ground station sends over MAVLink.
+//! A [`RequestedBlock`] is ground that a ground station sends over MAVLink. A [`LocalGround`] is ground as a flight takes it.
 //!
 //! A file becomes one or several [`HeightField`]s, and files together a [`Terrain`]. A hole and what lies outside are
 //! unknown ground: never a height, always `None`. Heights count above a [`Datum`]; datum and vertical error have a source.
@@ -21,6 +21,7 @@ mod file;
 mod geokeys;
 mod geotiff;
 mod hgt;
+mod local;
 mod mosaic;
 mod name;
 mod reader;
@@ -31,7 +32,8 @@ pub use along::{Clearance, GroundPoint, Lowest};
 pub use area::Area;
 pub use field::{Grid, HeightField};
 pub use file::{Datum, Given, Stated, TerrainFile};
+pub use local::LocalGround;
 pub use mosaic::Terrain;
 pub use reader::{parse, read};
-pub use requested::RequestedBlock;
+pub use requested::{RequestedBlock, Taken};
 pub use write::Cut;

@@ -13,6 +13,7 @@ mod feeds;
 mod gap;
 mod mission_watch;
 mod neighbors;
+mod over_ground;
 mod picture;
 mod rally;
 mod readiness;
@@ -168,6 +169,7 @@ pub struct Companion {
     tracks: TrackTable,
     feeds: feeds::Feeds,
     defects: Defects,
+    over: over_ground::OverGround,
     /// Reports that broke a silence of the telemetry, and when, seconds.
     held_reports: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
     /// The last trouble of the surrounding program.
@@ -271,6 +273,7 @@ impl Companion {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
+            over: over_ground::OverGround::new(config.terrain.source.is_some()),
             held_reports: Vec::new(),
             trouble: String::new(),
             virtual_reports: around::virtual_reports(&config),
@@ -444,6 +447,7 @@ impl Companion {
             "defects",
             Value::Object(counts.into_iter().collect()),
         );
+        self.note_ground_heard(now_s);
         self.send_commands(now_s);
     }
 

@@ -4,8 +4,10 @@
 //! speeds in metres per second, as the names say; this module converts them to the core's units.
 
 mod check;
+mod terrain;
 mod volumes;
 
+use fga_files::scenario::TerrainFiles;
 use serde::Deserialize;
 
 /// An unusable configuration.
@@ -27,6 +29,8 @@ pub struct Config {
     pub command: CommandConfig,
     /// The altitudes that bound a flight.
     pub limits: LimitsConfig,
+    /// The ground.
+    pub terrain: TerrainConfig,
     /// The conditions for acting and stopping.
     pub safety: SafetyConfig,
     /// The vehicle's response.
@@ -217,6 +221,26 @@ impl Default for LimitsConfig {
             ceiling_m: None,
         }
     }
+}
+
+/// The ground that manoeuvres keep above.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TerrainConfig {
+    /// Files of heights, beside the configuration.
+    pub file: Option<TerrainFiles>,
+    /// Who is asked for the heights where no file is given.
+    pub source: Option<TerrainSource>,
+    /// Least height above the ground beyond its vertical error, metres.
+    pub clearance_m: Option<f64>,
+}
+
+/// Who is asked for heights of the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TerrainSource {
+    /// The ground station, by `TERRAIN_REQUEST`.
+    GroundStation,
 }
 
 /// The conditions for acting and stopping.

@@ -6,6 +6,7 @@
 //! | `fga-read` | reads the link, and hears the vehicle's mode |
 //! | `fga-write` | writes the link; checks each command of a mode at the last moment |
 //! | `fga-traffic` | reads a receiver, one thread each |
+//! | `fga-ground` | makes the ground around the flight |
 //! | `fga-log`, `fga-notes`, `fga-status` | write files and the terminal, whose stalls affect nobody else |
 //! | `fga-guard` | restores the mode and ends the program when the deciding thread stands still |
 //!
@@ -27,6 +28,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
+use fga_formats::terrain::Terrain;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{AdsbAltitudeType, AdsbFlags, MavMessage};
 
@@ -36,6 +38,7 @@ use self::recorder::Recorder;
 use self::shared::{Shared, locked, spawn};
 use self::status::Status;
 use crate::endpoint::{Endpoint, open};
+use crate::ground::{GroundOrder, MadeGround};
 use crate::outgoing::{OWN_COMPONENT, Outgoing};
 use crate::player::{Sample, adsb_message};
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
@@ -70,6 +73,8 @@ pub struct FlyOptions {
     pub config: Config,
     /// Receivers of traffic.
     pub traffic: Vec<ReceiverEndpoint>,
+    /// Heights of the ground ([`Config::read_terrain`]).
+    pub terrain: Option<Arc<Terrain>>,
     /// Only report.
     pub dry_run: bool,
     /// Folder of the logs, and of the notes for a restarted program.
@@ -135,6 +140,7 @@ pub fn fly(
         notes.clone()
     };
     companion.set_notes(notes);
+    companion.set_terrain(options.terrain.clone());
     let shared = Arc::new(Shared::new(
         Arc::clone(stop),
         options.config.vehicle.system_id,
@@ -144,7 +150,7 @@ pub fn fly(
     }
     let (to, events) = sync_channel(INBOX);
     let (parcels, to_write) = sync_channel(OUTBOX);
-    let threads = start(
+    let mut threads = start(
         options,
         &shared,
         signing.as_ref(),
@@ -152,6 +158,11 @@ pub fn fly(
         (&parcels, to_write),
     )?;
     drop(to);
+    let (orders, to_make) = sync_channel(1);
+    let (made_to, made) = sync_channel(1);
+    threads.push(spawn(&shared, "fga-ground", move |shared| {
+        make_ground(shared, &to_make, &made_to);
+    })?);
     let mut pilot = Pilot {
         companion: &mut companion,
         shared: &shared,
@@ -162,6 +173,8 @@ pub fn fly(
         status: Status::begin(&shared, options.status)?,
         sequences: Sequences::default(),
         held: Vec::new(),
+        ground: (orders, made),
+        makes_ground: false,
     };
     let flown = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| {
         pilot.run(&events, watch);
@@ -254,6 +267,19 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
     }
 }
 
+/// Makes ground until the flight is over. No heights can end the flight.
+fn make_ground(shared: &Shared, orders: &Receiver<GroundOrder>, to: &SyncSender<MadeGround>) {
+    while !shared.is_over() {
+        let Ok(order) = orders.recv_timeout(TICK) else {
+            continue;
+        };
+        let making = core::panic::AssertUnwindSafe(|| order.clone().make());
+        let made = std::panic::catch_unwind(making).unwrap_or_else(|_| order.fail());
+        // Nobody waits for it any more where the flight is over.
+        let _ = to.send(made);
+    }
+}
+
 /// The message with the flags and the datum of a report.
 fn with_quality(message: MavMessage, report: &Report) -> MavMessage {
     let MavMessage::ADSB_VEHICLE(mut data) = message else {
@@ -290,6 +316,9 @@ struct Pilot<'a> {
     sequences: Sequences,
     /// Commands of a mode that wait until the disk has the note.
     held: Vec<Outgoing>,
+    /// Ground to make, and what was made; and whether some is being made.
+    ground: (SyncSender<GroundOrder>, Receiver<MadeGround>),
+    makes_ground: bool,
 }
 
 impl Pilot<'_> {
@@ -342,7 +371,16 @@ impl Pilot<'_> {
             0 => {}
             system_id => self.companion.hear_version1(system_id, now_s),
         }
+        if let Ok(made) = self.ground.1.try_recv() {
+            self.makes_ground = false;
+            self.companion.take_ground(made, now_s);
+        }
         self.companion.tick(now_s);
+        if !self.makes_ground
+            && let Some(order) = self.companion.ground_order()
+        {
+            self.makes_ground = self.ground.0.try_send(order).is_ok();
+        }
         *locked(&self.shared.owed) = self.companion.owed();
         let (note, system_id) = (
             self.companion.restart_note(now_s),

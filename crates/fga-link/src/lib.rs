@@ -8,6 +8,7 @@
 //! | [`traffic`] | who else is there? |
 //! | [`mission`], [`parameters`], [`mode`] | what does the vehicle intend, and what can it do? |
 //! | [`rates`] | how often does the vehicle send its telemetry, and how often does it arrive? |
+//! | [`ground`] | how high is the ground around the flight? |
 //! | [`response`] | how does it follow? |
 //! | [`restart`] | what does a restarted program owe? |
 //! | [`hand`], [`commanded`], [`commands`] | how does it command the vehicle? |
@@ -40,6 +41,7 @@ pub mod companion;
 pub mod config;
 pub mod endpoint;
 pub mod fly;
+pub mod ground;
 pub mod hand;
 pub mod mission;
 pub mod mode;

@@ -48,12 +48,14 @@ pub fn replay(
         while now_s + TICK_S < at_s {
             now_s += TICK_S;
             companion.tick(now_s);
+            companion.make_ground(now_s);
             drop(companion.outbox());
         }
         now_s = at_s.max(now_s);
         if logged.frame.header.component_id != OWN_COMPONENT {
             replayed.frames += 1;
             companion.receive(&logged.frame.header, &logged.frame.message, now_s);
+            companion.make_ground(now_s);
             drop(companion.outbox());
         }
         for entry in companion.take_log() {

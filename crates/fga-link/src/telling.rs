@@ -102,12 +102,16 @@ pub fn decision_line(
     decision: &Decision,
     own: &State,
     authority: &Authority,
+    above_ground_m: Option<f64>,
     names: impl Fn(u32) -> String,
 ) -> Value {
     let mut line = decision::to_json(decision, &own.ownship, names);
     line.insert("kind".into(), "decision".into());
     line.insert("t_s".into(), time_s.into());
     line.insert("authority".into(), authority.name().into());
+    if let Some(above_ground_m) = above_ground_m {
+        line.insert("above_ground_m".into(), above_ground_m.into());
+    }
     let mut line = Value::Object(line);
     round(&mut line);
     line

@@ -207,3 +207,69 @@ fn a_mission_that_clears_the_ground_and_files_alone_pass() {
     let text = said(folder.path(), &arguments, 1);
     assert!(text.contains("b.toml: has no [origin]"), "{text}");
 }
+
+/// A link file with a table of the ground; what a command says of it.
+#[cfg(feature = "fly")]
+fn of_link(folder: &Path, table: &str, arguments: &[&str], code: i32) -> String {
+    let text = format!("[vehicle]\nsystem_id = 1\n[terrain]\n{table}\n");
+    fs::write(folder.join("fly.toml"), text).expect("written");
+    let told = said(folder, arguments, code);
+    assert_eq!(told.trim_end().lines().count(), 1, "{told}");
+    told
+}
+
+#[cfg(feature = "fly")]
+#[test]
+fn the_ground_of_a_link_file_is_checked_before_the_flight() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    for name in ["strips.tif", "ellipsoid.tif"] {
+        fixture(name, at);
+    }
+    fs::write(at.join("none.tif"), "no heights").expect("written");
+    let flies = [
+        "fly",
+        "--connect",
+        "udpin:127.0.0.1:0",
+        "--config",
+        "fly.toml",
+    ];
+    for (table, expected) in [
+        (
+            "file = 'missing.tif'\nclearance_m = 50.0",
+            "missing.tif: cannot be read: there is no such file",
+        ),
+        ("file = 'none.tif'\nclearance_m = 50.0", "none.tif"),
+        (
+            "file = 'ellipsoid.tif'\nclearance_m = 50.0",
+            "ellipsoid.tif: has heights above the ellipsoid (WGS84), expected mean sea level",
+        ),
+        ("file = []\nclearance_m = 50.0", "no file is given"),
+        (
+            "file = 'strips.tif'",
+            "fly.toml, line 4: terrain.file is given without terrain.clearance_m",
+        ),
+        (
+            "clearance_m = 50.0",
+            "terrain.clearance_m is given without terrain.file or terrain.source",
+        ),
+        (
+            "file = 'strips.tif'\nclearance_m = -5.0",
+            "fly.toml, line 5: terrain.clearance_m is -5",
+        ),
+        (
+            "file = 'strips.tif'\nsource = 'ground-station'\nclearance_m = 5.0",
+            "expected one of them",
+        ),
+        ("source = 'nobody'\nclearance_m = 5.0", "fly.toml, line 4:"),
+    ] {
+        for arguments in [&["check", "fly.toml"][..], &flies] {
+            let told = of_link(at, table, arguments, 1);
+            assert!(told.contains(expected), "{told}");
+        }
+    }
+    let table = "file = 'strips.tif'\nclearance_m = 50.0";
+    let told = of_link(at, table, &["check", "fly.toml"], 0);
+    let area = "knows the ground of latitude 46.50250 to 46.60000, longitude 9.20000 to 9.32250";
+    assert!(told.contains(area), "{told}");
+}

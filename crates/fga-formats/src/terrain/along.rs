@@ -3,6 +3,7 @@
 //! A path that is straight in the local frame is cut into pieces of at most a kilometre, each straight in latitude and
 //! longitude within two centimetres. In a cell of the grid the height along such a piece is a quadratic, whose least clearance is in closed form.
 
+use super::field::ON_LINE;
 use super::mosaic::Terrain;
 use crate::geodesy::{Geodetic, LocalFrame};
 use glam::DVec3;
@@ -174,11 +175,12 @@ impl Terrain {
                 north_deg / field.grid().step_north_deg,
                 east_deg / field.grid().step_east_deg,
             ];
+            // As far beyond a line as still counts as on it: a path along a line of posts leaves neither cell.
             let leaves = |rate: f64, step: f64, corner: f64| {
                 if rate > 0.0 {
-                    (corner + 1.0 - step) / rate
+                    (corner + 1.0 + ON_LINE - step) / rate
                 } else if rate < 0.0 {
-                    (corner - step) / rate
+                    (corner - ON_LINE - step) / rate
                 } else {
                     f64::INFINITY
                 }

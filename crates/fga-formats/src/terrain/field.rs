@@ -5,7 +5,7 @@ use super::Area;
 /// Heights beyond this are no ground: the highest mountain has 8,849 m, metres.
 const MOST_M: f64 = 9_000.0;
 /// A place within this of a line of posts is on the line, share of the spacing.
-const ON_LINE: f64 = 1e-6;
+pub(super) const ON_LINE: f64 = 1e-6;
 /// A hole in whole metres, as SRTM writes it.
 pub(super) const HOLE: i16 = i16::MIN;
 

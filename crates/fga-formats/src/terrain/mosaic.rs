@@ -85,6 +85,21 @@ impl Terrain {
             .map_or(Datum::Egm96, |file| file.datum.value)
     }
 
+    /// Whether its heights are above the sea, as altitudes of missions are.
+    ///
+    /// # Errors
+    /// Heights above the ellipsoid; a sentence without its subject.
+    pub fn sea_level(&self) -> Result<(), String> {
+        let datum = self.datum();
+        if datum.is_sea_level() {
+            return Ok(());
+        }
+        Err(format!(
+            "has heights above {}, expected mean sea level, as altitudes of missions are",
+            datum.words()
+        ))
+    }
+
     /// The largest vertical error of the files, metres.
     pub fn vertical_error_m(&self) -> f64 {
         let errors = self.files.iter().map(|file| file.vertical_error_m.value);

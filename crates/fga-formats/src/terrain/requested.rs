@@ -6,14 +6,30 @@ use super::field::{Grid, HOLE, HeightField, Heights};
 /// All 56 pieces of a block.
 const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
 
+/// What a piece is to a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Taken {
+    /// Not of this block.
+    Other,
+    /// Heights that are no ground; they are left out.
+    NoGround,
+    /// A piece that was missing.
+    New,
+    /// A piece that was known. Where it differs from what was known the higher height counts.
+    Again {
+        /// The largest difference, metres, positive where the new heights are higher.
+        higher_m: i16,
+    },
+}
+
 /// A block of 28 × 32 heights that is asked for with `TERRAIN_REQUEST` and comes in pieces of 4 × 4 heights.
 ///
 /// ```
-/// use fga_formats::terrain::RequestedBlock;
+/// use fga_formats::terrain::{RequestedBlock, Taken};
 ///
 /// let mut block = RequestedBlock::around([46.05, 9.1], 100).expect("a place");
 /// assert_eq!(block.mask().count_ones(), 56);
-/// assert!(block.take(block.corner_e7(), 100, 0, &[500; 16]));
+/// assert_eq!(block.take(block.corner_e7(), 100, 0, &[500; 16]), Taken::New);
 /// assert_eq!(block.mask().count_ones(), 55);
 /// let field = block.field().expect("heights of ground");
 /// assert_eq!(field.summary(), (Some([500.0, 500.0]), 880));
@@ -70,14 +86,14 @@ impl RequestedBlock {
     }
 
     /// Takes the content of a `TERRAIN_DATA`: corner of the request, spacing, number of the piece, heights from its
-    /// south-west corner, to the east first. `false` if it is not of this block, or no ground.
+    /// south-west corner, to the east first.
     pub fn take(
         &mut self,
         corner_e7: [i32; 2],
         spacing_m: u16,
         piece: u8,
         heights_m: &[i16; PIECE * PIECE],
-    ) -> bool {
+    ) -> Taken {
         // A sender may have rounded the corner otherwise: two centimetres.
         let is_corner = self
             .corner_e7
@@ -89,13 +105,14 @@ impl RequestedBlock {
             .all(|height| height.unsigned_abs() <= 9_000);
         let piece = usize::from(piece);
         let per_row = COLUMNS / PIECE;
-        if !is_corner
-            || !is_ground
-            || spacing_m != self.spacing_m
-            || piece >= ROWS / PIECE * per_row
-        {
-            return false;
+        if !is_corner || spacing_m != self.spacing_m {
+            return Taken::Other;
         }
+        if !is_ground || piece >= ROWS / PIECE * per_row {
+            return Taken::NoGround;
+        }
+        let is_known = self.filled & (1 << piece) != 0;
+        let mut higher_m = 0_i16;
         for (index, height) in heights_m.iter().enumerate() {
             let from_south = piece / per_row * PIECE + index / PIECE;
             let column = piece % per_row * PIECE + index % PIECE;
@@ -103,11 +120,19 @@ impl RequestedBlock {
                 .heights
                 .get_mut((ROWS - 1 - from_south) * COLUMNS + column)
             {
-                *post = *height;
+                let more_m = height.saturating_sub(*post);
+                if is_known && more_m.unsigned_abs() > higher_m.unsigned_abs() {
+                    higher_m = more_m;
+                }
+                *post = if is_known { *height.max(post) } else { *height };
             }
         }
         self.filled |= 1 << piece;
-        true
+        if is_known {
+            Taken::Again { higher_m }
+        } else {
+            Taken::New
+        }
     }
 
     /// What is known so far; missing pieces are holes. `None` before the first piece, or if the heights cannot be ground.

@@ -16,7 +16,11 @@ mod refused;
 
 use std::path::{Path, PathBuf};
 
-use fga_formats::terrain::{Datum, Given, RequestedBlock, Terrain, TerrainFile, parse, read};
+use fga::Vec3;
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_formats::terrain::{
+    Datum, Given, RequestedBlock, Taken, Terrain, TerrainFile, parse, read,
+};
 
 const FILES: [(&str, &[u8]); 11] = [
     ("strips.tif", include_bytes!("terrain/strips.tif")),
@@ -188,13 +192,19 @@ fn ground_sent_in_pieces_is_the_ground_of_the_file() {
                 let height_m = field.post_m(27 - south - index / 4, west + index % 4);
                 height_m.unwrap_or(-1.0) as i16
             });
-            assert!(!block.take([corner_e7[0] + 500, corner_e7[1]], 100, piece, &heights_m));
-            assert!(!block.take(corner_e7, 90, piece, &heights_m));
+            let moved_e7 = [corner_e7[0] + 500, corner_e7[1]];
+            assert_eq!(block.take(moved_e7, 100, piece, &heights_m), Taken::Other);
+            assert_eq!(block.take(corner_e7, 90, piece, &heights_m), Taken::Other);
             if heights_m != [-1; 16] {
-                assert!(block.take(corner_e7, 100, piece, &heights_m));
+                assert_eq!(block.take(corner_e7, 100, piece, &heights_m), Taken::New);
+                // Lower ground that comes later does not count.
+                let lower_m = heights_m.map(|height_m| height_m - 60);
+                let again = Taken::Again { higher_m: -60 };
+                assert_eq!(block.take(corner_e7, 100, piece, &lower_m), again);
             }
         }
-        assert!(!block.take(corner_e7, 100, 56, &[0; 16]));
+        assert_eq!(block.take(corner_e7, 100, 56, &[0; 16]), Taken::NoGround);
+        assert_eq!(block.take(corner_e7, 100, 0, &[9_001; 16]), Taken::NoGround);
         let (_, holes) = field.summary();
         assert_eq!(block.mask().count_ones() as usize, holes / 16);
         let sent = block.field().unwrap();
@@ -262,4 +272,23 @@ fn dted_as_it_is_published_is_read_as_gdal_reads_it() {
     let island = read(&dted2("test_data_negative.dt2").unwrap(), &Given::default()).unwrap();
     assert_eq!(island.fields[0].summary(), (Some([0.0, 466.0]), 0));
     assert_eq!(island.vertical_error_m.value, 16.0);
+}
+
+/// A leg that crosses a line of posts at a very small angle took a million steps for each kilometre.
+#[test]
+fn a_path_along_a_line_of_posts_takes_few_steps() {
+    let terrain = terrain(&["strips.tif"]);
+    // 0.4 millionths of a step beside the line of posts at 9.21, and as far beside it on the other side at the end.
+    for side in [1.0, -1.0] {
+        let place = Geodetic::new(46.51, 9.21 + side * 1e-9, 0.0).unwrap();
+        let frame = LocalFrame::new(place, Earth::Wgs84);
+        let (from_m, to_m) = (Vec3::ZERO, Vec3::new(-side * 1.5e-4, 5_000.0, 0.0));
+        let points = terrain.profile(&frame, from_m, to_m).len();
+        // A line of posts each 278 m.
+        assert!((36..100).contains(&points), "{points}");
+        let lowest = terrain.clearance(&frame, from_m, to_m).lowest.unwrap();
+        let beside_m = terrain.clearance(&frame, from_m + Vec3::X, to_m + Vec3::X);
+        let apart_m = lowest.clearance_m - beside_m.lowest.unwrap().clearance_m;
+        assert!(apart_m.abs() < 2.0, "{apart_m}");
+    }
 }

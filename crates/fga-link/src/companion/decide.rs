@@ -1,6 +1,7 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
 use fga::avoider::{Decision, Reason, State as AvoiderState};
+use fga::ground::Ground;
 use fga::maneuver::Maneuver;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{Response, Vehicle};
@@ -100,6 +101,7 @@ impl Companion {
         }
         let Some(state) = state else { return };
         self.lay_fence(now_s);
+        self.order_ground(&state, now_s);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }
@@ -137,6 +139,7 @@ impl Companion {
             let words = format!("fga: no way round {name} keeps it, not begun");
             self.tell(Severity::Warning, &words, now_s);
         }
+        self.watch_ground(&decision, &state, now_s);
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
@@ -160,29 +163,43 @@ impl Companion {
         self.grow_obstacles(now_s);
         let mut decider = self.decider.take()?;
         let zones = self.fence_zones(state.ownship.position_m);
-        // A fence bounds manoeuvres and begins none: a vehicle that flies by itself among nothing else is left alone.
-        let free = (!zones.is_empty() && !self.keeper.is_engaged()).then(|| {
-            let mut free = decider.clone();
-            let decision = free.step(&self.situation(state, &[], now_s));
-            (free, decision)
-        });
+        let ground = self.bounding_ground(now_s);
+        let is_bounded = !zones.is_empty() || ground.is_some();
+        let before = is_bounded.then(|| decider.clone());
+        let step = |decider: &Decider, bounds| {
+            let mut decider = decider.clone();
+            let decision = decider.step(&self.situation(state, bounds, now_s));
+            (decider, decision)
+        };
+        // Fence and ground bound manoeuvres and begin none: a vehicle that flies by itself among nothing else is left alone.
+        let free = before.as_ref().filter(|_| !self.keeper.is_engaged());
+        let free = free.map(|before| step(before, (&[], None)));
         let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
         let (decider, decision) = quiet.unwrap_or_else(|| {
-            let decision = decider.step(&self.situation(state, &zones, now_s));
+            let decision = decider.step(&self.situation(state, (&zones, ground.as_ref()), now_s));
             (decider, decision)
         });
+        let before = before.filter(|_| self.asks_without_ground(&decision));
+        let without = before.map(|before| step(&before, (&zones, None)).1);
         drop(zones);
+        self.note_bounds(&decision, without.as_ref());
         self.decider = Some(decider);
         Some(decision)
     }
 
-    fn situation<'a>(&'a self, state: &State, zones: &'a [Zone<'a>], now_s: f64) -> Situation<'a> {
+    fn situation<'a>(
+        &'a self,
+        state: &State,
+        (zones, ground): (&'a [Zone<'a>], Option<&'a Ground<'a>>),
+        now_s: f64,
+    ) -> Situation<'a> {
         Situation {
             time_s: now_s + self.ahead_s,
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
             mission: Mission {
                 zones,
+                ground,
                 ..Mission::new(&self.way.waypoints_m)
             },
             wind_mps: state.wind_mps,
@@ -374,6 +391,8 @@ impl Companion {
             &decided.decision,
             &decided.own,
             &self.keeper.state(),
+            self.known_ground()
+                .and_then(|ground| ground.above_m(decided.own.ownship.position_m)),
             |id| self.obstacle_name(id),
         );
         self.push_log(line);

@@ -94,7 +94,7 @@ impl Companion {
     }
 
     /// Extra uncertainty of our own position, m.
-    fn growth_m(&self, now_s: f64) -> f64 {
+    pub(super) fn growth_m(&self, now_s: f64) -> f64 {
         if !self.is_blind(now_s) {
             return 0.0;
         }

@@ -43,6 +43,7 @@ pub(super) enum Lacking {
     FeedSilent,
     OtherAvoider,
     SlowLink,
+    Ground,
 }
 
 impl Lacking {
@@ -70,6 +71,7 @@ impl Lacking {
             Self::Decision => "fga: not ready: no decision possible",
             Self::FeedUnreadable => "fga: not ready: traffic feed not understood",
             Self::FeedSilent => "fga: not ready: no traffic feed",
+            Self::Ground => "fga: not ready: the ground is not made yet",
         }
     }
 
@@ -222,6 +224,9 @@ impl Companion {
         if !engaged && self.fence_acts_in_guided() {
             return Some(Lacking::FenceAction);
         }
+        if !engaged && self.waits_for_ground() {
+            return Some(Lacking::Ground);
+        }
         if self.bank_limit_rad().is_none() {
             return Some(Lacking::BankLimit);
         }
@@ -301,6 +306,7 @@ mod tests {
             Lacking::FeedSilent,
             Lacking::OtherAvoider,
             Lacking::SlowLink,
+            Lacking::Ground,
         ] {
             assert!(lacking.words().len() <= 50, "{lacking:?}");
         }

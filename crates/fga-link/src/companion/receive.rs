@@ -48,6 +48,10 @@ impl Companion {
         if self.take_traffic(*header, message, now_s) {
             return;
         }
+        if let MavMessage::TERRAIN_DATA(data) = message {
+            self.take_terrain(data, now_s);
+            return;
+        }
         let Ok(system) = u8::try_from(header.system_id) else {
             return;
         };
@@ -272,6 +276,10 @@ impl Companion {
                 let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
                 self.fence_enabled = Some(data.onboard_control_sensors_enabled.contains(fence));
             }
+            MavMessage::DISTANCE_SENSOR(data) => self.take_rangefinder(data, now_s),
+            MavMessage::RANGEFINDER(data) if data.distance > 0.0 => {
+                self.take_distance(f64::from(data.distance), now_s);
+            }
             MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
             MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),
             MavMessage::SCALED_PRESSURE(data) => {
@@ -358,6 +366,7 @@ impl Companion {
         self.tracks.clear();
         self.fence = fence::Fence::default();
         self.fence_laid = 0;
+        self.forget_ground();
         self.way_mode = None;
         self.watch.mode_changed(now_s);
         self.forget_plan();

@@ -146,6 +146,7 @@ impl Config {
         self.check_optional(&mut checked);
         checked.finish().map_err(ConfigError)?;
         self.check_across()?;
+        self.check_terrain()?;
         self.own_icao()?;
         self.signing_key()?;
         self.take_over()?;
@@ -156,6 +157,9 @@ impl Config {
     fn check_optional(&self, checked: &mut Checked) {
         if let Some(value) = self.protection.radius_m {
             checked.within("protection.radius_m", value, 1.0, 5000.0);
+        }
+        if let Some(value) = self.terrain.clearance_m {
+            checked.within("terrain.clearance_m", value, 0.0, 10_000.0);
         }
         if let Some(value) = self.protection.surveillance_m {
             checked.within("protection.surveillance_m", value, 50.0, 50_000.0);

@@ -92,6 +92,11 @@ impl Config {
             let words = "Algorithm 4 (command.mode \"paper\") knows no fence: safety.use_fence has no effect";
             warnings.push(words.to_owned());
         }
+        if self.command.mode == CommandMode::Paper && self.terrain.clearance_m.is_some() {
+            let words =
+                "Algorithm 4 (command.mode \"paper\") knows no ground: terrain has no effect";
+            warnings.push(words.to_owned());
+        }
         let crewed = self.volume(Class::Crewed);
         if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
             warnings.push(format!(

@@ -206,6 +206,8 @@ pub struct World {
     /// Every message the companion sent, with its time.
     pub sent: Vec<(f64, MavMessage)>,
     pub keep_sent: bool,
+    /// Every message that the companion heard, with its time, where kept.
+    pub heard: Option<Vec<(f64, MavHeader, MavMessage)>>,
     /// Reports give pressure altitudes, in air with this pressure at sea level, hectopascals.
     pub sea_level_hpa: Option<f64>,
 }
@@ -362,6 +364,7 @@ impl World {
             least_m: Vec::new(),
             sent: Vec::new(),
             keep_sent: false,
+            heard: None,
             sea_level_hpa: None,
         }
     }
@@ -528,6 +531,9 @@ impl World {
                 {
                     self.first_heard_s[index].get_or_insert(time_s);
                 }
+                if let Some(heard) = &mut self.heard {
+                    heard.push((time_s, packet.header, packet.message.clone()));
+                }
                 self.companion
                     .receive(&packet.header, &packet.message, time_s);
                 self.flush();
@@ -535,6 +541,7 @@ impl World {
         }
         if !self.killed {
             self.companion.tick(time_s);
+            self.companion.make_ground(time_s);
             self.flush();
         }
     }

@@ -37,5 +37,6 @@ mod safety_case;
 mod sbs_log;
 mod sequences;
 mod survivors;
+mod terrain;
 mod traffic;
 mod trial;

@@ -198,6 +198,7 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
             .expect("valid"),
         config: Config::parse(&config).expect("valid"),
         traffic: Vec::new(),
+        terrain: None,
         dry_run: false,
         out: folder.join("logs"),
         status: false,

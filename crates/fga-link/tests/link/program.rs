@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use crate::common::live::{self, Live, ModeCommand, RADIUS_M};
 use fga_emulator::Mode;
+use fga_formats::terrain::Terrain;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::{Companion, Config};
 
@@ -32,12 +33,25 @@ impl Program {
         config: &str,
         out: &Path,
         end_program: fn(),
+        watch: impl FnMut(&Companion) + Send + 'static,
+    ) -> Self {
+        Self::start_over(None, endpoint, config, out, end_program, watch)
+    }
+
+    /// The same over ground.
+    fn start_over(
+        terrain: Option<Arc<Terrain>>,
+        endpoint: &str,
+        config: &str,
+        out: &Path,
+        end_program: fn(),
         mut watch: impl FnMut(&Companion) + Send + 'static,
     ) -> Self {
         let options = FlyOptions {
             endpoint: endpoint.parse().expect("an endpoint"),
             config: Config::parse(config).expect("a configuration"),
             traffic: Vec::new(),
+            terrain,
             dry_run: false,
             out: out.to_owned(),
             status: false,
@@ -338,4 +352,32 @@ fn tcp_half_open_peer_frozen() {
     let told = live.emulator().texts().len();
     live.wait_until("texts over it", |live| live.emulator().texts().len() > told);
     program.end().expect("an orderly end");
+}
+
+#[test]
+fn the_ground_is_made_beside_the_deciding_thread() {
+    let live = Live::udp(None, None);
+    let out = live::folder("ground");
+    let config = format!(
+        "{}\n[terrain]\nfile = \"N37W123.hgt\"\nclearance_m = 30.0\n",
+        live::config()
+    );
+    // The mission is 104 m above the sea.
+    let terrain = crate::terrain::tile(|_, _| Some(80));
+    let endpoint = udpout(&live);
+    let mut program = Program::start_over(Some(terrain), &endpoint, &config, &out, never, |_| {});
+    live.wait_until("a mission that is too low", |live| {
+        live.was_told("24 m above ground: too low") || live.was_told("legs too low")
+    });
+    live.wait_for_maneuver();
+    program.end().expect("an orderly end");
+    let mut logs = std::fs::read_dir(&out).expect("a folder").flatten();
+    let log = logs.find(|entry| {
+        entry
+            .path()
+            .extension()
+            .is_some_and(|ending| ending == "jsonl")
+    });
+    let log = std::fs::read_to_string(log.expect("a log").path()).expect("text");
+    assert!(log.contains("\"above_ground_m\":"), "{log}");
 }

@@ -1,10 +1,10 @@
 //! The `[terrain]` table of a scenario.
 
 use alloc::sync::Arc;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use fga::Vec3;
-use fga_files::scenario::{TerrainFiles, TerrainTable};
+use fga_files::scenario::TerrainTable;
 use fga_formats::InputError;
 use fga_formats::terrain::{Given, Terrain};
 use toml::Spanned;
@@ -28,10 +28,7 @@ pub(super) fn ground(
     };
     let clearance_m = text.within("clearance_m", &entry.clearance_m, (0.0, MOST_CLEARANCE_M))?;
     let folder = text.path().parent().unwrap_or(Path::new(""));
-    let files: Vec<PathBuf> = match entry.file.get_ref() {
-        TerrainFiles::One(file) => vec![folder.join(file)],
-        TerrainFiles::Several(files) => files.iter().map(|file| folder.join(file)).collect(),
-    };
+    let files = entry.file.get_ref().within(folder);
     if files.is_empty() {
         return Err(text.error_at(&entry.file, "terrain has no file, expected at least one"));
     }

@@ -150,8 +150,7 @@ impl Avoider<dyn Places + '_> {
         let time_s = situation.time_s;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
-            && let Some(rung) = self.kept_rung(&mut plan, situation, now)
-            && rung <= plan.rung
+            && self.kept_rung(&mut plan, situation, now) == Some(plan.rung)
         {
             self.plan = Some(plan);
             if plan.start_s > time_s {

@@ -1,8 +1,8 @@
 //! Several files as one ground, a part of it, and paths over it.
 
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_formats::terrain::{Area, Datum, Given, Terrain, parse, read};
-use glam::DVec3;
+use fga_formats::terrain::{Area, Datum, Given, LocalGround, Terrain, parse, read};
+use glam::{DVec2, DVec3};
 use std::path::Path;
 
 use super::{bytes, file, formula, terrain};
@@ -153,4 +153,31 @@ fn the_least_clearance_is_that_of_fine_steps() {
         assert!((profile.last().unwrap().along_m - length_m).abs() < 1e-6);
     }
     assert!(checked > 50);
+}
+
+/// The posts of a flight have the heights of the file at the exact latitude and longitude of each.
+#[test]
+fn local_ground_has_the_heights_of_the_file() {
+    let terrain = terrain(&["strips.tif"]);
+    let origin = Geodetic::new(46.55, 9.26, 700.0).unwrap();
+    let frame = LocalFrame::new(origin, Earth::Wgs84);
+    let ground = LocalGround::around(&terrain, &frame, &[DVec3::ZERO], 50.0).unwrap();
+    let size_m = DVec2::splat(6_000.0);
+    let (spacing_m, count) = terrain.posts(46.55, size_m).unwrap();
+    let mut known = 0;
+    for (column, row) in (0..count.x as u32).flat_map(|x| (0..count.y as u32).map(move |y| (x, y)))
+    {
+        let steps = DVec2::new(f64::from(column), f64::from(row));
+        let at_m = -0.5 * size_m + spacing_m * steps;
+        let place = frame.to_geodetic(at_m.extend(0.0));
+        let exact_m = terrain.height_m(place.latitude_deg, place.longitude_deg);
+        if let (Some(exact_m), Some(height_m)) = (exact_m, ground.height_m(at_m)) {
+            assert!(
+                (exact_m - 700.0 - height_m).abs() < 0.02,
+                "{exact_m} {height_m}"
+            );
+            known += 1;
+        }
+    }
+    assert!(known > 500, "{known}");
 }

@@ -21,8 +21,7 @@ impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
     fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
-            let kept = self.kept_rung(plan, situation, now);
-            return kept.is_some_and(|rung| rung <= plan.rung);
+            return self.kept_rung(plan, situation, now) == Some(plan.rung);
         }
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;

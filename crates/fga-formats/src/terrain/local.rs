@@ -1,0 +1,286 @@
+//! Ground as a flight takes it: heights at posts of the local frame.
+
+use fga::ground::Ground;
+use fga::{Vec2, Vec3};
+
+use super::Terrain;
+use crate::geodesy::LocalFrame;
+
+/// The ground is known this far beside the places of a flight, metres.
+const BESIDE_M: f64 = 3_000.0;
+
+/// Most posts: a square of 120 km with a post each 30 m.
+const MOST_POSTS: f64 = 16e6;
+
+/// Metres of a degree of latitude.
+const DEGREE_M: f64 = 111_132.0;
+
+/// Latitudes and longitudes are exact at places so far apart, metres.
+const EXACT_M: f64 = 500.0;
+
+/// A way is looked at each time it has gone as far as this, metres.
+const LOOK_M: f64 = 0.25;
+
+/// Ground by the heights of posts of the local frame, bilinear between them, with the height that a flight keeps above it.
+///
+/// The height above it is looked up with code of its own: it shares nothing with the certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocalGround {
+    corner_m: Vec2,
+    spacing_m: Vec2,
+    columns: usize,
+    heights_m: Vec<f32>,
+    peaks_m: Vec<f32>,
+    error_m: f64,
+    clearance_m: f64,
+}
+
+impl LocalGround {
+    /// Ground by the heights of posts, row by row from the south-west one on, each row from the west, metres, not a number where
+    /// unknown; with the vertical error of the heights and the clearance that is asked for, metres. `None` for numbers or a size that cannot be.
+    pub fn new(
+        (corner_m, spacing_m): (Vec2, Vec2),
+        columns: usize,
+        heights_m: Vec<f32>,
+        (error_m, clearance_m): (f64, f64),
+    ) -> Option<Self> {
+        let mut peaks_m = vec![0.0; Ground::peak_count(columns, heights_m.len())];
+        Ground::fill_peaks(columns, &heights_m, &mut peaks_m);
+        let slices = (heights_m.as_slice(), peaks_m.as_slice());
+        Ground::new(
+            (corner_m, spacing_m),
+            columns,
+            slices,
+            (error_m, clearance_m),
+        )?;
+        Some(Self {
+            corner_m,
+            spacing_m,
+            columns,
+            heights_m,
+            peaks_m,
+            error_m,
+            clearance_m,
+        })
+    }
+
+    /// The ground of files around places of a frame, metres, with a clearance, metres. Its posts are as far apart as those of the files;
+    /// what the ground between them may differ by is added to the vertical error.
+    ///
+    /// # Errors
+    /// Heights above the ellipsoid, too large an area, or one that the files know nothing of; a sentence without its subject.
+    pub fn around(
+        terrain: &Terrain,
+        frame: &LocalFrame,
+        places_m: &[Vec3],
+        clearance_m: f64,
+    ) -> Result<Self, String> {
+        terrain.sea_level()?;
+        let places_m = places_m.iter().map(|place_m| place_m.truncate());
+        let low_m = places_m.clone().fold(Vec2::INFINITY, Vec2::min) - BESIDE_M;
+        let high_m = places_m.fold(Vec2::NEG_INFINITY, Vec2::max) + BESIDE_M;
+        let (spacing_m, count) = terrain.posts(frame.origin().latitude_deg, high_m - low_m)?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole, positive and at most as many as are allowed"
+        )]
+        let (columns, rows) = (count.x as usize, count.y as usize);
+        let at = |column: f64, row: f64| low_m + spacing_m * Vec2::new(column, row);
+        let places = Places::new(frame, low_m, at(count.x, count.y));
+        let of_file = |at: Vec2| places.height_m(terrain, at);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "heights are known to centimetres"
+        )]
+        let heights_m: Vec<f32> = (0..columns * rows)
+            .map(|index| at((index % columns) as f64, (index / columns) as f64))
+            .map(|at| of_file(at).map_or(f32::NAN, |height_m| height_m as f32))
+            .collect();
+        let error_m = terrain.vertical_error_m();
+        let errors = (error_m, clearance_m);
+        let ground = Self::new((low_m, spacing_m), columns, heights_m, errors);
+        let mut ground = ground.ok_or("has no ground of a size")?;
+        if !ground.heights_m.iter().any(|height_m| height_m.is_finite()) {
+            return Err(
+                "knows no ground within 3 km of the mission, expected a file of its area".into(),
+            );
+        }
+        // Between the posts, where the two differ most.
+        for index in 0..columns * rows {
+            let (column, row) = ((index % columns) as f64, (index / columns) as f64);
+            for at in [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)] {
+                let at_m = low_m + spacing_m * Vec2::new(column + at.0, row + at.1);
+                let apart_m = of_file(at_m).zip(ground.height_m(at_m));
+                let apart_m = apart_m.map_or(0.0, |(one_m, other_m)| one_m - other_m);
+                ground.error_m = ground.error_m.max(error_m + apart_m);
+            }
+        }
+        Ok(ground)
+    }
+
+    /// The ground as the core takes it.
+    pub fn ground(&self) -> Option<Ground<'_>> {
+        self.raised(0.0)
+    }
+
+    /// The ground for an aircraft whose own height is uncertain by so much more, metres.
+    pub fn raised(&self, by_m: f64) -> Option<Ground<'_>> {
+        let place = (self.corner_m, self.spacing_m);
+        let slices = (self.heights_m.as_slice(), self.peaks_m.as_slice());
+        let errors = (self.error_m + by_m, self.clearance_m);
+        Ground::new(place, self.columns, slices, errors)
+    }
+
+    /// Its south-west post and the spacing, metres; posts a row; and the heights, metres, as [`LocalGround::new`] takes them.
+    pub fn posts(&self) -> ((Vec2, Vec2), usize, &[f32]) {
+        let place = (self.corner_m, self.spacing_m);
+        (place, self.columns, &self.heights_m)
+    }
+
+    /// A copy of what a situation lends; all that it takes to clear it counts as clearance.
+    pub fn of(ground: &Ground<'_>) -> Option<Self> {
+        let (place, columns, heights_m, needed_m) = ground.posts();
+        Self::new(place, columns, heights_m.to_vec(), (0.0, needed_m))
+    }
+
+    /// Its vertical error, metres.
+    pub const fn error_m(&self) -> f64 {
+        self.error_m
+    }
+
+    /// The height above the ground that is asked for, metres, without the vertical error.
+    pub const fn clearance_m(&self) -> f64 {
+        self.clearance_m
+    }
+
+    /// The height of the ground at a place, metres; `None` where it is not known.
+    pub fn height_m(&self, at: Vec2) -> Option<f64> {
+        let steps = (at - self.corner_m) / self.spacing_m;
+        let rows = self.heights_m.len() / self.columns;
+        let last = Vec2::new(self.columns as f64 - 1.0, rows as f64 - 1.0);
+        if !(steps.cmpge(Vec2::ZERO).all() && steps.cmple(last).all()) {
+            return None;
+        }
+        let low = steps.floor().min(last - 1.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the posts"
+        )]
+        let first = low.y as usize * self.columns + low.x as usize;
+        let share = steps - low;
+        let post_m = |index: usize| {
+            let post_m = self.heights_m.get(index);
+            post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
+        };
+        let height_m = (1.0 - share.y)
+            * ((1.0 - share.x) * post_m(first) + share.x * post_m(first + 1))
+            + share.y
+                * ((1.0 - share.x) * post_m(first + self.columns)
+                    + share.x * post_m(first + self.columns + 1));
+        height_m.is_finite().then_some(height_m)
+    }
+
+    /// The height of a place above the ground, metres; `None` where that is not known.
+    pub fn above_m(&self, at_m: Vec3) -> Option<f64> {
+        Some(at_m.z - self.height_m(at_m.truncate())?)
+    }
+
+    /// The least height of a straight way above known ground, metres, and whether all of the ground is known.
+    pub fn along_m(&self, from_m: Vec3, to_m: Vec3) -> (f64, bool) {
+        let (mut least_m, mut is_known) = (f64::INFINITY, true);
+        let steps = libm::ceil(from_m.distance(to_m) / LOOK_M).max(1.0);
+        let mut step = 0.0;
+        while step <= steps {
+            match self.above_m(from_m.lerp(to_m, step / steps)) {
+                Some(above_m) => least_m = least_m.min(above_m),
+                None => is_known = false,
+            }
+            step += 1.0;
+        }
+        (least_m, is_known)
+    }
+}
+
+impl Terrain {
+    /// How far apart the posts of [`LocalGround`] of a size, metres, are at a latitude, metres, and how many they are: each east and north.
+    ///
+    /// # Errors
+    /// Too many; a sentence without its subject.
+    pub fn posts(&self, latitude_deg: f64, size_m: Vec2) -> Result<(Vec2, Vec2), String> {
+        let level = libm::cos(latitude_deg.to_radians());
+        let spacing_m = self.fields().fold(Vec2::splat(BESIDE_M), |least_m, field| {
+            let grid = field.grid();
+            least_m.min(DEGREE_M * Vec2::new(grid.step_east_deg * level, grid.step_north_deg))
+        });
+        let count = (size_m / spacing_m).ceil() + 1.0;
+        if count.element_product() > MOST_POSTS {
+            return Err(format!(
+                "has a height each {:.0} x {:.0} m, and {:.0} x {:.0} km are flown over: {:.0} million heights, expected at most {:.0}",
+                spacing_m.x,
+                spacing_m.y,
+                1e-3 * size_m.x,
+                1e-3 * size_m.y,
+                1e-6 * count.element_product(),
+                1e-6 * MOST_POSTS
+            ));
+        }
+        Ok((spacing_m, count))
+    }
+}
+
+/// Latitudes and longitudes of places of a frame: exact each half kilometre and linear between, which is within a centimetre up to a latitude of 60°.
+/// Each exact one takes as long as looking up ten heights.
+struct Places {
+    low_m: Vec2,
+    columns: usize,
+    /// Latitudes and longitudes, degrees, row by row.
+    exact: Vec<Vec2>,
+    /// The altitude of the frame, metres.
+    level_m: f64,
+}
+
+impl Places {
+    fn new(frame: &LocalFrame, low_m: Vec2, high_m: Vec2) -> Self {
+        let count = ((high_m - low_m) / EXACT_M).floor() + 2.0;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "fewer than the posts"
+        )]
+        let (columns, rows) = (count.x as usize, count.y as usize);
+        let origin = frame.origin();
+        let exact = (0..columns * rows).map(|index| {
+            let steps = Vec2::new((index % columns) as f64, (index / columns) as f64);
+            let place = frame.to_geodetic((low_m + EXACT_M * steps).extend(0.0));
+            let east_deg = libm::remainder(place.longitude_deg - origin.longitude_deg, 360.0);
+            Vec2::new(place.latitude_deg, origin.longitude_deg + east_deg)
+        });
+        Self {
+            low_m,
+            columns,
+            exact: exact.collect(),
+            level_m: origin.altitude_m,
+        }
+    }
+
+    /// The height of the ground of files at a place, metres in the frame.
+    fn height_m(&self, terrain: &Terrain, at_m: Vec2) -> Option<f64> {
+        let steps = (at_m - self.low_m) / EXACT_M;
+        let low = steps.floor();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the places"
+        )]
+        let first = low.y as usize * self.columns + low.x as usize;
+        let share = steps - low;
+        let row = |index: usize| {
+            let (west, east) = (self.exact.get(index)?, self.exact.get(index + 1)?);
+            Some(west.lerp(*east, share.x))
+        };
+        let place = row(first)?.lerp(row(first + self.columns)?, share.y);
+        Some(terrain.height_m(place.x, place.y)? - self.level_m)
+    }
+}

@@ -1,0 +1,199 @@
+//! Ground asked of a ground station, in the way of ArduPilot: `TERRAIN_REQUEST` names a block and its missing pieces, each
+//! `TERRAIN_DATA` has one. Neither names a receiver, so that the vehicle passes them on between its links. What never comes stays
+//! unknown.
+
+use alloc::sync::Arc;
+use std::path::PathBuf;
+
+use fga_formats::terrain::{Datum, RequestedBlock, Stated, Taken, Terrain, TerrainFile};
+use mavlink::dialects::ardupilotmega::{TERRAIN_DATA_DATA, TERRAIN_REQUEST_DATA};
+
+/// Distance between posts, metres: ArduPilot's `TERRAIN_SPACING` where nobody changes it, so that one answer serves the vehicle too.
+const SPACING_M: u16 = 100;
+/// Vertical error of what ground stations send, metres: they have SRTM.
+const ERROR_M: f64 = 16.0;
+/// ArduPilot asks this often, seconds; without an answer the pause doubles …
+const PAUSE_S: f64 = 2.0;
+/// … up to this, seconds: then nobody seems to answer.
+const LONGEST_PAUSE_S: f64 = 32.0;
+/// Most blocks in memory.
+const MOST_BLOCKS: usize = 64;
+/// New pieces become ground this often, seconds.
+const LAID_S: f64 = 5.0;
+
+/// What came of the requests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Answers {
+    /// Pieces that changed the ground.
+    pub(crate) taken: u32,
+    /// Pieces of asked blocks whose heights are no ground.
+    pub(crate) wrong: u32,
+    /// Pieces that contradict earlier ones by more than the errors of both: the higher ground counts.
+    pub(crate) contradicting: u32,
+}
+
+/// The blocks that are asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct AskedBlocks {
+    /// The wanted ones first, the most urgent at the front.
+    blocks: Vec<RequestedBlock>,
+    wanted: usize,
+    due_s: f64,
+    pause_s: f64,
+    /// How many requests in a row were not answered.
+    unanswered: usize,
+    /// Whether the last request waits for an answer.
+    waits: bool,
+    answers: Answers,
+    /// The pieces of the last ground, its number, and when it was made, seconds.
+    laid: (u32, u32, f64),
+}
+
+impl Default for AskedBlocks {
+    fn default() -> Self {
+        Self {
+            blocks: Vec::new(),
+            wanted: 0,
+            due_s: f64::NEG_INFINITY,
+            pause_s: PAUSE_S,
+            unanswered: 0,
+            waits: false,
+            answers: Answers::default(),
+            laid: (0, 0, f64::NEG_INFINITY),
+        }
+    }
+}
+
+impl AskedBlocks {
+    /// The next request, where one is due; `places` gives latitudes and longitudes whose ground is wanted, degrees, the most urgent first.
+    pub(crate) fn request(
+        &mut self,
+        now_s: f64,
+        places: impl FnOnce() -> Vec<[f64; 2]>,
+    ) -> Option<TERRAIN_REQUEST_DATA> {
+        if now_s < self.due_s {
+            return None;
+        }
+        self.want(&places());
+        (self.pause_s, self.unanswered) = if self.waits {
+            (
+                (2.0 * self.pause_s).min(LONGEST_PAUSE_S),
+                self.unanswered + 1,
+            )
+        } else {
+            (PAUSE_S, 0)
+        };
+        self.due_s = now_s + self.pause_s;
+        let wanted = || self.blocks.iter().take(self.wanted);
+        let missing = || wanted().filter(|block| block.mask() != 0);
+        // What has no answer, a hole, holds up no other block.
+        let turn = self.unanswered.checked_rem(missing().count());
+        let block = turn.and_then(|turn| missing().nth(turn));
+        self.waits = block.is_some();
+        let block = block?;
+        let [lat, lon] = block.corner_e7();
+        Some(TERRAIN_REQUEST_DATA {
+            mask: block.mask(),
+            lat,
+            lon,
+            grid_spacing: SPACING_M,
+        })
+    }
+
+    /// Puts the blocks of these places first, and keeps as many of the others as there is room for.
+    fn want(&mut self, places: &[[f64; 2]]) {
+        let mut left = core::mem::take(&mut self.blocks);
+        for place in places {
+            let Some(block) = RequestedBlock::around(*place, SPACING_M) else {
+                continue;
+            };
+            let is_it = |other: &RequestedBlock| other.corner_e7() == block.corner_e7();
+            if self.blocks.len() == MOST_BLOCKS || self.blocks.iter().any(is_it) {
+                continue;
+            }
+            let known = left.iter().position(is_it);
+            let known = known.map(|index| left.swap_remove(index));
+            self.blocks.push(known.unwrap_or(block));
+        }
+        self.wanted = self.blocks.len();
+        let room = MOST_BLOCKS - self.wanted;
+        let known = left.into_iter().filter(|block| block.field().is_some());
+        self.blocks.extend(known.take(room));
+    }
+
+    /// Takes a piece; what the operator reads of it, if that is new.
+    pub(crate) fn take(&mut self, data: &TERRAIN_DATA_DATA) -> Option<&'static str> {
+        let corner_e7 = [data.lat, data.lon];
+        let takes = |block: &mut RequestedBlock| {
+            let taken = block.take(corner_e7, data.grid_spacing, data.gridbit, &data.data);
+            (taken != Taken::Other).then_some(taken)
+        };
+        match self.blocks.iter_mut().find_map(takes)? {
+            Taken::Other => None,
+            Taken::NoGround => {
+                self.answers.wrong += 1;
+                (self.answers.wrong == 1).then_some("fga: terrain answers that are no ground")
+            }
+            Taken::New => {
+                self.waits = false;
+                self.answers.taken += 1;
+                None
+            }
+            Taken::Again { higher_m } => {
+                self.answers.taken += u32::from(higher_m != 0);
+                let contradicts = f64::from(higher_m.unsigned_abs()) > 2.0 * ERROR_M;
+                self.answers.contradicting += u32::from(contradicts);
+                (contradicts && self.answers.contradicting == 1)
+                    .then_some("fga: terrain answers contradict, higher counts")
+            }
+        }
+    }
+
+    /// What came so far.
+    pub(crate) const fn answers(&self) -> Answers {
+        self.answers
+    }
+
+    /// The number of the ground that the pieces make now: another one where pieces came since, but not often.
+    pub(crate) fn number(&mut self, now_s: f64) -> u32 {
+        let (pieces, number, at_s) = self.laid;
+        if pieces != self.answers.taken && now_s - at_s >= LAID_S {
+            self.laid = (self.answers.taken, number + 1, now_s);
+        }
+        self.laid.1
+    }
+
+    /// Whether all that is wanted has come, or nobody answers.
+    pub(crate) fn is_settled(&self) -> bool {
+        let mut wanted = self.blocks.iter().take(self.wanted);
+        self.is_unanswered() || self.wanted > 0 && wanted.all(|block| block.mask() == 0)
+    }
+
+    /// Whether requests have stayed without an answer for long.
+    pub(crate) fn is_unanswered(&self) -> bool {
+        self.waits && self.pause_s >= LONGEST_PAUSE_S
+    }
+
+    /// What is known so far; `None` before the first piece.
+    pub(crate) fn terrain(&self) -> Option<Arc<Terrain>> {
+        let fields = self.blocks.iter().filter_map(RequestedBlock::field);
+        let file = TerrainFile {
+            path: PathBuf::from("the ground station"),
+            format: "TERRAIN_DATA",
+            fields: fields.collect(),
+            datum: Stated {
+                value: Datum::Egm96,
+                source: "the protocol",
+            },
+            vertical_error_m: Stated {
+                value: ERROR_M,
+                source: "the specification of SRTM, 90 %",
+            },
+            empty_blocks: 0,
+        };
+        if file.fields.is_empty() {
+            return None;
+        }
+        Terrain::new(vec![file]).ok().map(Arc::new)
+    }
+}
