@@ -192,10 +192,10 @@ fn usable(field: &'static str, place: fga_place) -> Result<(), Refused> {
 ///
 /// # Safety
 /// As [`list`], of the zones and of the corners of each.
-pub(crate) unsafe fn take_zones<'a>(
+pub(crate) unsafe fn take_zones(
     (zones, count): (*const fga_zone, u32),
     written: &[Span],
-    taken: &mut List<Zone<'a>, FGA_ZONES_MOST>,
+    taken: &mut List<Zone<'_>, FGA_ZONES_MOST>,
 ) -> Result<(), Refused> {
     if count as usize > FGA_ZONES_MOST {
         let expected = "at most FGA_ZONES_MOST";
