@@ -48,6 +48,8 @@ pub(crate) fn make(options: &[&str]) -> Result<(), String> {
         root,
         out,
     };
+    // The quick part first: it finds out what is not installed.
+    release.parts()?;
     release.program()?;
     release.c_library(None)?;
     if has_target(FIRMWARE_TARGET) {
@@ -56,7 +58,6 @@ pub(crate) fn make(options: &[&str]) -> Result<(), String> {
         println!("without the C library for a Cortex-M7 (rustup target add {FIRMWARE_TARGET})");
     }
     release.wheel()?;
-    release.parts()?;
     release.checksums()
 }
 
@@ -170,29 +171,36 @@ impl Release {
 
     /// What each artifact is built of.
     fn parts(&self) -> Result<(), String> {
-        for (package, folder) in [
-            ("fga-cli", "."),
-            ("fga-c", "."),
-            ("fga-python", "crates/fga-python"),
-        ] {
-            let folder = self.root.join(folder);
+        let of = |(package, folder): (&str, &str)| {
+            let mut cargo = self.cargo();
             let asked = [
-                "sbom",
                 "--cargo-package",
                 package,
                 "--output-format",
                 "spdx_json_2_3",
             ];
-            let printed = ran(self
-                .cargo()
+            cargo
+                .arg("sbom")
                 .args(asked)
                 .arg("--project-directory")
-                .arg(folder));
-            let printed = printed.map_err(|error| format!("{error} (cargo install cargo-sbom)"))?;
-            let file = self
-                .out
-                .join(format!("{package}-{}.spdx.json", self.version));
-            fs::write(&file, printed).map_err(|error| format!("{}: {error}", file.display()))?;
+                .arg(self.root.join(folder));
+            let printed =
+                ran(&mut cargo).map_err(|error| format!("{error} (cargo install cargo-sbom)"));
+            Ok((format!("{package}-{}.spdx.json", self.version), printed?))
+        };
+        let packages = [
+            ("fga-cli", "."),
+            ("fga-c", "."),
+            ("fga-python", "crates/fga-python"),
+        ];
+        let lists = packages
+            .into_iter()
+            .map(of)
+            .collect::<Result<Vec<_>, String>>()?;
+        let unusable = |error| format!("{}: {error}", self.out.display());
+        fs::create_dir_all(&self.out).map_err(unusable)?;
+        for (name, list) in lists {
+            fs::write(self.out.join(name), list).map_err(unusable)?;
         }
         Ok(())
     }
