@@ -1,10 +1,11 @@
 //! The zones and the ground that the caller lends for a call.
 
+use core::mem::MaybeUninit;
+
 use fga::Vec2;
 use fga::ground::Ground;
 use fga::limit::LARGEST;
-use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
-use fga_proof::list::List;
+use fga::zone::{Outline, Zone};
 
 use crate::growable::Growable;
 use crate::memory::{Span, apart, given, list};
@@ -40,12 +41,8 @@ impl fga_place {
     }
 }
 
-/// No zones, to take some.
-pub(crate) const NO_ZONES: List<Zone<'_>, FGA_ZONES_MOST> = List::new(Zone {
-    keep_in: false,
-    outline: Outline::Polygon(&[]),
-    heights_m: ALL_HEIGHTS_M,
-});
+/// Room for the zones of a call, which nobody writes before there are some.
+pub(crate) type ZoneRoom<'a> = [MaybeUninit<Zone<'a>>; FGA_ZONES_MOST];
 
 /// What a zone is for.
 #[repr(u32)]
@@ -159,9 +156,7 @@ unsafe fn zone<'a>(given: &fga_zone, written: &[Span]) -> Result<Zone<'a>, Refus
         }
         // SAFETY: as this function.
         let (corners, span) = unsafe { list(given.corners, count) }?;
-        for other in written {
-            apart(&[span, *other])?;
-        }
+        apart_from(&[span], written)?;
         for corner in corners {
             usable("corners", *corner)?;
         }
@@ -188,27 +183,36 @@ fn usable(field: &'static str, place: fga_place) -> Result<(), Refused> {
     Ok(())
 }
 
-/// Takes the zones of a situation, apart from what the call writes.
+/// The zones of a situation, apart from what the call writes.
 ///
 /// # Safety
 /// As [`list`], of the zones and of the corners of each.
-pub(crate) unsafe fn take_zones(
+pub(crate) unsafe fn zones<'r, 'a>(
     (zones, count): (*const fga_zone, u32),
     written: &[Span],
-    taken: &mut List<Zone<'_>, FGA_ZONES_MOST>,
-) -> Result<(), Refused> {
+    room: &'r mut ZoneRoom<'a>,
+) -> Result<&'r [Zone<'a>], Refused> {
     if count as usize > FGA_ZONES_MOST {
         let expected = "at most FGA_ZONES_MOST";
         return Err(Refused::too_many("zone_count", count, expected));
     }
     // SAFETY: as this function.
     let (zones, span) = unsafe { list(zones, count) }?;
-    for other in written {
-        apart(&[span, *other])?;
-    }
-    for (index, given) in zones.iter().enumerate() {
+    apart_from(&[span], written)?;
+    for (index, (given, slot)) in zones.iter().zip(room.iter_mut()).enumerate() {
         // SAFETY: as this function.
-        taken.push(unsafe { zone(given, written) }.map_err(|refused| refused.at(index))?);
+        slot.write(unsafe { zone(given, written) }.map_err(|refused| refused.at(index))?);
+    }
+    // SAFETY: as many are written just now.
+    Ok(unsafe { core::slice::from_raw_parts(room.as_ptr().cast(), zones.len()) })
+}
+
+/// Refuses what the caller lends where it overlaps what the call writes.
+fn apart_from(lent: &[Span], written: &[Span]) -> Result<(), Refused> {
+    for one in lent {
+        for other in written {
+            apart(&[*one, *other])?;
+        }
     }
     Ok(())
 }
@@ -232,11 +236,7 @@ pub(crate) unsafe fn ground<'a>(
     let (heights_m, of) = unsafe { list(ground.heights_m, posts) }?;
     // SAFETY: as this function.
     let (peaks_m, of_peaks) = unsafe { list(ground.peaks_m, peaks) }?;
-    for other in written {
-        apart(&[span, *other])?;
-        apart(&[of, *other])?;
-        apart(&[of_peaks, *other])?;
-    }
+    apart_from(&[span, of, of_peaks], written)?;
     let place = (ground.corner.vector(), ground.spacing.vector());
     let asked_m = (ground.error_m, ground.clearance_m);
     usable("corner", ground.corner)?;

@@ -1,5 +1,7 @@
 //! The avoider in storage that the caller lends.
 
+use core::mem::MaybeUninit;
+
 use fga::Vec3;
 use fga::avoider::{Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
 use fga::certificate::{Hazard, MAX_HAZARDS};
@@ -8,7 +10,7 @@ use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
-use crate::airspace::{NO_ZONES, ground, take_zones};
+use crate::airspace::{ZoneRoom, ground, zones};
 use crate::decision::fga_decision;
 use crate::growable::{Growable, size_word};
 use crate::input::{
@@ -119,7 +121,7 @@ const fn tracked_most(obstacles_most: u32) -> usize {
 /// The places for what an avoider knows of obstacles, and for hazards, in its storage.
 ///
 /// # Safety
-/// `object` has [`bytes`] for so many obstacles, and nobody else uses what lies behind it.
+/// The storage of `object` has [`bytes`] for `obstacles_most` obstacles. Nobody else uses the bytes behind `object`.
 unsafe fn places(object: *mut Object<Flying>, obstacles_most: u32) -> Lent<'static> {
     let tracked = tracked_most(obstacles_most);
     let (known_most, rows_most) = (tracked + LIMITS, (tracked + TURNS).min(MAX_HAZARDS));
@@ -477,12 +479,8 @@ pub unsafe extern "C" fn fga_avoider_step(
             apart(&[at_work.span, span, of, answer, why])?;
             fga_obstacle::sized(obstacles)?;
             let written = [at_work.span, answer, why];
-            let mut zones = NO_ZONES;
-            take_zones(
-                (situation.zones, situation.zone_count),
-                &written,
-                &mut zones,
-            )?;
+            let mut room: ZoneRoom<'_> = [const { MaybeUninit::uninit() }; _];
+            let zones = zones((situation.zones, situation.zone_count), &written, &mut room)?;
             let ground = ground(situation.ground, &written)?;
             let (time_s, ownship, wind_mps) = situation.moment()?;
             let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &ownship);
@@ -495,7 +493,7 @@ pub unsafe extern "C" fn fga_avoider_step(
                 waypoints_m: core::slice::from_raw_parts(waypoints_m, count),
                 passing: core::slice::from_raw_parts(passing, count),
                 limits_m: flying.limits_m,
-                zones: &zones,
+                zones,
                 ground: ground.as_ref(),
             };
             let now = Situation {

@@ -1,5 +1,7 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
+use core::mem::MaybeUninit;
+
 use fga::Vec3;
 use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
 use fga::maneuver::MAX_STAGES;
@@ -9,7 +11,7 @@ use fga::situation::{Mission, Movement};
 use fga::zone::Zone;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
-use crate::airspace::{NO_ZONES, ground, take_zones};
+use crate::airspace::{ZoneRoom, ground, zones};
 use crate::growable::Growable;
 use crate::input::{
     WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
@@ -342,14 +344,10 @@ pub unsafe extern "C" fn fga_certify(
             question.check()?;
             let written = [at_work.span, answer, why];
             let ground = ground(situation.ground, &written)?;
-            let mut zones = NO_ZONES;
-            take_zones(
-                (situation.zones, situation.zone_count),
-                &written,
-                &mut zones,
-            )?;
+            let mut room: ZoneRoom<'_> = [const { MaybeUninit::uninit() }; _];
+            let zones = zones((situation.zones, situation.zone_count), &written, &mut room)?;
             let mission = Mission {
-                zones: &zones,
+                zones,
                 ground: ground.as_ref(),
                 ..Mission::NONE
             };
