@@ -161,26 +161,27 @@ impl Companion {
         self.watch_alerts(state, now_s);
         self.watch_crossing(state.ownship.position_m, now_s);
         self.grow_obstacles(now_s);
-        let mut decider = self.decider.take()?;
+        let decider = self.decider.take()?;
         let zones = self.fence_zones(state.ownship.position_m);
         let ground = self.bounding_ground(now_s);
-        let is_bounded = !zones.is_empty() || ground.is_some();
-        let before = is_bounded.then(|| decider.clone());
-        let step = |decider: &Decider, bounds| {
-            let mut decider = decider.clone();
+        let step = |mut decider: Decider, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));
             (decider, decision)
         };
         // Fence and ground bound manoeuvres and begin none: a vehicle that flies by itself among nothing else is left alone.
-        let free = before.as_ref().filter(|_| !self.keeper.is_engaged());
-        let free = free.map(|before| step(before, (&[], None)));
+        let is_bounded = !zones.is_empty() || ground.is_some();
+        let free =
+            (is_bounded && !self.keeper.is_engaged()).then(|| step(decider.clone(), (&[], None)));
         let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
-        let (decider, decision) = quiet.unwrap_or_else(|| {
-            let decision = decider.step(&self.situation(state, (&zones, ground.as_ref()), now_s));
-            (decider, decision)
-        });
-        let before = before.filter(|_| self.asks_without_ground(&decision));
-        let without = before.map(|before| step(&before, (&zones, None)).1);
+        let (decider, decision, without) = if let Some((decider, decision)) = quiet {
+            (decider, decision, None)
+        } else {
+            let before = self.known_ground().map(|_| decider.clone());
+            let (decider, decision) = step(decider, (&zones, ground.as_ref()));
+            let before = before.filter(|_| self.asks_without_ground(&decision));
+            let without = before.map(|before| step(before, (&zones, None)).1);
+            (decider, decision, without)
+        };
         drop(zones);
         self.note_bounds(&decision, without.as_ref());
         self.decider = Some(decider);
