@@ -1,7 +1,20 @@
 //! Other programs.
 
-use std::path::Path;
+use std::env;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// Cargo, as it runs now.
+pub(crate) fn cargo() -> Command {
+    Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// The program `fga` as a profile builds it.
+pub(crate) fn built(root: &Path, profile: &str) -> PathBuf {
+    let target = env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    let folder = target.unwrap_or_else(|| root.join("target")).join(profile);
+    folder.join(format!("fga{}", env::consts::EXE_SUFFIX))
+}
 
 /// What a command printed; it must succeed.
 pub(crate) fn ran(command: &mut Command) -> Result<String, String> {

@@ -8,7 +8,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::command::{has_target, host, ran};
+use crate::command::{cargo, has_target, host, ran};
 use crate::table::Table;
 
 const TABLE: Table = Table {
@@ -91,24 +91,22 @@ fn build(
     drawn: &str,
 ) -> Result<PathBuf, String> {
     let folder = root.join("target/cortex-m7");
-    ran(
-        Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
-            .args([
-                "build",
-                "--quiet",
-                "--locked",
-                "--target",
-                target,
-                "--profile",
-                profile,
-            ])
-            .args(["--bin", name, "--target-dir"])
-            .arg(&folder)
-            .env("DRAWN", drawn)
-            // The flags of the example's own configuration.
-            .env_remove("RUSTFLAGS")
-            .current_dir(root.join("examples/cortex-m7")),
-    )?;
+    ran(cargo()
+        .args([
+            "build",
+            "--quiet",
+            "--locked",
+            "--target",
+            target,
+            "--profile",
+            profile,
+        ])
+        .args(["--bin", name, "--target-dir"])
+        .arg(&folder)
+        .env("DRAWN", drawn)
+        // The flags of the example's own configuration.
+        .env_remove("RUSTFLAGS")
+        .current_dir(root.join("examples/cortex-m7")))?;
     Ok(folder.join(target).join(profile).join(name))
 }
 

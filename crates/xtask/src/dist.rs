@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::command::{has_target, host, ran};
+use crate::command::{built, cargo, has_target, host, ran};
 
 /// The microcontroller that the C library is built for too.
 const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
@@ -102,7 +102,7 @@ struct Release {
 
 impl Release {
     fn cargo(&self) -> Command {
-        let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        let mut cargo = cargo();
         cargo.current_dir(&self.root);
         cargo
     }
@@ -120,11 +120,7 @@ impl Release {
         ran(self.cargo().args(build))?;
         let target = host()?;
         let folder = self.staged(&format!("fga-{}-{target}", self.version))?;
-        let built =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| self.root.join("target"), PathBuf::from);
-        let program = built
-            .join("dist")
-            .join(format!("fga{}", env::consts::EXE_SUFFIX));
+        let program = built(&self.root, "dist");
         let copied = BESIDE.map(|name| self.root.join(name));
         ran(Command::new("cp")
             .arg("-R")

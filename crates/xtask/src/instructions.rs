@@ -7,6 +7,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::command::cargo;
 use crate::table::Table;
 
 const TABLE: Table = Table {
@@ -61,7 +62,7 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
 fn build(root: &Path) -> Result<PathBuf, String> {
     let manifest = root.join("tests/instructions/Cargo.toml");
     let target = root.join("target/instructions");
-    let status = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
+    let status = cargo()
         .args(["build", "--release", "--quiet", "--manifest-path"])
         .arg(manifest)
         .arg("--target-dir")

@@ -8,6 +8,8 @@ use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use crate::command::{built, cargo};
+
 /// A picture of a page.
 struct Shot {
     /// File in `docs/pictures`.
@@ -135,19 +137,11 @@ impl Served {
 
 impl Workshop {
     fn build(&self) -> Result<(), String> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let mut command = Command::new(cargo);
-        self.succeed(command.args(["build", "--release", "--package", "fga-cli"]))
+        self.succeed(cargo().args(["build", "--release", "--package", "fga-cli"]))
     }
 
     fn program(&self) -> Command {
-        let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-        let target = target.unwrap_or_else(|| self.root.join("target"));
-        Command::new(
-            target
-                .join("release")
-                .join(format!("fga{}", std::env::consts::EXE_SUFFIX)),
-        )
+        Command::new(built(&self.root, "release"))
     }
 
     /// Runs `fga`, with its results in the folder of that name.

@@ -1,4 +1,4 @@
-//! Flights over ground: a manoeuvre keeps above it, the mission is told where it does not, and what is not known is told.
+//! Flights over ground: manoeuvres keep above the ground; the operator reads where the mission does not, and where the ground is unknown.
 //!
 //! The judge is the true track against the heights of the file: it shares nothing with the certificate.
 
@@ -77,6 +77,16 @@ struct Flown {
 }
 
 fn fly(world: &mut World, terrain: &Terrain, until_s: f64) -> Flown {
+    fly_beside(world, Some(terrain), until_s, |_| {})
+}
+
+/// Something else acts after each step.
+fn fly_beside(
+    world: &mut World,
+    terrain: Option<&Terrain>,
+    until_s: f64,
+    mut other: impl FnMut(&mut World),
+) -> Flown {
     let mut flown = Flown {
         lowest_m: f64::INFINITY,
         over_unknown: false,
@@ -86,9 +96,11 @@ fn fly(world: &mut World, terrain: &Terrain, until_s: f64) -> Flown {
     };
     while world.time_s < until_s {
         world.step();
-        match above_m(world, terrain) {
-            Some(above_m) => flown.lowest_m = flown.lowest_m.min(above_m),
-            None => flown.over_unknown = true,
+        other(world);
+        match terrain.map(|terrain| above_m(world, terrain)) {
+            Some(Some(above_m)) => flown.lowest_m = flown.lowest_m.min(above_m),
+            Some(None) => flown.over_unknown = true,
+            None => {}
         }
         let east_m = world.emulator.plant().position_m()[0];
         flown.east_m = [flown.east_m[0].min(east_m), flown.east_m[1].max(east_m)];
@@ -296,24 +308,9 @@ fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
         due_s: 0.0,
         requests: 0,
     };
-    let mut flown = Flown {
-        lowest_m: f64::INFINITY,
-        over_unknown: false,
-        east_m: [0.0; 2],
-        modes: Vec::new(),
-        log: Vec::new(),
-    };
-    while world.time_s < until_s {
-        world.step();
-        station.step(&mut world);
-        let east_m = world.emulator.plant().position_m()[0];
-        flown.east_m = [flown.east_m[0].min(east_m), flown.east_m[1].max(east_m)];
-        flown.log.extend(world.companion.take_log());
-    }
+    let mut flown = fly_beside(&mut world, None, until_s, |world| station.step(world));
     world.companion.shut_down(until_s);
     flown.log.extend(world.companion.take_log());
-    let changes = world.emulator.mode_changes().iter();
-    flown.modes = changes.map(|change| change.mode).collect();
     (world, flown, station.requests)
 }
 

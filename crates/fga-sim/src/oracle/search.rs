@@ -41,13 +41,8 @@ pub fn best_margin_within(
     airspace: Option<OracleAirspace>,
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bounds = airspace.map(|airspace| OracleBody::bounds(airspace, start.position_m));
-    let bodies: Vec<OracleBody> = obstacles
-        .iter()
-        .map(OracleBody::new)
-        .chain(bounds)
-        .collect();
-    search(start, vehicle, &bodies, settings)
+    let bodies = obstacles.iter().map(OracleBody::new);
+    search_within((start, vehicle), bodies, airspace, settings)
 }
 
 /// The same as [`best_margin_within`] among aircraft on known tracks.
@@ -61,12 +56,19 @@ pub fn best_margin_on_tracks(
     airspace: Option<OracleAirspace>,
     settings: &OracleSettings,
 ) -> OracleAnswer {
+    let bodies = tracks.iter().map(OracleBody::on_track);
+    search_within((start, vehicle), bodies, airspace, settings)
+}
+
+/// Searches among bodies, within an airspace.
+fn search_within(
+    (start, vehicle): (&OracleStart, &OracleVehicle),
+    bodies: impl Iterator<Item = OracleBody>,
+    airspace: Option<OracleAirspace>,
+    settings: &OracleSettings,
+) -> OracleAnswer {
     let bounds = airspace.map(|airspace| OracleBody::bounds(airspace, start.position_m));
-    let bodies: Vec<OracleBody> = tracks
-        .iter()
-        .map(OracleBody::on_track)
-        .chain(bounds)
-        .collect();
+    let bodies: Vec<OracleBody> = bodies.chain(bounds).collect();
     search(start, vehicle, &bodies, settings)
 }
 
