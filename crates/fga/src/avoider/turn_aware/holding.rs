@@ -5,10 +5,10 @@ use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::search::Proof;
 use crate::situation::Situation;
 
-/// A manoeuvre continues while this share of the margin is certified, ...
+/// A manoeuvre continues while this share of the margin is certified, over at least this share of the horizon ...
 pub(super) const KEEP_SHARE: f64 = 0.5;
 
-/// ... over a horizon that is shorter by the time between two looks for something better, seconds.
+/// ... and over all of it but this, seconds: the time between two looks for something better at ten decisions a second.
 const KEEP_SHORTER_S: f64 = 1.0;
 
 impl Avoider<dyn Places + '_> {
@@ -36,7 +36,7 @@ impl Avoider<dyn Places + '_> {
             let demand = self.demand_of(rung);
             self.ask(&demand, 0.0);
             let asked = (
-                demand.horizon_s - KEEP_SHORTER_S,
+                (demand.horizon_s - KEEP_SHORTER_S).max(KEEP_SHARE * demand.horizon_s),
                 KEEP_SHARE * demand.margin_m,
                 demand.margin_m,
             );
