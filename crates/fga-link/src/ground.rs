@@ -105,7 +105,7 @@ pub struct GroundOrder {
 #[derive(Debug, Clone)]
 pub struct MadeGround {
     pub(crate) square: Square,
-    /// The ground, or why there is none.
+    /// The ground, or the reason for its absence.
     pub(crate) ground: Result<LocalGround, String>,
     /// The items at the end of legs that are lower than it takes to clear the ground, with the least height above it, metres.
     pub(crate) low: Vec<(u16, f64)>,

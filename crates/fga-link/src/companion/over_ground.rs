@@ -52,7 +52,7 @@ struct Rangefinder {
     told: bool,
 }
 
-/// What is known of the ground, and what was told of it.
+/// The known ground, and the reports about it that the operator has read.
 #[derive(Debug, Default)]
 pub(super) struct OverGround {
     heights: GroundSource,
@@ -327,7 +327,8 @@ impl Companion {
         }
     }
 
-    /// Compares a measured distance to the ground below, metres, with the known ground. A difference is told once and changes no ground.
+    /// Compares the measured distance to the ground below, metres, with the known ground. The first difference that lasts makes one report;
+    /// the known ground stays as it is.
     pub(super) fn take_distance(&mut self, distance_m: f64, now_s: f64) {
         let (Some(ground), Some(at_m), Some(decided)) = (
             self.known_ground(),

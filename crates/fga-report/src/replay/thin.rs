@@ -31,8 +31,8 @@ pub(super) fn samples(samples: &[ReplaySample], runs: usize) -> Vec<&ReplaySampl
         .collect()
 }
 
-/// The ground to write: of too many posts every second, third, … one of a row and of the rows, as high as the highest of those nearer to
-/// it than to another one, and unknown where one of them is.
+/// The ground to write. A grid that is too large loses posts: every second, third, … post of a row and every such row stay. A post that
+/// stays is as high as the highest post near it, and unknown where one of these is.
 pub(super) fn ground(ground: &ReplayGround) -> ReplayGround {
     let columns = ground.columns.max(1);
     let rows = ground.heights_m.len() / columns;
