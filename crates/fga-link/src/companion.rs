@@ -22,6 +22,7 @@ mod requests;
 mod send;
 mod traffic;
 mod trips;
+mod voice;
 mod way;
 mod words;
 
@@ -43,7 +44,7 @@ use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
 use crate::mission::{Download, Way};
 use crate::mode::Mode;
-use crate::outgoing::{Outbox, Outgoing};
+use crate::outgoing::Outgoing;
 use crate::ownship::{OwnshipEstimate, State};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
@@ -54,6 +55,7 @@ use crate::traffic::{Defect, Defects, Report, TrackTable};
 
 pub(crate) use gap::round_trip_of;
 pub use picture::Picture;
+use voice::Voice;
 
 /// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
 pub const LONGEST_END_S: f64 = 60.0;
@@ -115,8 +117,7 @@ pub struct Companion {
     take_over: Vec<Mode>,
     dry_run: bool,
     recorded: bool,
-    outbox: Outbox,
-    log: Vec<Value>,
+    voice: Voice,
     heard: Option<Heard>,
     /// Decides whether the companion may command a mode.
     hearing: Hearing,
@@ -226,8 +227,8 @@ impl Companion {
             )));
         }
         let never = f64::NEG_INFINITY;
-        let mut outbox = Outbox::default();
-        outbox.set_own_system(match config.vehicle.system_id {
+        let mut voice = Voice::default();
+        voice.set_own_system(match config.vehicle.system_id {
             0 => FIRST_SYSTEM,
             system_id => system_id,
         });
@@ -235,8 +236,7 @@ impl Companion {
             take_over,
             dry_run,
             recorded: false,
-            outbox,
-            log: Vec::new(),
+            voice,
             heard: None,
             hearing: Hearing::default(),
             notes: Vec::new(),
@@ -322,12 +322,12 @@ impl Companion {
 
     /// The messages to send, oldest first.
     pub fn outbox(&mut self) -> Vec<Outgoing> {
-        self.outbox.take()
+        self.voice.take_messages()
     }
 
     /// Lines of the decision log since the last call.
     pub fn take_log(&mut self) -> Vec<Value> {
-        core::mem::take(&mut self.log)
+        self.voice.take_log()
     }
 
     /// The state of the authority.
@@ -337,7 +337,10 @@ impl Companion {
 
     /// Counters.
     pub const fn counts(&self) -> Counts {
-        self.counts
+        Counts {
+            texts: self.voice.texts(),
+            ..self.counts
+        }
     }
 
     /// Tracks of other aircraft.
@@ -422,7 +425,7 @@ impl Companion {
         if self.keeper.commands() {
             self.ending_s = Some(now_s);
             let words = format!("fga: program ends when clear, {LONGEST_END_S} s at most");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
             return;
         }
         self.shut_down_at_once(now_s);
@@ -433,7 +436,8 @@ impl Companion {
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
         } else if self.heard.is_some() {
-            self.tell(Severity::Notice, "fga: program ends", now_s);
+            self.voice
+                .tell(Severity::Notice, "fga: program ends", now_s);
         }
         let counts = Defect::ALL.map(|defect| {
             let count = json!({
@@ -442,7 +446,7 @@ impl Companion {
             });
             (defect.name().to_owned(), count)
         });
-        self.note(
+        self.voice.note(
             now_s,
             "defects",
             Value::Object(counts.into_iter().collect()),
@@ -459,7 +463,7 @@ impl Companion {
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
         words.clone_into(&mut self.trouble);
-        self.tell(Severity::Warning, words, now_s);
+        self.voice.tell(Severity::Warning, words, now_s);
     }
 
     /// Advances the time: sends due messages and decides if no telemetry prompted it.
@@ -532,10 +536,11 @@ impl Companion {
             match *action {
                 Action::SetMode { to, from } => {
                     self.ask_for_mode(to, from, now_s);
-                    self.note(now_s, "set-mode", json!({ "mode": to.name() }));
+                    self.voice
+                        .note(now_s, "set-mode", json!({ "mode": to.name() }));
                 }
                 Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
-                Action::Tell(severity, words) => self.tell(severity, words, now_s),
+                Action::Tell(severity, words) => self.voice.tell(severity, words, now_s),
                 Action::Resumed => {
                     self.counts.maneuvers += 1;
                     self.resumed_s = Some(now_s);
@@ -552,11 +557,13 @@ impl Companion {
                 Action::Returned => {
                     self.refusals = 0;
                     self.let_go(now_s);
-                    self.tell(Severity::Info, "fga: clear, mode restored", now_s);
+                    self.voice
+                        .tell(Severity::Info, "fga: clear, mode restored", now_s);
                     self.forget_plan();
                 }
                 Action::Ended(fault) => {
-                    self.note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
+                    self.voice
+                        .note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if reaction(fault).hand_back == HandBack::LeaveAlone {
                         self.item_to_resume = None;

@@ -165,8 +165,8 @@ impl Companion {
                 )
             }
         };
-        self.tell(watch.severity(watch.told), &words, now_s);
-        self.note(
+        self.voice.tell(watch.severity(watch.told), &words, now_s);
+        self.voice.note(
             now_s,
             "alert",
             json!({
@@ -213,7 +213,7 @@ impl Companion {
             .take(MOST_REPORTED)
             .collect();
         for message in messages {
-            self.outbox.send(message);
+            self.voice.send(message);
         }
     }
 }

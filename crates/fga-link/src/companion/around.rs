@@ -125,7 +125,7 @@ impl Companion {
         if self.fence.is_crossed(self.fence_is_joined(), &way_m) {
             self.told_crossing = Some(lists);
             let words = "fga: the mission crosses the fence: flown as it is";
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -163,7 +163,7 @@ impl Companion {
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);
         if self.tracks.is_new_overload(now_s) {
-            self.tell(
+            self.voice.tell(
                 Severity::Warning,
                 "fga: traffic overload, most urgent kept",
                 now_s,

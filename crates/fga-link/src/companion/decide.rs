@@ -129,7 +129,8 @@ impl Companion {
             && self.keeper.commands()
             && !core::mem::replace(&mut self.told.need, true)
         {
-            self.tell(Severity::Warning, "fga: bank in need", now_s);
+            self.voice
+                .tell(Severity::Warning, "fga: bank in need", now_s);
         }
         let no_way = decision.state == AvoiderState::Threatened
             && decision.record.reason == Reason::BestAvailable;
@@ -137,7 +138,7 @@ impl Companion {
             let id = decision.record.threat.map(|threat| threat.id);
             let name = id.map_or("?".to_owned(), |id| self.obstacle_name(id));
             let words = format!("fga: no way round {name} keeps it, not begun");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
         self.watch_ground(&decision, &state, now_s);
         self.log_decision(now_s);
@@ -266,7 +267,8 @@ impl Companion {
                 Some(())
             }
             Err(error) => {
-                self.note(now_s, "limits", json!({ "error": error.to_string() }));
+                self.voice
+                    .note(now_s, "limits", json!({ "error": error.to_string() }));
                 None
             }
         }
@@ -292,7 +294,7 @@ impl Companion {
             if self.refusals >= MOST_REFUSALS {
                 self.refusals = 0;
                 self.set_enabled(false, now_s);
-                self.tell(
+                self.voice.tell(
                     Severity::Critical,
                     "fga: refused too often, switched off",
                     now_s,
@@ -331,7 +333,7 @@ impl Companion {
             .record
             .threat
             .map_or("?".to_owned(), |t| self.obstacle_name(t.id));
-        self.tell(
+        self.voice.tell(
             Severity::Warning,
             &format!("fga: would avoid {name} (dry run)"),
             now_s,
@@ -396,7 +398,7 @@ impl Companion {
                 .and_then(|ground| ground.above_m(decided.own.ownship.position_m)),
             |id| self.obstacle_name(id),
         );
-        self.push_log(line);
+        self.voice.log(line);
     }
 }
 

@@ -50,7 +50,7 @@ fn is_not_understood(feed: &FeedStatus) -> bool {
 impl Companion {
     /// Takes what a receiver has given so far.
     pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
-        self.note(
+        self.voice.note(
             now_s,
             "feed",
             json!({
@@ -88,7 +88,7 @@ impl Companion {
             }
         }
         for words in words {
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 

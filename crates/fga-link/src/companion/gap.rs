@@ -121,7 +121,7 @@ impl Companion {
         let age_s = self.telemetry_age_s(now_s);
         if age_s > TOLD_S && !core::mem::replace(&mut self.gap.begun, true) {
             let words = "fga: no telemetry, flies on as proven";
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
         let proven = !decision.record.reason.is_unproven();
         if proven || age_s <= LEAST_BLIND_S {
@@ -130,7 +130,7 @@ impl Companion {
         if self.given_back_collides(state, -self.growth_m(now_s)) {
             if !core::mem::replace(&mut self.gap.collision, true) {
                 let words = "fga: no telemetry, not given back: collision";
-                self.tell(Severity::Critical, words, now_s);
+                self.voice.tell(Severity::Critical, words, now_s);
             }
             return;
         }
@@ -206,7 +206,7 @@ impl Companion {
             reason = "nanoseconds of a flight fit 63 bits for 292 years"
         )]
         let ts1 = (now_s * 1e9) as i64;
-        self.outbox.send(MavMessage::TIMESYNC(TIMESYNC_DATA {
+        self.voice.send(MavMessage::TIMESYNC(TIMESYNC_DATA {
             tc1: 0,
             ts1,
             target_system: system,

@@ -290,7 +290,7 @@ impl Companion {
             let item = item
                 .saturating_add(half * (1 + turn % PROBED_ITEMS))
                 .min(last);
-            self.outbox.send(self.mission.item_request(item, system));
+            self.voice.send(self.mission.item_request(item, system));
         }
         let counts = self.config.safety.use_fence && self.fence_download.items().is_some();
         if counts
@@ -298,7 +298,7 @@ impl Companion {
             && now_s - self.watch.fence_counted_s >= FENCE_COUNT_S
         {
             self.watch.fence_counted_s = now_s;
-            self.outbox.send(self.fence_download.count_request(system));
+            self.voice.send(self.fence_download.count_request(system));
         }
         self.probe_fence_items(system, now_s);
     }
@@ -318,6 +318,6 @@ impl Companion {
         let request = self
             .fence_download
             .item_request(self.watch.fence_items, system);
-        self.outbox.send(request);
+        self.voice.send(request);
     }
 }

@@ -179,7 +179,7 @@ impl Companion {
     pub fn hear_version1(&mut self, system: u8, now_s: f64) {
         if self.heard.is_none() && self.neighbors.version1.replace(system).is_none() {
             let words = format!("fga: {system} sends MAVLink 1, expected MAVLink 2");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 
@@ -191,7 +191,7 @@ impl Companion {
         self.neighbors.plane_s = Some(now_s);
         if self.neighbors.chosen && !core::mem::replace(&mut self.neighbors.told, true) {
             let words = format!("fga: another vehicle on the link: {system}");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 
@@ -210,7 +210,7 @@ impl Companion {
             && !core::mem::replace(&mut self.neighbors.stranger_told, true)
         {
             let words = format!("fga: not ready: vehicle {first} is no ArduPlane");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 }

@@ -155,7 +155,7 @@ impl Companion {
             "low_legs": made.low,
             "unknown_legs": made.unknown,
         });
-        self.note(now_s, "ground", content);
+        self.voice.note(now_s, "ground", content);
         let lowest = made.low.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let lowest = lowest.map(|(item, above_m)| match made.low.len() {
             1 => format!("fga: item {item} is {above_m:.0} m above ground: too low"),
@@ -176,7 +176,7 @@ impl Companion {
         let told = core::mem::replace(&mut self.over.told_mission, words.clone());
         for (words, told) in words.into_iter().zip(told) {
             if let Some(words) = words.filter(|words| told.as_ref() != Some(words)) {
-                self.tell(Severity::Warning, &words, now_s);
+                self.voice.tell(Severity::Warning, &words, now_s);
             }
         }
         self.over.made = Some(made.ground);
@@ -211,7 +211,7 @@ impl Companion {
             // Each half second; a vehicle without a rangefinder never sends it.
             let id = DISTANCE_SENSOR_DATA::ID as f32;
             let asks = Command::long(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, id, 0.5e6);
-            self.outbox.send(asks.message(heard.system_id, 0));
+            self.voice.send(asks.message(heard.system_id, 0));
         }
     }
 
@@ -229,11 +229,11 @@ impl Companion {
         }
         let is_unanswered = asked.is_unanswered();
         if let Some(request) = request {
-            self.outbox.send(MavMessage::TERRAIN_REQUEST(request));
+            self.voice.send(MavMessage::TERRAIN_REQUEST(request));
         }
         if is_unanswered && !core::mem::replace(&mut self.over.told_unanswered, true) {
             let words = "fga: no terrain from the ground station";
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -242,7 +242,7 @@ impl Companion {
         if let GroundSource::Station(asked, _) = &mut self.over.heights
             && let Some(words) = asked.take(data)
         {
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -323,7 +323,7 @@ impl Companion {
             (is_so && !core::mem::replace(told, true)).then_some(words)
         });
         for words in due.collect::<Vec<_>>() {
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 
@@ -354,7 +354,7 @@ impl Companion {
         if now_s - since_s >= DISAGREES_S && !core::mem::replace(&mut measured.told, true) {
             let side = if higher_m > 0.0 { "higher" } else { "lower" };
             let words = format!("fga: rangefinder: ground {:.0} m {side}", higher_m.abs());
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 
@@ -383,6 +383,6 @@ impl Companion {
         } = self.over.rangefinder;
         let rangefinder = json!({ "heard": heard, "disagreeing": disagreeing });
         let content = json!({ "rangefinder": rangefinder, "pieces": answers });
-        self.note(now_s, "ground-heard", content);
+        self.voice.note(now_s, "ground-heard", content);
     }
 }

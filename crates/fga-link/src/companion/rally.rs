@@ -73,7 +73,7 @@ impl Companion {
             return;
         }
         let rally = &mut self.rally;
-        if rally.download.tick(now_s, system, &mut self.outbox) {
+        if rally.download.tick(now_s, system, self.voice.outbox()) {
             self.rally_arrived(now_s);
             return;
         }
@@ -85,7 +85,7 @@ impl Companion {
         }
         if now_s - rally.counted_s >= COUNT_S {
             rally.counted_s = now_s;
-            self.outbox.send(rally.download.count_request(system));
+            self.voice.send(rally.download.count_request(system));
         }
         let Some(points) = u16::try_from(points).ok().filter(|points| *points > 0) else {
             return;
@@ -94,7 +94,7 @@ impl Companion {
             rally.point_s = now_s + (SEEN_S / f64::from(points)).max(POINT_S);
             rally.point = rally.point.wrapping_add(1) % points;
             let request = rally.download.item_request(rally.point, system);
-            self.outbox.send(request);
+            self.voice.send(request);
         }
     }
 
@@ -126,7 +126,7 @@ impl Companion {
 
     fn rally_arrived(&mut self, now_s: f64) {
         if let Some(system) = self.vehicle_system() {
-            self.outbox.send(self.rally.download.closing(system));
+            self.voice.send(self.rally.download.closing(system));
         }
         let changes = self.rally.download.changes();
         let before = core::mem::replace(&mut self.rally.told, changes);
@@ -134,10 +134,10 @@ impl Companion {
             return;
         }
         let count = self.rally.download.items().map_or(0, <[_]>::len);
-        self.note(now_s, "rally", json!({ "points": count }));
+        self.voice.note(now_s, "rally", json!({ "points": count }));
         if before > 0 {
             let words = "fga: the rally points have changed";
-            self.tell(Severity::Notice, words, now_s);
+            self.voice.tell(Severity::Notice, words, now_s);
         }
     }
 

@@ -244,7 +244,7 @@ impl Companion {
         if now_s - since_s >= LOST_S && !self.told.airspeed {
             self.told.airspeed = true;
             let words = "fga: airspeed sensor fails, ground speed used";
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -273,7 +273,7 @@ impl Companion {
         if is_due && self.heard.is_some() {
             self.told.ready = false;
             self.told.last = Some(lacking);
-            self.tell(lacking.severity(), lacking.words(), now_s);
+            self.voice.tell(lacking.severity(), lacking.words(), now_s);
         }
     }
 }

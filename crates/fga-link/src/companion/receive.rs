@@ -101,7 +101,7 @@ impl Companion {
             });
             let others: Vec<u8> = self.notes.iter().map(|note| note.system_id).collect();
             self.notes.retain(|note| note.fits(system, mode));
-            self.outbox.set_own_system(system);
+            self.voice.set_own_system(system);
             self.mission.begin();
             if self.config.safety.use_fence {
                 self.fence_download.begin();
@@ -112,12 +112,12 @@ impl Companion {
             } else {
                 "fga: connected"
             };
-            self.tell(Severity::Info, words, now_s);
+            self.voice.tell(Severity::Info, words, now_s);
             for other in others.into_iter().filter(|other| *other != system) {
                 let words = format!("fga: note of vehicle {other} left aside");
-                self.tell(Severity::Warning, &words, now_s);
+                self.voice.tell(Severity::Warning, &words, now_s);
             }
-            self.note(
+            self.voice.note(
                 now_s,
                 "vehicle",
                 json!({ "system": system, "mode": mode.to_string() }),
@@ -146,7 +146,8 @@ impl Companion {
         self.leave_notes(system, mode, now_s);
         if mode != mode_was {
             self.watch.mode_changed(now_s);
-            self.note(now_s, "mode", json!({ "mode": mode.to_string() }));
+            self.voice
+                .note(now_s, "mode", json!({ "mode": mode.to_string() }));
         }
         if silent_s > super::gap::SILENT_S {
             self.keeper.excuse(silent_s);
@@ -162,14 +163,15 @@ impl Companion {
         }
         if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
             self.due.contradiction_s = now_s + CONTRADICTION_AGAIN_S;
-            self.note(now_s, "contradiction", json!({ "mode": mode.name() }));
+            self.voice
+                .note(now_s, "contradiction", json!({ "mode": mode.name() }));
             if self.keeper.is_engaged() {
                 self.fault(Fault::Contradiction, now_s);
             } else {
                 let row = reaction(Fault::Contradiction);
                 let actions = self.keeper.readiness(false, now_s);
                 self.perform(&actions, now_s);
-                self.tell(row.severity, row.text, now_s);
+                self.voice.tell(row.severity, row.text, now_s);
             }
         }
         if was_armed && !is_armed {
@@ -183,7 +185,7 @@ impl Companion {
         self.notes.retain(|note| note.fits(system, mode));
         if self.notes.len() < noted {
             let row = reaction(Fault::ModeChanged);
-            self.tell(row.severity, row.text, now_s);
+            self.voice.tell(row.severity, row.text, now_s);
         }
     }
 
@@ -203,13 +205,13 @@ impl Companion {
             self.keeper.resume(note.previous(), now_s);
             self.noted_boot_ms = Some(note.boot_ms);
             self.resume_passing(note.item);
-            self.note(
+            self.voice.note(
                 now_s,
                 "resumes",
                 json!({ "previous": note.previous().name() }),
             );
         } else {
-            self.tell(
+            self.voice.tell(
                 Severity::Warning,
                 "fga: an old note of a manoeuvre, mode left alone",
                 now_s,
@@ -246,7 +248,7 @@ impl Companion {
             "fga: vehicle {system} left in {mode}: set {}",
             previous.name()
         );
-        self.tell(Severity::Critical, &words, now_s);
+        self.voice.tell(Severity::Critical, &words, now_s);
     }
 
     fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
@@ -371,7 +373,7 @@ impl Companion {
         self.watch.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
-            self.note(
+            self.voice.note(
                 now_s,
                 "frame",
                 json!({
@@ -422,7 +424,7 @@ impl Companion {
 
     pub(super) fn mission_arrived(&mut self, now_s: f64) {
         if let Some(system) = self.vehicle_system() {
-            self.outbox.send(self.mission.closing(system));
+            self.voice.send(self.mission.closing(system));
         }
         if self.mission_laid == self.mission.changes() {
             return;
@@ -431,15 +433,16 @@ impl Companion {
         self.mission_laid = self.mission.changes();
         self.watch.read();
         let count = self.mission.items().map_or(0, <[_]>::len);
-        self.note(now_s, "mission", json!({ "items": count }));
+        self.voice.note(now_s, "mission", json!({ "items": count }));
         if again {
-            self.tell(Severity::Notice, "fga: the mission has changed", now_s);
+            self.voice
+                .tell(Severity::Notice, "fga: the mission has changed", now_s);
         }
     }
 
     pub(super) fn fence_arrived(&mut self, now_s: f64) {
         if let Some(system) = self.vehicle_system() {
-            self.outbox.send(self.fence_download.closing(system));
+            self.voice.send(self.fence_download.closing(system));
         }
         self.lay_fence(now_s);
     }
@@ -456,16 +459,17 @@ impl Companion {
         self.fence_laid = changes;
         let count = items.len();
         self.fence = fence::Fence::new(items, frame);
-        self.note(
+        self.voice.note(
             now_s,
             "fence",
             json!({ "items": count, "incomplete": self.fence.incomplete }),
         );
         if again {
-            self.tell(Severity::Notice, "fga: the fence has changed", now_s);
+            self.voice
+                .tell(Severity::Notice, "fga: the fence has changed", now_s);
         }
         if self.fence.incomplete {
-            self.tell(
+            self.voice.tell(
                 Severity::Warning,
                 "fga: part of the fence was not understood",
                 now_s,
@@ -477,7 +481,7 @@ impl Companion {
         }
         if has_fence && self.config.command.mode == CommandMode::Paper {
             let words = "fga: Algorithm 4 knows no fence";
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -488,7 +492,7 @@ impl Companion {
             Outcome::Unanswered(command) => (command, None),
         };
         let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
-        self.note(
+        self.voice.note(
             now_s,
             "refused",
             json!({ "command": format!("{:?}", command.command), "result": result }),
@@ -502,7 +506,8 @@ impl Companion {
                 self.fault(Fault::NotFollowing, now_s);
             }
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
-                self.tell(Severity::Warning, "fga: mission item not set", now_s);
+                self.voice
+                    .tell(Severity::Warning, "fga: mission item not set", now_s);
             }
             _ => {}
         }

@@ -21,7 +21,7 @@ impl Companion {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
             // From the beginning: a peer that waits on a UDP port answers only to a first message.
-            self.outbox.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+            self.voice.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                 custom_mode: 0,
                 mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
                 autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
@@ -35,12 +35,13 @@ impl Companion {
         };
         // Each target answers an attitude.
         let attitude_s = 1.0 / self.config.command.rate_hz;
-        self.rates.tick(attitude_s, now_s, system, &mut self.outbox);
-        self.parameters.tick(now_s, system, &mut self.outbox);
-        if self.mission.tick(now_s, system, &mut self.outbox) {
+        self.rates
+            .tick(attitude_s, now_s, system, self.voice.outbox());
+        self.parameters.tick(now_s, system, self.voice.outbox());
+        if self.mission.tick(now_s, system, self.voice.outbox()) {
             self.mission_arrived(now_s);
         }
-        if !self.mission.is_busy() && self.fence_download.tick(now_s, system, &mut self.outbox) {
+        if !self.mission.is_busy() && self.fence_download.tick(now_s, system, self.voice.outbox()) {
             self.fence_arrived(now_s);
         }
         self.probe_lists(system, now_s);
@@ -77,7 +78,7 @@ impl Companion {
             }
             may
         };
-        let outcome = self.commands.tick(now_s, system, asks, &mut self.outbox);
+        let outcome = self.commands.tick(now_s, system, asks, self.voice.outbox());
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
         }
@@ -98,7 +99,7 @@ impl Companion {
             Authority::Returning { .. } => 4.0,
             Authority::Released { .. } => 5.0,
         };
-        self.outbox
+        self.voice
             .send(telling::value("FGA_STATE", state, self.boot_ms));
     }
 
@@ -114,11 +115,11 @@ impl Companion {
             .fold(f64::INFINITY, f64::min);
         let boot_ms = self.boot_ms;
         if least_m.is_finite() {
-            self.outbox
+            self.voice
                 .send(telling::value("FGA_MARGIN", least_m, boot_ms));
         }
         if let Some(threat) = decided.decision.record.threat {
-            self.outbox
+            self.voice
                 .send(telling::value("FGA_ENTRY", threat.entry_s, boot_ms));
         }
         let response = self.response();
@@ -127,7 +128,7 @@ impl Companion {
             ("FGA_LAG", response.bank_time_constant_s),
             ("FGA_DEAD", response.dead_time_s),
         ] {
-            self.outbox.send(telling::value(name, value, boot_ms));
+            self.voice.send(telling::value(name, value, boot_ms));
         }
     }
 
@@ -151,7 +152,7 @@ impl Companion {
             id,
         );
         if let Some(message) = message {
-            self.outbox.send(message);
+            self.voice.send(message);
         }
     }
 
@@ -220,7 +221,7 @@ impl Companion {
     ) -> Option<T> {
         let system = self.vehicle_system().filter(|_| !self.dry_run)?;
         let mut reach = Reach {
-            outbox: &mut self.outbox,
+            outbox: self.voice.outbox(),
             commands: &mut self.commands,
             parameters: &self.parameters,
             frame: self.ownship.frame(),

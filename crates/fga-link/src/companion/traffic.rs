@@ -208,7 +208,7 @@ impl Companion {
             return;
         }
         if let Some(words) = self.defects.count(defect, key, is_near) {
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 

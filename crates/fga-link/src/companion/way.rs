@@ -123,7 +123,7 @@ impl Companion {
         self.decider = None;
         self.passing.nearest_m.clear();
         self.begin_passing();
-        self.note(
+        self.voice.note(
             now_s,
             "way",
             json!({
@@ -284,7 +284,7 @@ impl Companion {
             ),
             true,
         );
-        self.note(now_s, "set-item", json!({ "item": item }));
+        self.voice.note(now_s, "set-item", json!({ "item": item }));
     }
 
     /// A manoeuvre begins, or another way in one: from here on waypoints are passed without the vehicle.
@@ -372,7 +372,7 @@ impl Companion {
             words.push(format!("fga: item {item} not run: {name}"));
         }
         for words in &words {
-            self.tell(Severity::Warning, words, now_s);
+            self.voice.tell(Severity::Warning, words, now_s);
         }
     }
 
@@ -455,7 +455,7 @@ impl Companion {
             .collect();
         for item in repeated {
             let words = format!("fga: item {item} runs again: {}", self.command_name(item));
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.tell(Severity::Warning, &words, now_s);
         }
     }
 }

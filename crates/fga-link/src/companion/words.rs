@@ -1,25 +1,9 @@
-//! What the companion says: texts to the operator, lines of its log, a line for a terminal.
-
-use serde_json::{Value, json};
+//! Names and words: of an obstacle, of the threat, of the moment in a line for a terminal.
 
 use super::{Companion, around};
 use crate::authority::Severity;
-use crate::telling;
-
-/// Most log lines in the queue.
-const MOST_LOG_LINES: usize = 4096;
 
 impl Companion {
-    pub(super) fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
-        self.counts.texts += 1;
-        self.outbox.send(telling::text(severity, words));
-        self.note(
-            now_s,
-            "text",
-            json!({ "severity": format!("{severity:?}"), "text": words }),
-        );
-    }
-
     pub(super) fn tell_threat(&mut self, now_s: f64) {
         let threat = self
             .decided
@@ -34,7 +18,7 @@ impl Companion {
             }
             None => "fga: avoiding".to_owned(),
         };
-        self.tell(Severity::Warning, &words, now_s);
+        self.voice.tell(Severity::Warning, &words, now_s);
     }
 
     pub(super) fn obstacle_name(&self, id: u32) -> String {
@@ -52,20 +36,6 @@ impl Companion {
             (_, Some(obstacle)) if !obstacle.name.is_empty() => obstacle.name.clone(),
             (_, Some(_)) => "virtual obstacle".to_owned(),
             _ => "fence".to_owned(),
-        }
-    }
-
-    pub(super) fn note(&mut self, now_s: f64, kind: &str, content: Value) {
-        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
-        if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
-            line.extend(content);
-        }
-        self.push_log(line);
-    }
-
-    pub(super) fn push_log(&mut self, line: Value) {
-        if self.log.len() < MOST_LOG_LINES {
-            self.log.push(line);
         }
     }
 

@@ -1,0 +1,79 @@
+//! What the companion says: messages, texts to the operator, lines of its log.
+
+use mavlink::dialects::ardupilotmega::MavMessage;
+use serde_json::{Value, json};
+
+use crate::authority::Severity;
+use crate::outgoing::{Outbox, Outgoing};
+use crate::telling;
+
+/// Most log lines in the queue.
+const MOST_LOG_LINES: usize = 4096;
+
+/// What waits to be sent and to be written.
+#[derive(Debug, Default)]
+pub(super) struct Voice {
+    outbox: Outbox,
+    log: Vec<Value>,
+    /// Texts sent.
+    texts: u32,
+}
+
+impl Voice {
+    /// Speaks under a vehicle's system id.
+    pub(super) fn set_own_system(&mut self, system_id: u8) {
+        self.outbox.set_own_system(system_id);
+    }
+
+    /// Sends a message.
+    pub(super) fn send(&mut self, message: MavMessage) {
+        self.outbox.send(message);
+    }
+
+    /// Where others put their messages.
+    pub(super) const fn outbox(&mut self) -> &mut Outbox {
+        &mut self.outbox
+    }
+
+    /// Tells the operator, and the log.
+    pub(super) fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
+        self.texts += 1;
+        self.outbox.send(telling::text(severity, words));
+        self.note(
+            now_s,
+            "text",
+            json!({ "severity": format!("{severity:?}"), "text": words }),
+        );
+    }
+
+    /// Tells the log alone.
+    pub(super) fn note(&mut self, now_s: f64, kind: &str, content: Value) {
+        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
+        if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
+            line.extend(content);
+        }
+        self.log(line);
+    }
+
+    /// Adds a line to the log.
+    pub(super) fn log(&mut self, line: Value) {
+        if self.log.len() < MOST_LOG_LINES {
+            self.log.push(line);
+        }
+    }
+
+    /// Number of texts so far.
+    pub(super) const fn texts(&self) -> u32 {
+        self.texts
+    }
+
+    /// The messages to send, oldest first.
+    pub(super) fn take_messages(&mut self) -> Vec<Outgoing> {
+        self.outbox.take()
+    }
+
+    /// Lines of the log since the last call.
+    pub(super) fn take_log(&mut self) -> Vec<Value> {
+        core::mem::take(&mut self.log)
+    }
+}
