@@ -11,6 +11,7 @@ mod decide;
 mod decider;
 mod feeds;
 mod gap;
+mod lead;
 mod mission_watch;
 mod neighbors;
 mod over_ground;
@@ -38,7 +39,6 @@ use serde_json::{Value, json};
 use crate::authority::{
     Action, Authority, Fault, HandBack, Hearing, Keeper, Owed, Severity, reaction,
 };
-use crate::commanded::Commanded;
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
@@ -48,21 +48,19 @@ use crate::outgoing::Outgoing;
 use crate::ownship::{OwnshipEstimate, State};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
-use crate::response::ResponseEstimate;
 use crate::restart::Note;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Defect, Defects, Report, TrackTable};
 
-pub(crate) use gap::round_trip_of;
+use lead::Lead;
 pub use picture::Picture;
+pub(crate) use trips::round_trip_of;
 use voice::Voice;
 
 /// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
 pub const LONGEST_END_S: f64 = 60.0;
 /// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
-/// Assumed duration of the bank before a manoeuvre, seconds.
-const KEPT_BEFORE_S: f64 = 2.0;
 
 /// The vehicle according to its heartbeats.
 #[derive(Debug, Clone, Copy)]
@@ -87,7 +85,6 @@ struct Due {
     collision_s: f64,
     fence_s: f64,
     contradiction_s: f64,
-    round_trip_s: f64,
 }
 
 /// The last decision and its context.
@@ -143,9 +140,6 @@ pub struct Companion {
     senders: neighbors::Senders,
     rates: Rates,
     gap: gap::Gap,
-    trips: trips::Trips,
-    /// The dead time that the link adds to the vehicle's, seconds.
-    link_dead_time_s: f64,
     commands: Commands,
     parameters: VehicleParameters,
     mission: Download,
@@ -164,9 +158,7 @@ pub struct Companion {
     mission_item: Option<u16>,
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
-    response: ResponseEstimate,
-    /// The same for banks steeper than the normal one.
-    steep_response: ResponseEstimate,
+    lead: Lead,
     tracks: TrackTable,
     feeds: feeds::Feeds,
     defects: Defects,
@@ -189,13 +181,6 @@ pub struct Companion {
     way_mission: Option<u32>,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
-    /// The last commanded bank, radians.
-    commanded_rad: f64,
-    commanded_lately: Commanded,
-    /// How far ahead of the clock decisions are, seconds, and the time of that setting.
-    ahead_s: f64,
-    ahead_at_s: f64,
-    following_since_s: Option<f64>,
     on_way_since_s: Option<f64>,
     /// Since when nothing threatens in a manoeuvre, seconds.
     cruises_since_s: Option<f64>,
@@ -252,8 +237,6 @@ impl Companion {
             senders: neighbors::Senders::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
-            trips: trips::Trips::default(),
-            link_dead_time_s: 0.0,
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
@@ -268,8 +251,7 @@ impl Companion {
             mission_item: None,
             mission_total: None,
             ownship: OwnshipEstimate::default(),
-            response: ResponseEstimate::new(&config.response),
-            steep_response: ResponseEstimate::new(&config.response),
+            lead: Lead::new(&config.response),
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
@@ -287,11 +269,6 @@ impl Companion {
             way_mission: None,
             obstacles: Vec::new(),
             decided: None,
-            commanded_rad: 0.0,
-            commanded_lately: Commanded::default(),
-            ahead_s: config.response.dead_time_s,
-            ahead_at_s: 0.0,
-            following_since_s: None,
             on_way_since_s: None,
             cruises_since_s: None,
             refusals: 0,
@@ -306,7 +283,6 @@ impl Companion {
                 collision_s: never,
                 fence_s: never,
                 contradiction_s: never,
-                round_trip_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
@@ -355,7 +331,7 @@ impl Companion {
 
     /// How the vehicle follows, as estimated so far.
     pub fn response(&self) -> fga::vehicle::Response {
-        self.link_response()
+        self.lead.response()
     }
 
     /// The last decision.
@@ -581,19 +557,10 @@ impl Companion {
 
     fn start_commanding(&mut self, now_s: f64) {
         self.hand.begin();
-        self.begin_commanding(now_s);
-        self.following_since_s = None;
+        self.lead.begin(self.ownship.bank_rad(), now_s);
         self.on_way_since_s = None;
         self.told.need = false;
         self.due.command_s = f64::NEG_INFINITY;
-    }
-
-    /// Until the first command takes effect, the aircraft keeps its bank.
-    fn begin_commanding(&mut self, now_s: f64) {
-        self.commanded_lately.clear();
-        if let Some(bank_rad) = self.ownship.bank_rad() {
-            self.commanded_lately.push(now_s - KEPT_BEFORE_S, bank_rad);
-        }
     }
 
     /// The next decision makes a new plan and a new way.
@@ -601,6 +568,6 @@ impl Companion {
         self.decider = None;
         self.decided = None;
         self.resumed_s = None;
-        self.commanded_lately.clear();
+        self.lead.end();
     }
 }

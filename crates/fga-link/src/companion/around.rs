@@ -131,7 +131,7 @@ impl Companion {
 
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
         self.obstacles.clear();
-        let at_s = now_s + self.ahead_s;
+        let at_s = self.lead.acts_s(now_s);
         let own_m = state.ownship.position_m;
         let within_m = self.config.surveillance_m(state.ownship.airspeed_mps);
         if let Some(frame) = self.ownship.frame() {

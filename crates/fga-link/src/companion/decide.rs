@@ -27,8 +27,6 @@ const BESIDE_LEG_S: f64 = 30.0;
 const PREPARE_S: f64 = 0.6;
 /// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
-/// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
-const AHEAD_PACE: f64 = 0.5;
 /// Telemetry is stale after this many of its measured intervals, if these are long.
 const STALE_INTERVALS: f64 = 2.5;
 /// After this many refusals in a row the operator must arm the companion again.
@@ -37,52 +35,18 @@ const MOST_REFUSALS: u32 = 3;
 impl Companion {
     /// The state at the moment at which a command sent now takes effect.
     pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
-        let response = self.flown_response();
-        self.ownship
-            .state_at(now_s + self.ahead_s, &self.commanded_lately, &response)
+        let in_need = self.is_in_need();
+        self.lead.state(&mut self.ownship, in_need, now_s)
     }
 
     /// Whether the last decision uses the bank in need.
-    pub(super) fn is_in_need(&self) -> bool {
+    fn is_in_need(&self) -> bool {
         self.decided
             .is_some_and(|decided| decided.decision.record.in_need)
     }
 
-    /// How the vehicle follows at banks steeper than the normal one.
-    fn steep_response(&self) -> Response {
-        self.steep_response.steep_response(self.link_response())
-    }
-
-    /// How the vehicle follows over the link.
-    pub(super) fn link_response(&self) -> Response {
-        let response = self.response.response();
-        Response {
-            dead_time_s: response.dead_time_s + self.link_dead_time_s,
-            ..response
-        }
-    }
-
-    /// How the vehicle follows its present commands.
-    pub(super) fn flown_response(&self) -> Response {
-        if self.is_in_need() {
-            self.steep_response()
-        } else {
-            self.link_response()
-        }
-    }
-
-    /// Follows the estimated dead time, slower than the clock: the moment of a decision never goes back,
-    /// because the avoider would forget its plan.
-    fn follow_dead_time(&mut self, now_s: f64) {
-        let most_s = AHEAD_PACE * (now_s - self.ahead_at_s).max(0.0);
-        self.link_dead_time_s = self.trips.dead_time_s();
-        let off_s = self.link_response().dead_time_s - self.ahead_s;
-        self.ahead_s += off_s.clamp(-most_s, most_s);
-        self.ahead_at_s = now_s;
-    }
-
     pub(super) fn decide(&mut self, now_s: f64) {
-        self.follow_dead_time(now_s);
+        self.lead.follow(now_s);
         self.due.decision_s = now_s + self.config.command.decision_period_s;
         let fresh = !self.is_blind(now_s);
         let state = if fresh || self.flies_blind(now_s) {
@@ -122,7 +86,7 @@ impl Companion {
         }
         self.decided = Some(Decided {
             decision,
-            for_s: now_s + self.ahead_s,
+            for_s: self.lead.acts_s(now_s),
             own: state,
         });
         if decision.record.in_need
@@ -196,7 +160,7 @@ impl Companion {
         now_s: f64,
     ) -> Situation<'a> {
         Situation {
-            time_s: now_s + self.ahead_s,
+            time_s: self.lead.acts_s(now_s),
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
             mission: Mission {
@@ -233,7 +197,7 @@ impl Companion {
         }
         let response = Response {
             dead_time_s: 0.0,
-            ..self.steep_response()
+            ..self.lead.steep_response()
         };
         self.parameters
             .vehicle_in_need(&self.config, airspeed_mps, response)
@@ -241,7 +205,7 @@ impl Companion {
 
     /// Makes the decider, or gives it the vehicle's present limits.
     fn renew_decider(&mut self, now_s: f64) -> Option<()> {
-        let mut response = self.response.response();
+        let mut response = self.lead.response();
         // The decider's state is after the dead time, so its response has no dead time; the rest stays in the plan.
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();

@@ -9,12 +9,12 @@ use fga::Vec3;
 use fga::angle::wrap_pi;
 use fga::avoider::Decision;
 use fga::situation::ObstacleKind;
-use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
+use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
 
 use super::Companion;
 use super::decider::Decider;
+use super::trips::round_trip_of;
 use crate::authority::{Fault, Severity};
-use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::State;
 
 /// Least time to fly on, seconds …
@@ -31,35 +31,6 @@ pub(super) const SILENT_S: f64 = 1.2;
 /// How far ahead the check of the restored course looks, and its steps, seconds.
 const GIVEN_BACK_S: f64 = 30.0;
 const GIVEN_BACK_STEP_S: f64 = 0.2;
-/// Interval of requests for a round trip of the vehicle's clock, shorter while telemetry is late, seconds.
-const ROUND_TRIP_S: f64 = 1.0;
-const LATE_ROUND_TRIP_S: f64 = 0.2;
-/// Telemetry is late when it is older than this, seconds.
-const LATE_S: f64 = 0.3;
-/// A slower answer says nothing of the vehicle's clock, seconds.
-const LONGEST_TRIP_S: f64 = 5.0;
-/// A slower answer is not ours, seconds.
-const LONGEST_QUEUE_S: f64 = 30.0;
-
-/// The round trip of an answer: the time of the request, and the reading of the vehicle's clock;
-/// seconds. `None` for the answer to somebody else.
-pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f64)> {
-    answer_of(data, now_s, LONGEST_TRIP_S)
-}
-
-/// The same for an answer after at most `longest_s` seconds.
-fn answer_of(data: &TIMESYNC_DATA, now_s: f64, longest_s: f64) -> Option<(f64, f64)> {
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "nanoseconds of a flight are exact for 104 days"
-    )]
-    let seconds = |nanoseconds: i64| nanoseconds as f64 * 1e-9;
-    let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
-    let sent_s = seconds(data.ts1);
-    let plausible = data.tc1 > 0 && (now_s - longest_s..=now_s).contains(&sent_s);
-    (for_us && plausible).then(|| (sent_s, seconds(data.tc1)))
-}
-
 /// The reports about the present gap.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gap {
@@ -69,7 +40,7 @@ pub(super) struct Gap {
 
 impl Companion {
     /// Age of the telemetry, seconds; infinite before the first.
-    fn telemetry_age_s(&self, now_s: f64) -> f64 {
+    pub(super) fn telemetry_age_s(&self, now_s: f64) -> f64 {
         self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
     }
 
@@ -189,36 +160,9 @@ impl Companion {
         false
     }
 
-    /// Asks what the vehicle's clock reads.
-    pub(super) fn ask_for_round_trip(&mut self, system: u8, now_s: f64) {
-        if now_s < self.due.round_trip_s {
-            return;
-        }
-        let late = self.telemetry_age_s(now_s) > LATE_S;
-        self.due.round_trip_s = now_s
-            + if late {
-                LATE_ROUND_TRIP_S
-            } else {
-                ROUND_TRIP_S
-            };
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "nanoseconds of a flight fit 63 bits for 292 years"
-        )]
-        let ts1 = (now_s * 1e9) as i64;
-        self.voice.send(MavMessage::TIMESYNC(TIMESYNC_DATA {
-            tc1: 0,
-            ts1,
-            target_system: system,
-            target_component: AUTOPILOT,
-        }));
-    }
-
-    /// Takes the answer.
+    /// Takes the vehicle's answer to what its clock reads.
     pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
-        if let Some((sent_s, _)) = answer_of(data, now_s, LONGEST_QUEUE_S) {
-            self.trips.take(sent_s, now_s);
-        }
+        self.lead.take_round_trip(data, now_s);
         if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
             self.ownship.round_trip(sent_s, boot_s, now_s);
             self.hearing.round_trip(sent_s, boot_s, now_s);

@@ -181,7 +181,7 @@ impl Companion {
         if !self.keeper.is_engaged() && self.parameters.avoids_by_itself() {
             return Some(Lacking::OtherAvoider);
         }
-        if !self.keeper.is_engaged() && self.trips.is_too_long(now_s) {
+        if !self.keeper.is_engaged() && self.lead.is_too_long(now_s) {
             return Some(Lacking::SlowLink);
         }
         if !self.rates.is_usable() {

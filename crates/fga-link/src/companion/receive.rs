@@ -25,9 +25,6 @@ const NOTED_S: f64 = 3.0;
 /// Interval between reports of contradicting heartbeats, s.
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
-/// A bank beyond the normal limit by this is a steep one, radians (1°).
-const STEEPER_RAD: f64 = 0.017;
-
 /// The heartbeat of a fixed-wing autopilot; `None` for all others.
 pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
     let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -388,25 +385,9 @@ impl Companion {
         let Some(airspeed_mps) = self.ownship.airspeed_mps() else {
             return;
         };
-        let bank_rad = -f64::from(data.roll);
         let measured_s = now_s - self.ownship.attitude_age_s(now_s).unwrap_or(0.0);
         let normal_rad = self.bank_limit_rad().unwrap_or(f64::INFINITY);
-        // What the link adds is known; the rest is estimated.
-        let measured_s = measured_s - self.link_dead_time_s;
-        let commanded_rad = self.commanded_lately.at(measured_s);
-        let is_steep = |bank_rad: f64| bank_rad.abs() > normal_rad + STEEPER_RAD;
-        let estimate = if is_steep(bank_rad) || commanded_rad.is_some_and(is_steep) {
-            &mut self.steep_response
-        } else {
-            &mut self.response
-        };
-        estimate.observe(
-            f64::from(data.time_boot_ms) * 1e-3,
-            bank_rad,
-            -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
-            airspeed_mps,
-            |before_s| self.commanded_lately.at(measured_s - before_s),
-        );
+        self.lead.learn(data, measured_s, airspeed_mps, normal_rad);
     }
 
     /// Somebody else has just uploaded a list: reads it again.

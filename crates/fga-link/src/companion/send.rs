@@ -46,7 +46,10 @@ impl Companion {
         }
         self.probe_lists(system, now_s);
         self.look_at_rally(system, now_s);
-        self.ask_for_round_trip(system, now_s);
+        let age_s = self.telemetry_age_s(now_s);
+        if let Some(request) = self.lead.request(age_s, system, now_s) {
+            self.voice.send(request);
+        }
         self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
@@ -169,10 +172,8 @@ impl Companion {
         let Some(state) = self.state_ahead(now_s) else {
             return;
         };
-        if let Some(bank_rad) = self.fly(&state, now_s) {
-            self.commanded_rad = bank_rad;
-        }
-        self.commanded_lately.push(now_s, self.commanded_rad);
+        let bank_rad = self.fly(&state, now_s);
+        self.lead.command(bank_rad, now_s);
         self.send_commands(now_s);
         self.watch_following(now_s);
     }
@@ -188,7 +189,7 @@ impl Companion {
             .filter(|_| decided.decision.record.in_need);
         let (vehicle, bank_limit_rad) = in_need.unwrap_or((decider.vehicle(), normal_rad));
         let vehicle = *vehicle;
-        let elapsed_s = (now_s + self.ahead_s - decided.for_s).max(0.0);
+        let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
         let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
         self.with_hand(now_s, |hand, reach| {
             let target = Target {
@@ -246,20 +247,11 @@ impl Companion {
 
     fn watch_following(&mut self, now_s: f64) {
         let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
-        if self.recorded || !commands || self.is_blind(now_s) {
-            self.following_since_s = None;
-            return;
-        }
+        let is_watched = commands && !self.recorded && !self.is_blind(now_s);
+        let bank_rad = self.ownship.bank_rad().filter(|_| is_watched);
         let tolerance_rad = self.config.safety.follow_tolerance_deg.to_radians();
-        let Some(bank_rad) = self.ownship.bank_rad() else {
-            return;
-        };
-        if (self.commanded_rad - bank_rad).abs() <= tolerance_rad {
-            self.following_since_s = None;
-            return;
-        }
-        let since_s = *self.following_since_s.get_or_insert(now_s);
-        if now_s - since_s > self.config.safety.follow_time_s {
+        let apart_s = self.lead.apart_s(bank_rad, tolerance_rad, now_s);
+        if apart_s > self.config.safety.follow_time_s {
             self.fault(Fault::NotFollowing, now_s);
         }
     }

@@ -243,10 +243,7 @@ impl Companion {
         {
             return None;
         }
-        let response = self.response.response();
-        let state = self
-            .ownship
-            .state_at(now_s, &self.commanded_lately, &response)?;
+        let state = self.lead.state_now(&mut self.ownship, now_s)?;
         let heading_rad = self.ownship.heading_rad()?;
         let (bank_rad, pitch_rad) = match data.frame {
             // The body's axes: forward, right, down.
