@@ -11,6 +11,7 @@ mod decide;
 mod decider;
 mod feeds;
 mod gap;
+mod lacking;
 mod lead;
 mod mission_watch;
 mod neighbors;
@@ -21,13 +22,12 @@ mod readiness;
 mod receive;
 mod requests;
 mod send;
+mod session;
 mod traffic;
 mod trips;
 mod voice;
 mod way;
 mod words;
-
-pub(crate) use receive::beat_of_plane;
 
 use fga::avoider::Decision;
 use fga::situation::{Obstacle, ProtectedVolume};
@@ -36,9 +36,7 @@ use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMissionType};
 use serde_json::{Value, json};
 
-use crate::authority::{
-    Action, Authority, Fault, HandBack, Hearing, Keeper, Owed, Severity, reaction,
-};
+use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severity, reaction};
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
@@ -52,8 +50,10 @@ use crate::restart::Note;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Defect, Defects, Report, TrackTable};
 
+use lacking::Told;
 use lead::Lead;
 pub use picture::Picture;
+use session::Session;
 pub(crate) use trips::round_trip_of;
 use voice::Voice;
 
@@ -61,17 +61,6 @@ use voice::Voice;
 pub const LONGEST_END_S: f64 = 60.0;
 /// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
-
-/// The vehicle according to its heartbeats.
-#[derive(Debug, Clone, Copy)]
-struct Heard {
-    system_id: u8,
-    mode: Mode,
-    armed: bool,
-    /// Its first heartbeat and its last one, seconds.
-    since_s: f64,
-    heartbeat_s: f64,
-}
 
 /// When things are due again, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
@@ -84,7 +73,6 @@ struct Due {
     values_s: f64,
     collision_s: f64,
     fence_s: f64,
-    contradiction_s: f64,
 }
 
 /// The last decision and its context.
@@ -112,32 +100,21 @@ pub struct Counts {
 pub struct Companion {
     config: Config,
     take_over: Vec<Mode>,
-    dry_run: bool,
     recorded: bool,
     voice: Voice,
-    heard: Option<Heard>,
-    /// Decides whether the companion may command a mode.
-    hearing: Hearing,
-    /// The debt of an earlier run of the program.
-    notes: Vec<Note>,
-    /// The vehicle's clock when the mode was taken.
-    noted_boot_ms: Option<u32>,
+    session: Session,
     /// Since when it flies on a manoeuvre of an earlier run, or from before a lost link, without a threat known yet,
     /// seconds.
     resumed_s: Option<f64>,
     /// Since when the program is to end, seconds.
     ending_s: Option<f64>,
-    /// Since when it waits for a vehicle with a note, seconds.
-    noted_wait_s: Option<f64>,
     /// The item to go on with, where the vehicle begins its mission again with each change to AUTO.
     item_to_resume: Option<u16>,
     /// What a manoeuvre has passed of the mission.
     passing: way::Passing,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
-    told: readiness::Told,
-    neighbors: neighbors::Neighbors,
-    senders: neighbors::Senders,
+    told: Told,
     rates: Rates,
     gap: gap::Gap,
     commands: Commands,
@@ -186,7 +163,6 @@ pub struct Companion {
     cruises_since_s: Option<f64>,
     refusals: u32,
     pause_until_s: f64,
-    boot_ms: u32,
     due: Due,
     last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
     counts: Counts,
@@ -219,22 +195,15 @@ impl Companion {
         });
         Ok(Self {
             take_over,
-            dry_run,
             recorded: false,
             voice,
-            heard: None,
-            hearing: Hearing::default(),
-            notes: Vec::new(),
-            noted_boot_ms: None,
+            session: Session::new(config.vehicle.system_id, dry_run),
             resumed_s: None,
             ending_s: None,
-            noted_wait_s: None,
             item_to_resume: None,
             passing: way::Passing::default(),
             undecided_s: Some(never),
-            told: readiness::Told::NOTHING,
-            neighbors: neighbors::Neighbors::default(),
-            senders: neighbors::Senders::default(),
+            told: Told::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
             commands: Commands::default(),
@@ -273,7 +242,6 @@ impl Companion {
             cruises_since_s: None,
             refusals: 0,
             pause_until_s: never,
-            boot_ms: 0,
             due: Due {
                 heartbeat_s: never,
                 decision_s: never,
@@ -282,7 +250,6 @@ impl Companion {
                 values_s: never,
                 collision_s: never,
                 fence_s: never,
-                contradiction_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
@@ -341,7 +308,7 @@ impl Companion {
 
     /// System id of the vehicle, once heard.
     pub fn vehicle_system(&self) -> Option<u8> {
-        self.heard.map(|heard| heard.system_id)
+        self.session.system()
     }
 
     /// Mode to restore if this program stops now; `None` without a manoeuvre.
@@ -352,7 +319,7 @@ impl Companion {
     /// The mode to restore, and the vehicle, if this program stops now.
     pub fn owed(&self) -> Option<Owed> {
         Some(Owed {
-            system_id: self.vehicle_system().filter(|_| !self.dry_run)?,
+            system_id: self.session.commanded_system()?,
             owned: self.keeper.target(),
             previous: self.keeper.owed()?,
         })
@@ -360,33 +327,23 @@ impl Companion {
 
     /// Passes the debt of an earlier run of this program, before any message.
     pub fn set_notes(&mut self, notes: Vec<Note>) {
-        self.notes = notes;
+        self.session.set_notes(notes);
     }
 
     /// The note for a later run, if this one stops now.
     pub fn restart_note(&self, now_s: f64) -> Option<Note> {
-        if let Some(note) = self.notes.last() {
-            // A note of another vehicle is another program's.
-            return Some(*note).filter(|_| self.heard.is_some() && !self.dry_run);
-        }
-        let boot_ms = self.noted_boot_ms.unwrap_or(self.boot_ms);
-        if let Some(owed) = self.owed() {
-            return Some(Note {
-                item: self.item_asked_for(),
-                ..Note::new(owed, boot_ms)
-            });
-        }
         let owned = self.keeper.target();
-        let heard = self.heard.as_ref().filter(|_| !self.dry_run)?;
-        let requested = Owed {
-            system_id: heard.system_id,
+        self.session.restart_note(
+            self.keeper.owed(),
+            self.item_asked_for(),
             owned,
-            previous: heard.mode,
-        };
-        self.keeper.may_arrive(owned, now_s).then(|| Note {
-            given_up: true,
-            ..Note::new(requested, boot_ms)
-        })
+            self.keeper.may_arrive(owned, now_s),
+        )
+    }
+
+    /// The link carries MAVLink 1 frames of a system, which nobody here reads.
+    pub fn hear_version1(&mut self, system: u8, now_s: f64) {
+        self.session.hear_version1(system, &mut self.voice, now_s);
     }
 
     /// The operator's switch.
@@ -411,7 +368,7 @@ impl Companion {
     pub fn shut_down_at_once(&mut self, now_s: f64) {
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
-        } else if self.heard.is_some() {
+        } else if self.vehicle_system().is_some() {
             self.voice
                 .tell(Severity::Notice, "fga: program ends", now_s);
         }
@@ -477,7 +434,9 @@ impl Companion {
     }
 
     fn watch_link(&mut self, now_s: f64) {
-        let Some(heard) = self.heard else { return };
+        let Some(silent_s) = self.session.silent_s(now_s) else {
+            return;
+        };
         // While it requests the return nothing flies, and a restarted program must wait: only the
         // heartbeat matters.
         let flies = matches!(
@@ -485,7 +444,7 @@ impl Companion {
             Authority::Taking { .. } | Authority::InCommand { .. }
         );
         let flies_blind = self.flies_blind(now_s);
-        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s && !flies_blind {
+        if silent_s > self.config.safety.link_lost_s && !flies_blind {
             self.fault(Fault::LinkLost, now_s);
         } else if flies && self.is_blind(now_s) && !flies_blind {
             self.end_gap(now_s);
@@ -524,7 +483,7 @@ impl Companion {
                 }
                 Action::Began => {
                     self.counts.maneuvers += 1;
-                    self.noted_boot_ms = Some(self.boot_ms);
+                    self.session.date_note();
                     self.item_to_resume = self.mission_item.filter(|_| self.restarts_mission());
                     self.begin_passing();
                     self.start_commanding(now_s);
@@ -559,7 +518,7 @@ impl Companion {
         self.hand.begin();
         self.lead.begin(self.ownship.bank_rad(), now_s);
         self.on_way_since_s = None;
-        self.told.need = false;
+        self.told.begin();
         self.due.command_s = f64::NEG_INFINITY;
     }
 

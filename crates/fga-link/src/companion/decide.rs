@@ -9,6 +9,7 @@ use fga::zone::Zone;
 use serde_json::json;
 
 use super::decider::Decider;
+use super::lacking::Lacking;
 use super::{Companion, Decided};
 use crate::authority::{Authority, Fault, Severity};
 use crate::ownship::State;
@@ -58,7 +59,6 @@ impl Companion {
         let before = self.keeper.state();
         let actions = self.keeper.readiness(lacking.is_none(), now_s);
         self.perform(&actions, now_s);
-        self.tell_airspeed(now_s);
         self.tell_readiness(lacking, now_s);
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
@@ -89,26 +89,33 @@ impl Companion {
             for_s: self.lead.acts_s(now_s),
             own: state,
         });
-        if decision.record.in_need
-            && self.keeper.commands()
-            && !core::mem::replace(&mut self.told.need, true)
-        {
-            self.voice
-                .tell(Severity::Warning, "fga: bank in need", now_s);
+        if decision.record.in_need && self.keeper.commands() {
+            self.told.need(&mut self.voice, now_s);
         }
         let no_way = decision.state == AvoiderState::Threatened
             && decision.record.reason == Reason::BestAvailable;
-        if core::mem::replace(&mut self.told.no_way, no_way) != no_way && no_way {
-            let id = decision.record.threat.map(|threat| threat.id);
-            let name = id.map_or("?".to_owned(), |id| self.obstacle_name(id));
-            let words = format!("fga: no way round {name} keeps it, not begun");
-            self.voice.tell(Severity::Warning, &words, now_s);
-        }
+        let round = no_way.then(|| self.threat_name(&decision));
+        self.told.no_way(round, &mut self.voice, now_s);
         self.watch_ground(&decision, &state, now_s);
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
         self.judge_gap(&decision, &state, now_s);
+    }
+
+    /// Reports what has changed about readiness.
+    fn tell_readiness(&mut self, lacking: Option<Lacking>, now_s: f64) {
+        let voice = &mut self.voice;
+        self.told
+            .airspeed(self.ownship.airspeed_fails(), voice, now_s);
+        if self.keeper.state() == Authority::Ready {
+            self.told.ready();
+            self.session.choose();
+        }
+        // Before the first heartbeat there is nobody to tell.
+        if lacking.is_none() || self.session.system().is_some() {
+            self.told.lacking(lacking, voice, now_s);
+        }
     }
 
     /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
@@ -249,8 +256,10 @@ impl Companion {
             AvoiderState::Cruise | AvoiderState::Recovering => false,
         };
         if self.keeper.state() == Authority::Ready && wants && now_s >= self.pause_until_s {
-            let Some(heard) = self.heard else { return };
-            if self.dry_run {
+            let Some(mode) = self.session.mode() else {
+                return;
+            };
+            if self.session.is_dry_run() {
                 self.pause_until_s = now_s + 5.0;
                 self.tell_dry(decision, now_s);
                 return;
@@ -265,7 +274,7 @@ impl Companion {
                 );
                 return;
             }
-            let actions = self.keeper.take_over(heard.mode, now_s);
+            let actions = self.keeper.take_over(mode, now_s);
             self.perform(&actions, now_s);
             self.command(now_s);
             return;
@@ -293,10 +302,7 @@ impl Companion {
     }
 
     fn tell_dry(&mut self, decision: &Decision, now_s: f64) {
-        let name = decision
-            .record
-            .threat
-            .map_or("?".to_owned(), |t| self.obstacle_name(t.id));
+        let name = self.threat_name(decision);
         self.voice.tell(
             Severity::Warning,
             &format!("fga: would avoid {name} (dry run)"),

@@ -4,7 +4,7 @@ use fga_formats::tally::LeftOut;
 use serde_json::{Value, json};
 
 use super::Companion;
-use super::readiness::Lacking;
+use super::lacking::Lacking;
 use crate::authority::Severity;
 use crate::traffic::receiver::FeedStatus;
 
@@ -75,7 +75,7 @@ impl Companion {
     /// Tells the operator once of each reason for which a feed's parts are left out, when there is a vehicle that
     /// passes it on.
     pub(super) fn tell_feeds(&mut self, now_s: f64) {
-        if self.heard.is_none() {
+        if self.session.system().is_none() {
             return;
         }
         let mut words = Vec::new();

@@ -13,6 +13,7 @@ use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
 
 use super::Companion;
 use super::decider::Decider;
+use super::session::SILENT_S;
 use super::trips::round_trip_of;
 use crate::authority::{Fault, Severity};
 use crate::ownship::State;
@@ -26,8 +27,6 @@ const TOLD_S: f64 = 1.5;
 /// Possible error of the prediction's acceleration, metres per second squared: gusts, and a turn rate
 /// known to a few per cent.
 const UNKNOWN_MPS2: f64 = 0.8;
-/// Without a heartbeat for this long the vehicle is silent, seconds.
-pub(super) const SILENT_S: f64 = 1.2;
 /// How far ahead the check of the restored course looks, and its steps, seconds.
 const GIVEN_BACK_S: f64 = 30.0;
 const GIVEN_BACK_STEP_S: f64 = 0.2;
@@ -60,8 +59,7 @@ impl Companion {
 
     /// Whether heartbeats are missing, so that requests have no visible effect.
     pub(super) fn is_silent(&self, now_s: f64) -> bool {
-        self.heard
-            .is_some_and(|heard| now_s - heard.heartbeat_s > SILENT_S)
+        self.session.silent_s(now_s).is_some_and(|s| s > SILENT_S)
     }
 
     /// Extra uncertainty of our own position, m.
@@ -113,8 +111,9 @@ impl Companion {
         self.gap = Gap::default();
         let link_lost_s = self.config.safety.link_lost_s;
         let lost = self
-            .heard
-            .is_some_and(|heard| now_s - heard.heartbeat_s > link_lost_s);
+            .session
+            .silent_s(now_s)
+            .is_some_and(|s| s > link_lost_s);
         let fault = if lost {
             Fault::LinkLost
         } else {
@@ -165,7 +164,7 @@ impl Companion {
         self.lead.take_round_trip(data, now_s);
         if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
             self.ownship.round_trip(sent_s, boot_s, now_s);
-            self.hearing.round_trip(sent_s, boot_s, now_s);
+            self.session.round_trip(sent_s, boot_s, now_s);
         }
     }
 }

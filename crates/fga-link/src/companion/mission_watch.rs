@@ -175,7 +175,7 @@ impl Companion {
             heard_s: now_s,
             within_m,
         });
-        let in_auto = self.heard.is_some_and(|heard| heard.mode == Mode::AUTO);
+        let in_auto = self.session.mode() == Some(Mode::AUTO);
         let off = |place_m: Vec3| (place_m - position_m).truncate().length() > within_m;
         if !in_auto || !self.item_place_m().is_some_and(off) {
             self.watch.disagrees_since_s = None;

@@ -207,11 +207,11 @@ impl Companion {
         let order = GroundOrder::new(square.clone(), terrain, (items, home_m), clearance_m);
         self.over.order = Some(order);
         self.over.ordered = Some(square);
-        if let Some(heard) = &self.heard {
+        if let Some(system) = self.vehicle_system() {
             // Each half second; a vehicle without a rangefinder never sends it.
             let id = DISTANCE_SENSOR_DATA::ID as f32;
             let asks = Command::long(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, id, 0.5e6);
-            self.voice.send(asks.message(heard.system_id, 0));
+            self.voice.send(asks.message(system, 0));
         }
     }
 

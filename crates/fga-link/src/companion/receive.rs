@@ -4,40 +4,20 @@ use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavMissionType, MavModeFlag,
-    MavResult, MavSysStatusSensor, MavType,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavMissionType, MavResult,
+    MavSysStatusSensor,
 };
 use serde_json::json;
 
-use super::{Companion, Heard};
-use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
+use super::Companion;
+use super::session::{News, Noted, SILENT_S};
+use crate::authority::{Beat, Fault, Severity, reaction};
 use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::restart::Note;
 use crate::traffic::fence;
-
-/// The companion waits this long for the vehicle that an earlier run left in a manoeuvre, seconds: a vehicle sends its heartbeat once a
-/// second.
-const NOTED_S: f64 = 3.0;
-/// Interval between reports of contradicting heartbeats, s.
-const CONTRADICTION_AGAIN_S: f64 = 5.0;
-
-/// The heartbeat of a fixed-wing autopilot; `None` for all others.
-pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
-    let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
-        && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
-        && header.component_id == AUTOPILOT;
-    is_plane.then_some(Beat {
-        sequence: header.sequence,
-        mode: Mode(data.custom_mode),
-        armed: data
-            .base_mode
-            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
-    })
-}
 
 impl Companion {
     /// Takes a message.
@@ -73,115 +53,61 @@ impl Companion {
     }
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
-        let Some(beat) = beat_of_plane(header, data) else {
-            self.hear_stranger(header, data, now_s);
+        let (session, voice) = (&mut self.session, &mut self.voice);
+        let Some(beat) = Beat::of_plane(header, data) else {
+            session.hear_stranger(header, data, voice, now_s);
             return;
         };
-        let Beat { mode, armed, .. } = beat;
-        let wanted = self.wanted_system();
-        let Some(heard) = &mut self.heard else {
-            if wanted.is_some_and(|wanted| wanted != system) {
-                self.neighbors.hear_other(system);
-                self.tell_left(system, mode, now_s);
-                return;
+        match session.hear(system, beat, voice, now_s) {
+            News::Nothing => {}
+            News::First => {
+                self.mission.begin();
+                if self.config.safety.use_fence {
+                    self.fence_download.begin();
+                }
+                self.read_rally_again();
             }
-            if self.waits_for_noted(system, mode, now_s) {
-                return;
-            }
-            self.hearing.hear(beat, now_s);
-            self.heard = Some(Heard {
-                system_id: system,
+            News::Next {
                 mode,
-                armed,
-                since_s: now_s,
-                heartbeat_s: now_s,
-            });
-            let others: Vec<u8> = self.notes.iter().map(|note| note.system_id).collect();
-            self.notes.retain(|note| note.fits(system, mode));
-            self.voice.set_own_system(system);
-            self.mission.begin();
-            if self.config.safety.use_fence {
-                self.fence_download.begin();
-            }
-            self.read_rally_again();
-            let words = if self.dry_run {
-                "fga: connected, dry run"
-            } else {
-                "fga: connected"
-            };
-            self.voice.tell(Severity::Info, words, now_s);
-            for other in others.into_iter().filter(|other| *other != system) {
-                let words = format!("fga: note of vehicle {other} left aside");
-                self.voice.tell(Severity::Warning, &words, now_s);
-            }
-            self.voice.note(
-                now_s,
-                "vehicle",
-                json!({ "system": system, "mode": mode.to_string() }),
-            );
-            return;
-        };
-        if heard.system_id != system {
-            self.hear_neighbor(system, now_s);
-            return;
-        }
-        let verdict = self.hearing.hear(beat, now_s);
-        if verdict == Verdict::Overtaken {
-            return;
-        }
-        let silent_s = now_s - heard.heartbeat_s;
-        let was_armed = heard.armed;
-        let mode_was = heard.mode;
-        *heard = Heard {
-            system_id: system,
-            mode,
-            armed: self.hearing.is_armed(),
-            since_s: heard.since_s,
-            heartbeat_s: now_s,
-        };
-        let is_armed = heard.armed;
-        self.leave_notes(system, mode, now_s);
-        if mode != mode_was {
-            self.watch.mode_changed(now_s);
-            self.voice
-                .note(now_s, "mode", json!({ "mode": mode.to_string() }));
-        }
-        if silent_s > super::gap::SILENT_S {
-            self.keeper.excuse(silent_s);
-        }
-        // The mode first: whoever changed it wins, whatever else this message contains.
-        let actions = self.keeper.heartbeat(mode, armed, now_s);
-        self.perform(&actions, now_s);
-        if mode == Mode::AUTO {
-            self.mission_goes_on();
-        }
-        if mode == Mode::AUTO && mode_was == self.keeper.target() {
-            self.set_item_to_resume(now_s);
-        }
-        if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
-            self.due.contradiction_s = now_s + CONTRADICTION_AGAIN_S;
-            self.voice
-                .note(now_s, "contradiction", json!({ "mode": mode.name() }));
-            if self.keeper.is_engaged() {
-                self.fault(Fault::Contradiction, now_s);
-            } else {
-                let row = reaction(Fault::Contradiction);
-                let actions = self.keeper.readiness(false, now_s);
+                mode_was,
+                silent_s,
+                contradicts,
+                disarmed,
+            } => {
+                if mode != mode_was {
+                    self.watch.mode_changed(now_s);
+                }
+                if silent_s > SILENT_S {
+                    self.keeper.excuse(silent_s);
+                }
+                // The mode first: whoever changed it wins, whatever else this message contains.
+                let actions = self.keeper.heartbeat(mode, beat.armed, now_s);
                 self.perform(&actions, now_s);
-                self.voice.tell(row.severity, row.text, now_s);
+                if mode == Mode::AUTO {
+                    self.mission_goes_on();
+                }
+                if mode == Mode::AUTO && mode_was == self.keeper.target() {
+                    self.set_item_to_resume(now_s);
+                }
+                if contradicts {
+                    self.heartbeats_contradict(mode, now_s);
+                }
+                if disarmed {
+                    self.fault(Fault::Disarmed, now_s);
+                }
             }
-        }
-        if was_armed && !is_armed {
-            self.fault(Fault::Disarmed, now_s);
         }
     }
 
-    /// The vehicle reports a mode: the notes of other modes end. Not even a forged heartbeat ends a debt in silence.
-    fn leave_notes(&mut self, system: u8, mode: Mode, now_s: f64) {
-        let noted = self.notes.len();
-        self.notes.retain(|note| note.fits(system, mode));
-        if self.notes.len() < noted {
-            let row = reaction(Fault::ModeChanged);
+    fn heartbeats_contradict(&mut self, mode: Mode, now_s: f64) {
+        self.voice
+            .note(now_s, "contradiction", json!({ "mode": mode.name() }));
+        if self.keeper.is_engaged() {
+            self.fault(Fault::Contradiction, now_s);
+        } else {
+            let row = reaction(Fault::Contradiction);
+            let actions = self.keeper.readiness(false, now_s);
+            self.perform(&actions, now_s);
             self.voice.tell(row.severity, row.text, now_s);
         }
     }
@@ -189,81 +115,39 @@ impl Companion {
     /// A program that was restarted in a manoeuvre continues it once the vehicle's clock shows
     /// that its note counts.
     fn take_note(&mut self, boot_ms: u32, now_s: f64) {
-        let Some(note) = self.notes.pop() else { return };
-        self.notes.clear();
-        let may_resume = !self.dry_run && Mode(note.owned_mode) == self.keeper.target();
-        if note.counts(boot_ms) && note.given_up {
-            self.keeper
-                .doubt(Mode(note.owned_mode), note.previous(), now_s);
-        } else if note.counts(boot_ms) && !may_resume {
-            self.tell_left_in(note, now_s);
-        } else if note.counts(boot_ms) {
-            self.neighbors.choose();
-            self.keeper.resume(note.previous(), now_s);
-            self.noted_boot_ms = Some(note.boot_ms);
-            self.resume_passing(note.item);
-            self.voice.note(
-                now_s,
-                "resumes",
-                json!({ "previous": note.previous().name() }),
-            );
-        } else {
-            self.voice.tell(
-                Severity::Warning,
-                "fga: an old note of a manoeuvre, mode left alone",
-                now_s,
-            );
-        }
-    }
-
-    /// Whether the vehicle that a note names may still be heard: that vehicle is ours.
-    fn waits_for_noted(&mut self, system: u8, mode: Mode, now_s: f64) -> bool {
-        if self.wanted_system().is_some()
-            || self.notes.is_empty()
-            || self.notes.iter().any(|note| note.fits(system, mode))
+        let target = self.keeper.target();
+        match self
+            .session
+            .take_note(boot_ms, target, &mut self.voice, now_s)
         {
-            return false;
+            Some(Noted::Doubt(note)) => {
+                self.keeper
+                    .doubt(Mode(note.owned_mode), note.previous(), now_s);
+            }
+            Some(Noted::Resume(note)) => {
+                self.keeper.resume(note.previous(), now_s);
+                self.resume_passing(note.item);
+            }
+            None => {}
         }
-        now_s - *self.noted_wait_s.get_or_insert(now_s) < NOTED_S
-    }
-
-    /// Reports that an earlier run left a vehicle that is not ours in a manoeuvre.
-    fn tell_left(&mut self, system: u8, mode: Mode, now_s: f64) {
-        let is_left = |note: &Note| note.fits(system, mode) && note.owned_mode == mode.0;
-        let found = self.notes.iter().position(is_left);
-        if let Some(index) = found {
-            let note = self.notes.remove(index);
-            self.tell_left_in(note, now_s);
-        }
-    }
-
-    /// Reports that an earlier run left the vehicle in a manoeuvre that this one does not take up.
-    fn tell_left_in(&mut self, note: Note, now_s: f64) {
-        let (system, mode) = (note.system_id, Mode(note.owned_mode));
-        let (mode, previous) = (mode.name(), note.previous());
-        let words = format!(
-            "fga: vehicle {system} left in {mode}: set {}",
-            previous.name()
-        );
-        self.voice.tell(Severity::Critical, &words, now_s);
     }
 
     fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
-                self.watch_senders(data, now_s);
+                self.session
+                    .take_position(data, self.ownship.frame(), now_s);
                 let update = self.ownship.take_position(data, now_s);
                 self.after_update(update, now_s);
                 self.renew_frame(now_s);
             }
             MavMessage::ATTITUDE(data) => {
-                self.hearing.stamp(data.time_boot_ms, now_s);
-                self.senders.stamp(data.time_boot_ms, now_s);
+                self.session.stamp(data.time_boot_ms, now_s);
                 self.take_note(data.time_boot_ms, now_s);
                 let update = self.ownship.take_attitude(data, now_s);
                 if update == Update::Fresh {
-                    self.boot_ms = data.time_boot_ms;
+                    self.session.set_boot_ms(data.time_boot_ms);
                     self.learn_response(data, now_s);
                 }
                 self.after_update(update, now_s);
@@ -521,7 +405,7 @@ impl Companion {
     }
 
     pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
-        if self.dry_run {
+        if self.session.is_dry_run() {
             return;
         }
         self.commands.send(Command::set_mode(to, from), true);

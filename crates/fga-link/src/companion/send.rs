@@ -73,9 +73,9 @@ impl Companion {
         let Some(system) = self.vehicle_system() else {
             return;
         };
-        let (hearing, keeper) = (&mut self.hearing, &mut self.keeper);
+        let (session, keeper) = (&mut self.session, &mut self.keeper);
         let asks = |change| {
-            let may = hearing.ask(change, now_s);
+            let may = session.ask(change, now_s);
             if may {
                 keeper.asked(change, now_s);
             }
@@ -103,7 +103,7 @@ impl Companion {
             Authority::Released { .. } => 5.0,
         };
         self.voice
-            .send(telling::value("FGA_STATE", state, self.boot_ms));
+            .send(telling::value("FGA_STATE", state, self.session.boot_ms()));
     }
 
     fn send_values(&mut self, now_s: f64) {
@@ -116,7 +116,7 @@ impl Companion {
             .iter()
             .map(margin)
             .fold(f64::INFINITY, f64::min);
-        let boot_ms = self.boot_ms;
+        let boot_ms = self.session.boot_ms();
         if least_m.is_finite() {
             self.voice
                 .send(telling::value("FGA_MARGIN", least_m, boot_ms));
@@ -220,14 +220,14 @@ impl Companion {
         now_s: f64,
         act: impl FnOnce(&mut dyn Hand, &mut Reach<'_>) -> T,
     ) -> Option<T> {
-        let system = self.vehicle_system().filter(|_| !self.dry_run)?;
+        let system = self.session.commanded_system()?;
         let mut reach = Reach {
             outbox: self.voice.outbox(),
             commands: &mut self.commands,
             parameters: &self.parameters,
             frame: self.ownship.frame(),
             system,
-            boot_ms: self.boot_ms,
+            boot_ms: self.session.boot_ms(),
             airspeed_mps: self.ownship.airspeed_mps().unwrap_or(0.0),
             now_s,
         };

@@ -38,11 +38,13 @@ impl Companion {
     /// The way that the vehicle would fly by itself; unchanged while the companion flies, except
     /// for another mission.
     pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
-        let Some(heard) = self.heard else { return };
+        let Some(heard_mode) = self.session.mode() else {
+            return;
+        };
         let engaged = self.keeper.is_engaged() && self.decider.is_some();
         // In a manoeuvre, and after one while its debt is left, the way belongs to the mode from before.
         let left = self.keeper.owed();
-        let mode = left.unwrap_or(heard.mode);
+        let mode = left.unwrap_or(heard_mode);
         if left.is_some() && left == self.way_mode && !self.keeper.is_engaged() {
             return;
         }

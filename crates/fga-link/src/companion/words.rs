@@ -1,5 +1,7 @@
 //! Names and words: of an obstacle, of the threat, of the moment in a line for a terminal.
 
+use fga::avoider::Decision;
+
 use super::{Companion, around};
 use crate::authority::Severity;
 
@@ -19,6 +21,12 @@ impl Companion {
             None => "fga: avoiding".to_owned(),
         };
         self.voice.tell(Severity::Warning, &words, now_s);
+    }
+
+    /// Name of the obstacle that a decision is about.
+    pub(super) fn threat_name(&self, decision: &Decision) -> String {
+        let threat = decision.record.threat;
+        threat.map_or("?".to_owned(), |threat| self.obstacle_name(threat.id))
     }
 
     pub(super) fn obstacle_name(&self, id: u32) -> String {
@@ -41,8 +49,8 @@ impl Companion {
 
     /// One line for a terminal.
     pub fn status_line(&self, now_s: f64) -> String {
-        let Some(heard) = self.heard else {
-            return match self.neighbors.instead() {
+        let Some((system, mode)) = self.session.system().zip(self.session.mode()) else {
+            return match self.session.instead() {
                 Some(heard) => format!("waiting for a vehicle: {heard}"),
                 // On a link where nothing is believed, the terminal is all that the operator has.
                 None if !self.trouble.is_empty() => {
@@ -76,11 +84,19 @@ impl Companion {
         };
         format!(
             "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{threat}",
-            heard.system_id,
-            heard.mode,
-            if heard.armed { "armed" } else { "disarmed" },
+            system,
+            mode,
+            if self.session.is_armed() {
+                "armed"
+            } else {
+                "disarmed"
+            },
             self.keeper.state().name(),
-            if self.dry_run { " (dry run)" } else { "" },
+            if self.session.is_dry_run() {
+                " (dry run)"
+            } else {
+                ""
+            },
             self.tracks.tracks().len(),
         )
     }
