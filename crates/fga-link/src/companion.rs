@@ -7,22 +7,25 @@
 
 mod alerts;
 mod around;
+mod boundary;
 mod decide;
 mod decider;
 mod feeds;
 mod gap;
 mod lacking;
 mod lead;
-mod mission_watch;
+mod lists;
 mod neighbors;
 mod over_ground;
 mod picture;
+mod probes;
 mod rally;
 mod readiness;
 mod receive;
 mod requests;
 mod send;
 mod session;
+mod target;
 mod traffic;
 mod trips;
 mod voice;
@@ -33,25 +36,26 @@ use fga::avoider::Decision;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMissionType};
+use mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA;
 use serde_json::{Value, json};
 
 use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severity, reaction};
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
-use crate::mission::{Download, Way};
+use crate::mission::Way;
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
 use crate::ownship::{OwnshipEstimate, State};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::restart::Note;
-use crate::traffic::fence::Fence;
 use crate::traffic::{Defect, Defects, Report, TrackTable};
 
+use boundary::Boundary;
 use lacking::Told;
 use lead::Lead;
+use lists::Lists;
 pub use picture::Picture;
 use session::Session;
 pub(crate) use trips::round_trip_of;
@@ -72,7 +76,6 @@ struct Due {
     tidy_s: f64,
     values_s: f64,
     collision_s: f64,
-    fence_s: f64,
 }
 
 /// The last decision and its context.
@@ -119,21 +122,8 @@ pub struct Companion {
     gap: gap::Gap,
     commands: Commands,
     parameters: VehicleParameters,
-    mission: Download,
-    fence_download: Download,
-    fence: Fence,
-    /// Whether the vehicle's status says that its fence is enabled.
-    fence_enabled: Option<bool>,
-    /// The mission and the fence of the report that one crosses the other.
-    told_crossing: Option<(u32, u32)>,
-    /// The number of the fence download in the local frame.
-    fence_laid: u32,
-    /// The number of the mission download behind the way.
-    mission_laid: u32,
-    rally: rally::Rally,
-    watch: mission_watch::MissionWatch,
-    mission_item: Option<u16>,
-    mission_total: Option<u16>,
+    lists: Lists,
+    boundary: Boundary,
     ownship: OwnshipEstimate,
     lead: Lead,
     tracks: TrackTable,
@@ -194,7 +184,6 @@ impl Companion {
             system_id => system_id,
         });
         Ok(Self {
-            take_over,
             recorded: false,
             voice,
             session: Session::new(config.vehicle.system_id, dry_run),
@@ -208,17 +197,8 @@ impl Companion {
             gap: gap::Gap::default(),
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
-            mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
-            fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
-            fence: Fence::default(),
-            fence_enabled: None,
-            told_crossing: None,
-            fence_laid: 0,
-            mission_laid: 0,
-            rally: rally::Rally::default(),
-            watch: mission_watch::MissionWatch::default(),
-            mission_item: None,
-            mission_total: None,
+            lists: Lists::new(config.safety.use_fence, take_over.contains(&Mode::RTL)),
+            boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
@@ -249,10 +229,10 @@ impl Companion {
                 tidy_s: never,
                 values_s: never,
                 collision_s: never,
-                fence_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
+            take_over,
             config,
         })
     }
@@ -484,7 +464,7 @@ impl Companion {
                 Action::Began => {
                     self.counts.maneuvers += 1;
                     self.session.date_note();
-                    self.item_to_resume = self.mission_item.filter(|_| self.restarts_mission());
+                    self.item_to_resume = self.lists.item().filter(|_| self.restarts_mission());
                     self.begin_passing();
                     self.start_commanding(now_s);
                     self.tell_threat(now_s);

@@ -2,14 +2,12 @@
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
-use fga::zone::Zone;
 use fga_formats::geodesy::Geodetic;
 
 use super::Companion;
 use crate::authority::Severity;
 use crate::config::{Config, VirtualObstacle};
 use crate::mode::Mode;
-use crate::number;
 use crate::ownship::State;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::report::{Quality, Sender};
@@ -19,10 +17,6 @@ use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
-/// Bit of `FENCE_TYPE`: circles and polygons.
-const FENCE_TYPE_PLACES: u16 = 4;
-/// Bit of `FENCE_OPTIONS`: the vehicle may be in any of the areas to stay in.
-const FENCE_OPTIONS_JOINED: u16 = 2;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
 /// The configuration's obstacles: a report each, the volume, and when they were at that place.
@@ -81,52 +75,20 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
 }
 
 impl Companion {
-    /// Whether the stored fence counts for the vehicle. Its status says so, also where the mission or a switch enabled
-    /// it; a fence that only reports has no status.
-    fn fence_is_active(&self) -> bool {
-        let value = |name| self.parameters.get(name);
-        let is_enabled = value("FENCE_ENABLE").is_none_or(|enabled| enabled != 0.0);
-        let is_enabled = match self.fence_enabled {
-            Some(enabled) if value("FENCE_ACTION") != Some(0.0) => enabled,
-            _ => is_enabled,
-        };
-        let bars_places =
-            value("FENCE_TYPE").is_none_or(|kinds| number::to_u16(kinds) & FENCE_TYPE_PLACES != 0);
-        is_enabled && bars_places
-    }
-
-    /// Whether the vehicle joins the areas to stay in.
-    fn fence_is_joined(&self) -> bool {
-        let options = self.parameters.get("FENCE_OPTIONS");
-        options.is_some_and(|bits| number::to_u16(bits) & FENCE_OPTIONS_JOINED != 0)
-    }
-
-    /// What of the vehicle's fence binds at a place, metres; nothing while it does not count.
-    pub(super) fn fence_zones(&self, own_m: Vec3) -> Vec<Zone<'_>> {
-        if self.config.safety.use_fence && self.fence_is_active() {
-            self.fence.binding(self.fence_is_joined(), own_m)
-        } else {
-            Vec::new()
-        }
-    }
-
     /// Tells once where the mission crosses the fence.
     pub(super) fn watch_crossing(&mut self, own_m: Vec3, now_s: f64) {
-        let lists = (self.mission_laid, self.fence_laid);
         // Until the vehicle has answered which kinds of fence count, all do.
-        let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
-        if !of_mission || self.told_crossing == Some(lists) || self.fence_zones(own_m).is_empty() {
+        if self.way_mode != Some(Mode::AUTO) || !self.parameters.is_complete() {
             return;
         }
         let (met_m, left_m) = self.way_left(own_m);
         let way_m: Vec<Vec3> = core::iter::once(met_m)
             .chain(left_m.iter().copied())
             .collect();
-        if self.fence.is_crossed(self.fence_is_joined(), &way_m) {
-            self.told_crossing = Some(lists);
-            let words = "fga: the mission crosses the fence: flown as it is";
-            self.voice.tell(Severity::Warning, words, now_s);
-        }
+        let mission = self.lists.mission_number();
+        let (parameters, voice) = (&self.parameters, &mut self.voice);
+        self.boundary
+            .watch_crossing(mission, &way_m, parameters, voice, now_s);
     }
 
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {

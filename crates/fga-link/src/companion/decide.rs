@@ -134,7 +134,9 @@ impl Companion {
         self.watch_crossing(state.ownship.position_m, now_s);
         self.grow_obstacles(now_s);
         let decider = self.decider.take()?;
-        let zones = self.fence_zones(state.ownship.position_m);
+        let zones = self
+            .boundary
+            .zones(&self.parameters, state.ownship.position_m);
         let ground = self.bounding_ground(now_s);
         let step = |mut decider: Decider, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));

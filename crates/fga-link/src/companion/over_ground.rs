@@ -197,12 +197,12 @@ impl Companion {
             GroundSource::Station(_, Some((terrain, number))) => (terrain, *number),
             _ => return,
         };
-        let square = Square::new(&frame, at_m, (self.mission_laid, number));
+        let square = Square::new(&frame, at_m, (self.lists.mission_number(), number));
         let ordered = self.over.ordered.as_ref();
         if ordered.is_some_and(|ordered| ordered.serves(&square)) {
             return;
         }
-        let items = self.mission.items().unwrap_or_default();
+        let items = self.lists.mission().unwrap_or_default();
         let clearance_m = self.config.terrain.clearance_m.unwrap_or(0.0);
         let order = GroundOrder::new(square.clone(), terrain, (items, home_m), clearance_m);
         self.over.order = Some(order);

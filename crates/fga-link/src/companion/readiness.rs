@@ -1,6 +1,7 @@
 //! Whether the companion may act.
 
 use super::Companion;
+use super::boundary::acts_in_guided;
 use super::lacking::Lacking;
 use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
@@ -8,9 +9,6 @@ use crate::ownship::State;
 
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
-
-/// `FENCE_ACTION`: to the return point in GUIDED, with the pilot's throttle or not.
-const FENCE_ACTS_IN_GUIDED: [f64; 2] = [6.0, 7.0];
 
 /// Below this share of its least airspeed a vehicle does not fly on its wing.
 const SLOW_SHARE: f64 = 0.7;
@@ -31,25 +29,11 @@ impl Companion {
             .is_some_and(|(airspeed_mps, least_mps)| airspeed_mps < SLOW_SHARE * least_mps)
     }
 
-    /// Whether the way in AUTO is known: the mission, or while it is read the vehicle's own target and its item.
-    fn knows_mission(&self, now_s: f64) -> bool {
-        let Some(item) = self.mission_item else {
-            return false;
-        };
-        let known = self.mission.items().is_some();
-        known || (self.mission.item(item).is_some() && self.own_target_m(now_s).is_some())
-    }
-
     /// Whether the vehicle takes off or lands in its mission.
     fn takes_off_or_lands(&self) -> bool {
-        let item = self.mission_item.and_then(|item| self.mission.item(item));
-        item.is_some_and(is_take_off_or_landing)
-    }
-
-    /// Whether the fence flies the vehicle in GUIDED: that mode would not be the companion's alone.
-    fn fence_acts_in_guided(&self) -> bool {
-        let value = |name| self.parameters.get(name).unwrap_or(0.0);
-        value("FENCE_ENABLE") != 0.0 && FENCE_ACTS_IN_GUIDED.contains(&value("FENCE_ACTION"))
+        let item = self.lists.item();
+        item.and_then(|item| self.lists.mission_item(item))
+            .is_some_and(is_take_off_or_landing)
     }
 
     /// The missing condition for a take-over, or for flying on.
@@ -94,7 +78,7 @@ impl Companion {
             return Some(Lacking::Mode);
         }
         let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(mode);
-        if mode == Mode::AUTO && !self.knows_mission(now_s) {
+        if mode == Mode::AUTO && !self.lists.is_way_known(now_s) {
             return Some(Lacking::Mission);
         }
         if mode == Mode::AUTO && !engaged && self.takes_off_or_lands() {
@@ -103,7 +87,7 @@ impl Companion {
         if !self.parameters.is_sufficient() {
             return Some(Lacking::Limits);
         }
-        if !engaged && self.fence_acts_in_guided() {
+        if !engaged && acts_in_guided(&self.parameters) {
             return Some(Lacking::FenceAction);
         }
         if !engaged && self.waits_for_ground() {

@@ -4,8 +4,7 @@ use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavMissionType, MavResult,
-    MavSysStatusSensor,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
 };
 use serde_json::json;
 
@@ -17,7 +16,6 @@ use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::traffic::fence;
 
 impl Companion {
     /// Takes a message.
@@ -46,7 +44,7 @@ impl Companion {
         let from_vehicle =
             self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         if from_vehicle {
-            self.take_telemetry(message, now_s);
+            self.take_telemetry(message, system, now_s);
             self.take_held_reports(now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
@@ -60,13 +58,7 @@ impl Companion {
         };
         match session.hear(system, beat, voice, now_s) {
             News::Nothing => {}
-            News::First => {
-                self.mission.begin();
-                if self.config.safety.use_fence {
-                    self.fence_download.begin();
-                }
-                self.read_rally_again();
-            }
+            News::First => self.lists.begin(),
             News::Next {
                 mode,
                 mode_was,
@@ -75,7 +67,7 @@ impl Companion {
                 disarmed,
             } => {
                 if mode != mode_was {
-                    self.watch.mode_changed(now_s);
+                    self.lists.mode_changed(now_s);
                 }
                 if silent_s > SILENT_S {
                     self.keeper.excuse(silent_s);
@@ -132,7 +124,7 @@ impl Companion {
         }
     }
 
-    fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
+    fn take_telemetry(&mut self, message: &MavMessage, system: u8, now_s: f64) {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
@@ -156,8 +148,7 @@ impl Companion {
                 }
             }
             MavMessage::SYS_STATUS(data) => {
-                let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
-                self.fence_enabled = Some(data.onboard_control_sensors_enabled.contains(fence));
+                self.boundary.take_status(data);
             }
             MavMessage::DISTANCE_SENSOR(data) => self.take_rangefinder(data, now_s),
             MavMessage::RANGEFINDER(data) if data.distance > 0.0 => {
@@ -178,39 +169,28 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                if self.mission.contradicts_count(data) {
-                    self.read_mission_again();
-                } else if self.fence_download.contradicts_count(data) {
-                    self.read_fence_again();
-                } else if self.mission.take_count(data) {
-                    self.mission_arrived(now_s);
-                } else if self.fence_download.take_count(data) {
-                    self.fence_arrived(now_s);
-                } else {
-                    self.take_rally_count(data, now_s);
+                if self.lists.take_count(data, system, &mut self.voice, now_s) {
+                    self.lay_fence(now_s);
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                self.compare_item(data);
-                if self.mission.take_item(data) {
-                    self.mission_arrived(now_s);
+                if self.lists.take_item(data, system, &mut self.voice, now_s) {
+                    self.lay_fence(now_s);
                 }
-                if self.fence_download.take_item(data) {
-                    self.fence_arrived(now_s);
-                }
-                self.take_rally_point(data, now_s);
             }
-            MavMessage::MISSION_CURRENT(data) => self.take_mission_current(data),
-            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.take_position_target(data, now_s),
-            MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.take_nav(data, now_s),
+            MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
+            MavMessage::MISSION_ACK(data) => self.lists.take_ack(data),
+            MavMessage::STATUSTEXT(data) => self.lists.take_text(data),
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => {
+                let in_auto = self.session.mode() == Some(Mode::AUTO);
+                self.lists
+                    .take_position_target(data, &self.ownship, in_auto, now_s);
+            }
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
+                let in_auto = self.session.mode() == Some(Mode::AUTO);
+                self.lists.take_nav(data, &self.ownship, in_auto, now_s);
+            }
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
-            MavMessage::STATUSTEXT(data) => self.take_vehicle_text(data),
-            MavMessage::MISSION_ACK(data)
-                if data.target_system != 0 && data.target_component != OWN_COMPONENT =>
-            {
-                self.list_uploaded(data.mission_type);
-            }
-            MavMessage::MISSION_ACK(data) => self.take_mission_refusal(data),
             MavMessage::COMMAND_ACK(data) => {
                 // An answer to nobody in particular may be to somebody else's request.
                 if data.command == MavCmd::MAV_CMD_DO_SET_MODE
@@ -247,11 +227,10 @@ impl Companion {
             return;
         }
         self.tracks.clear();
-        self.fence = fence::Fence::default();
-        self.fence_laid = 0;
+        self.boundary.forget();
         self.forget_ground();
         self.way_mode = None;
-        self.watch.mode_changed(now_s);
+        self.lists.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
             self.voice.note(
@@ -274,77 +253,16 @@ impl Companion {
         self.lead.learn(data, measured_s, airspeed_mps, normal_rad);
     }
 
-    /// Somebody else has just uploaded a list: reads it again.
-    fn list_uploaded(&mut self, kind: MavMissionType) {
-        if kind == self.mission.kind() {
-            self.read_mission_again();
-        }
-        if kind == self.fence_download.kind() {
-            self.read_fence_again();
-        }
-        if kind == MavMissionType::MAV_MISSION_TYPE_RALLY {
-            self.read_rally_again();
-        }
-    }
-
-    pub(super) fn mission_arrived(&mut self, now_s: f64) {
-        if let Some(system) = self.vehicle_system() {
-            self.voice.send(self.mission.closing(system));
-        }
-        if self.mission_laid == self.mission.changes() {
-            return;
-        }
-        let again = self.mission_laid > 0;
-        self.mission_laid = self.mission.changes();
-        self.watch.read();
-        let count = self.mission.items().map_or(0, <[_]>::len);
-        self.voice.note(now_s, "mission", json!({ "items": count }));
-        if again {
-            self.voice
-                .tell(Severity::Notice, "fga: the mission has changed", now_s);
-        }
-    }
-
-    pub(super) fn fence_arrived(&mut self, now_s: f64) {
-        if let Some(system) = self.vehicle_system() {
-            self.voice.send(self.fence_download.closing(system));
-        }
-        self.lay_fence(now_s);
-    }
-
+    /// Lays the fence in the local frame, once both are known.
     pub(super) fn lay_fence(&mut self, now_s: f64) {
-        let (Some(items), Some(frame)) = (self.fence_download.items(), self.ownship.frame()) else {
+        let (Some(fence), Some(frame)) = (self.lists.fence(), self.ownship.frame()) else {
             return;
         };
-        let changes = self.fence_download.changes();
-        if self.fence_laid == changes {
+        if !self.boundary.lay(fence, frame, &mut self.voice, now_s) {
             return;
         }
-        let again = self.fence_laid > 0;
-        self.fence_laid = changes;
-        let count = items.len();
-        self.fence = fence::Fence::new(items, frame);
-        self.voice.note(
-            now_s,
-            "fence",
-            json!({ "items": count, "incomplete": self.fence.incomplete }),
-        );
-        if again {
-            self.voice
-                .tell(Severity::Notice, "fga: the fence has changed", now_s);
-        }
-        if self.fence.incomplete {
-            self.voice.tell(
-                Severity::Warning,
-                "fga: part of the fence was not understood",
-                now_s,
-            );
-        }
-        let has_fence = self.fence.zones().next().is_some();
-        if has_fence {
-            self.parameters.ask_for_fence();
-        }
-        if has_fence && self.config.command.mode == CommandMode::Paper {
+        self.parameters.ask_for_fence();
+        if self.config.command.mode == CommandMode::Paper {
             let words = "fga: Algorithm 4 knows no fence";
             self.voice.tell(Severity::Warning, words, now_s);
         }

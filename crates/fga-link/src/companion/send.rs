@@ -11,8 +11,6 @@ use crate::hand::{Hand, Reach, Target};
 use crate::ownship::State;
 use crate::telling;
 
-/// Interval between downloads of the fence, seconds.
-const FENCE_AGAIN_S: f64 = 10.0;
 /// Time between targets until the vehicle has confirmed the mode, seconds.
 const TAKING_PERIOD_S: f64 = 0.02;
 
@@ -38,34 +36,17 @@ impl Companion {
         self.rates
             .tick(attitude_s, now_s, system, self.voice.outbox());
         self.parameters.tick(now_s, system, self.voice.outbox());
-        if self.mission.tick(now_s, system, self.voice.outbox()) {
-            self.mission_arrived(now_s);
+        let engaged = self.keeper.is_engaged();
+        if self.lists.tick(system, engaged, &mut self.voice, now_s) {
+            self.lay_fence(now_s);
         }
-        if !self.mission.is_busy() && self.fence_download.tick(now_s, system, self.voice.outbox()) {
-            self.fence_arrived(now_s);
-        }
-        self.probe_lists(system, now_s);
-        self.look_at_rally(system, now_s);
         let age_s = self.telemetry_age_s(now_s);
         if let Some(request) = self.lead.request(age_s, system, now_s) {
             self.voice.send(request);
         }
-        self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
             self.send_values(now_s);
-        }
-    }
-
-    /// Downloads the fence now and then: no message reports every change of it.
-    fn look_for_fence(&mut self, now_s: f64) {
-        if self.fence_download.is_busy() {
-            self.due.fence_s = now_s + FENCE_AGAIN_S;
-        } else if now_s >= self.due.fence_s
-            && self.fence_download.changes() > 0
-            && !self.keeper.is_engaged()
-        {
-            self.fence_download.begin();
         }
     }
 

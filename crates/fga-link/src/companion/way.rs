@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::Companion;
 use super::decider::Decider;
+use super::rally::SAME_TARGET_M;
 use crate::authority::Severity;
 use crate::commands::Command;
 use crate::mission::{Item, Way, item_position_m, way_ahead};
@@ -31,8 +32,6 @@ const ON_LEG_HEIGHT_M: f64 = 12.0;
 const SET_SETTLES_S: f64 = 0.3;
 /// A waypoint that is passed farther off was not flown to, metres; `WP_RADIUS` where that is less.
 const NEAR_WAYPOINT_M: f64 = 30.0;
-/// Targets closer together than this count as one, metres.
-pub(super) const SAME_TARGET_M: f64 = 5.0;
 
 impl Companion {
     /// The way that the vehicle would fly by itself; unchanged while the companion flies, except
@@ -50,7 +49,10 @@ impl Companion {
         }
         let own_m = state.ownship.position_m;
         if engaged && mode == Mode::RTL && self.way_mode == Some(Mode::RTL) {
-            if let Some(to_m) = self.other_return_place_m(own_m) {
+            let (frame, laid_m) = (self.ownship.frame(), self.way.waypoints_m.last().copied());
+            let to_m = self.return_place_m(own_m);
+            let rally = self.lists.rally();
+            if let Some(to_m) = rally.other_return_place_m(own_m, to_m, laid_m, frame) {
                 self.lay_return(own_m, Some(to_m));
                 self.way_laid(mode, now_s);
             }
@@ -72,7 +74,10 @@ impl Companion {
             }
             Mode::RTL => {
                 // Home, or a rally point: the vehicle's own target is better than the list.
-                let reported_m = self.own_target_m(now_s).map(|at_m| at_m.with_z(own_m.z));
+                let reported_m = self
+                    .lists
+                    .own_target_m(now_s)
+                    .map(|at_m| at_m.with_z(own_m.z));
                 let moved = reported_m.is_some_and(|reported_m| {
                     let laid_m = self.way.waypoints_m.last();
                     laid_m.is_none_or(|laid_m| {
@@ -121,7 +126,7 @@ impl Companion {
     /// Another way counts from here on.
     fn way_laid(&mut self, mode: Mode, now_s: f64) {
         self.way_mode = Some(mode);
-        self.way_item = self.mission_item;
+        self.way_item = self.lists.item();
         self.decider = None;
         self.passing.nearest_m.clear();
         self.begin_passing();
@@ -130,7 +135,7 @@ impl Companion {
             "way",
             json!({
                 "mode": mode.name(),
-                "item": self.mission_item,
+                "item": self.lists.item(),
                 "waypoints_m": self.way.waypoints_m.iter().map(|w| [w.x, w.y, w.z]).collect::<Vec<_>>(),
             }),
         );
@@ -140,8 +145,8 @@ impl Companion {
     /// `false` if it stays the same.
     fn renew_mission_way(&mut self, own_m: Vec3, engaged: bool, busy: bool, now_s: f64) -> bool {
         let laid = self.way_mode == Some(Mode::AUTO);
-        let in_doubt = self.mission_in_doubt(now_s);
-        if in_doubt && let Some(target_m) = self.own_target_m(now_s).filter(|_| !engaged) {
+        let in_doubt = self.lists.is_in_doubt(&self.ownship, now_s);
+        if in_doubt && let Some(target_m) = self.lists.own_target_m(now_s).filter(|_| !engaged) {
             let to_m = target_m.with_z(own_m.z);
             let led_there = self.way_mission.is_none()
                 && self
@@ -154,24 +159,24 @@ impl Companion {
             }
             self.way = Way {
                 waypoints_m: vec![own_m, to_m],
-                items: vec![None, self.mission_item],
+                items: vec![None, self.lists.item()],
                 ..Way::default()
             };
             self.way_mission = None;
             return true;
         }
-        let same_mission = self.way_mission == Some(self.mission_laid);
+        let same_mission = self.way_mission == Some(self.lists.mission_number());
         // The decider and the vehicle pass a waypoint at slightly different moments.
         let same_item =
-            self.way_item == self.mission_item || self.current_leg_item() == self.mission_item;
+            self.way_item == self.lists.item() || self.current_leg_item() == self.lists.item();
         let goes_on = same_item || engaged || (busy && self.item_is_ahead());
         // While the companion reads the new way, it keeps the old one.
         if laid && ((same_mission && goes_on) || (engaged && in_doubt)) {
             return false;
         }
         let (Some(items), Some(item), Some(frame), Some(home_m)) = (
-            self.mission.items(),
-            self.mission_item,
+            self.lists.mission(),
+            self.lists.item(),
             self.ownship.frame(),
             self.ownship.home_altitude_m(),
         ) else {
@@ -187,16 +192,17 @@ impl Companion {
                 self.passing.pending = asked.commands.get(1).cloned().unwrap_or_default();
             }
         }
-        self.way_mission = Some(self.mission_laid);
+        self.way_mission = Some(self.lists.mission_number());
         true
     }
 
-    pub(super) fn home_m(&self, own_m: Vec3) -> Option<Vec3> {
-        let item = self.mission.items()?.first()?.as_ref()?;
-        let frame = self.ownship.frame()?;
-        let mut home_m = item_position_m(item, frame, self.ownship.home_altitude_m()?, own_m.z)?;
-        home_m.z = own_m.z;
-        Some(home_m)
+    /// The target of RTL from here by the lists, metres, local frame, at the aircraft's height.
+    fn return_place_m(&self, own_m: Vec3) -> Option<Vec3> {
+        let home_m = self.lists.home_m(&self.ownship, own_m.z);
+        let frame = self.ownship.frame();
+        self.lists
+            .rally()
+            .return_place_m(own_m, home_m, frame, &self.parameters)
     }
 
     /// The mission item at the end of the decider's leg.
@@ -224,7 +230,7 @@ impl Companion {
 
     /// Whether the vehicle's item belongs to the way.
     fn item_is_ahead(&self) -> bool {
-        self.mission_item.is_some() && self.way.items.contains(&self.mission_item)
+        self.lists.item().is_some() && self.way.items.contains(&self.lists.item())
     }
 
     /// Begin and end of the decider's leg.
@@ -299,14 +305,14 @@ impl Companion {
             .min_by_key(|index| index.abs_diff(leg + 1));
         let next = flown_to.unwrap_or(leg + 1);
         // What an earlier manoeuvre has passed on the way to the same item counts too.
-        if self.passing.known != self.mission_item {
+        if self.passing.known != self.lists.item() {
             self.passing.nearest_m.clear();
         }
         let mut nearest_m = core::mem::take(&mut self.passing.nearest_m);
         nearest_m.resize(self.way.waypoints_m.len(), f64::INFINITY);
         self.passing = Passing {
             next,
-            known: self.mission_item,
+            known: self.lists.item(),
             nearest_m,
             pending: core::mem::take(&mut self.passing.pending),
             asked: self.passing.asked,
@@ -316,7 +322,7 @@ impl Companion {
 
     /// The first of some indices of the way whose waypoint is the vehicle's present item.
     fn flown_to(&self, mut indices: impl Iterator<Item = usize>) -> Option<usize> {
-        let item = self.mission_item?;
+        let item = self.lists.item()?;
         indices.find(|index| self.way.items.get(*index) == Some(&Some(item)))
     }
 
@@ -330,7 +336,7 @@ impl Companion {
 
     /// The waypoints of the way that this manoeuvre has passed and the vehicle has not.
     fn passed(&mut self) -> Range<usize> {
-        let known = self.mission_item;
+        let known = self.lists.item();
         if known != self.passing.known {
             self.passing.known = known;
             // An item before that was asked for earlier, or set by a ground station: it stays.
@@ -381,8 +387,8 @@ impl Companion {
     /// Name of an item's command.
     fn command_name(&self, item: u16) -> String {
         let name = self
-            .mission
-            .item(item)
+            .lists
+            .mission_item(item)
             .map(|item| format!("{:?}", item.command));
         let name = name.as_deref().unwrap_or("unreadable");
         name.trim_start_matches("MAV_CMD_").to_owned()
@@ -411,13 +417,13 @@ impl Companion {
         }
         let asked = self.passing.asked;
         if self.restarts_mission() {
-            self.item_to_resume = asked.or(self.mission_item);
+            self.item_to_resume = asked.or(self.lists.item());
             return true;
         }
         let waits = self
             .commands
             .is_waiting(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
-        let reported = self.way.items.get(self.passing.next) == Some(&self.mission_item);
+        let reported = self.way.items.get(self.passing.next) == Some(&self.lists.item());
         if asked.is_none() || waits && !reported {
             return asked.is_none();
         }
@@ -444,7 +450,7 @@ impl Companion {
 
     /// Where the vehicle begins its mission again with each change to AUTO: the commands before its first waypoint run again.
     pub(super) fn tell_repeated(&mut self, now_s: f64) {
-        let Some((items, frame)) = self.mission.items().zip(self.ownship.frame()) else {
+        let Some((items, frame)) = self.lists.mission().zip(self.ownship.frame()) else {
             return;
         };
         let is_flown = |item: &Item| {
