@@ -17,19 +17,20 @@ mod lead;
 mod lists;
 mod neighbors;
 mod over_ground;
+mod passing;
 mod picture;
 mod probes;
 mod rally;
 mod readiness;
 mod receive;
 mod requests;
+mod route;
 mod send;
 mod session;
 mod target;
 mod traffic;
 mod trips;
 mod voice;
-mod way;
 mod words;
 
 use fga::avoider::Decision;
@@ -43,7 +44,6 @@ use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severit
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
-use crate::mission::Way;
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
 use crate::ownship::{OwnshipEstimate, State};
@@ -56,7 +56,9 @@ use boundary::Boundary;
 use lacking::Told;
 use lead::Lead;
 use lists::Lists;
+use passing::Passing;
 pub use picture::Picture;
+use route::Route;
 use session::Session;
 pub(crate) use trips::round_trip_of;
 use voice::Voice;
@@ -111,10 +113,6 @@ pub struct Companion {
     resumed_s: Option<f64>,
     /// Since when the program is to end, seconds.
     ending_s: Option<f64>,
-    /// The item to go on with, where the vehicle begins its mission again with each change to AUTO.
-    item_to_resume: Option<u16>,
-    /// What a manoeuvre has passed of the mission.
-    passing: way::Passing,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
     told: Told,
@@ -139,13 +137,8 @@ pub struct Companion {
     decider: Option<decider::Decider>,
     alerts: Option<alerts::Watch>,
     hand: Box<dyn Hand>,
-    way: Way,
-    way_mode: Option<Mode>,
-    /// The vehicle's mission item when the way was laid.
-    way_item: Option<u16>,
-    /// The number of the mission download behind the way; `None` if it leads to the vehicle's own
-    /// target.
-    way_mission: Option<u32>,
+    route: Route,
+    passing: Passing,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
     on_way_since_s: Option<f64>,
@@ -189,8 +182,6 @@ impl Companion {
             session: Session::new(config.vehicle.system_id, dry_run),
             resumed_s: None,
             ending_s: None,
-            item_to_resume: None,
-            passing: way::Passing::default(),
             undecided_s: Some(never),
             told: Told::default(),
             rates: Rates::default(),
@@ -212,10 +203,8 @@ impl Companion {
             decider: None,
             alerts: alerts::Watch::new(&config.alerts),
             hand,
-            way: Way::default(),
-            way_mode: None,
-            way_item: None,
-            way_mission: None,
+            route: Route::default(),
+            passing: Passing::default(),
             obstacles: Vec::new(),
             decided: None,
             on_way_since_s: None,
@@ -315,7 +304,7 @@ impl Companion {
         let owned = self.keeper.target();
         self.session.restart_note(
             self.keeper.owed(),
-            self.item_asked_for(),
+            self.passing.asked(),
             owned,
             self.keeper.may_arrive(owned, now_s),
         )
@@ -464,8 +453,9 @@ impl Companion {
                 Action::Began => {
                     self.counts.maneuvers += 1;
                     self.session.date_note();
-                    self.item_to_resume = self.lists.item().filter(|_| self.restarts_mission());
-                    self.begin_passing();
+                    let item = self.lists.item();
+                    self.passing
+                        .begin_maneuver(&self.route, item, &self.parameters);
                     self.start_commanding(now_s);
                     self.tell_threat(now_s);
                 }
@@ -481,7 +471,7 @@ impl Companion {
                         .note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if reaction(fault).hand_back == HandBack::LeaveAlone {
-                        self.item_to_resume = None;
+                        self.passing.leave_alone();
                     }
                     if fault == Fault::TakeOverRefused {
                         self.refusals += 1;
@@ -505,6 +495,7 @@ impl Companion {
     /// The next decision makes a new plan and a new way.
     fn forget_plan(&mut self) {
         self.decider = None;
+        self.route.fly_leg(0);
         self.decided = None;
         self.resumed_s = None;
         self.lead.end();

@@ -78,10 +78,10 @@ impl Companion {
     /// Tells once where the mission crosses the fence.
     pub(super) fn watch_crossing(&mut self, own_m: Vec3, now_s: f64) {
         // Until the vehicle has answered which kinds of fence count, all do.
-        if self.way_mode != Some(Mode::AUTO) || !self.parameters.is_complete() {
+        if self.route.mode() != Some(Mode::AUTO) || !self.parameters.is_complete() {
             return;
         }
-        let (met_m, left_m) = self.way_left(own_m);
+        let (met_m, left_m) = self.route.left_m(own_m);
         let way_m: Vec<Vec3> = core::iter::once(met_m)
             .chain(left_m.iter().copied())
             .collect();
@@ -112,7 +112,7 @@ impl Companion {
                 }
             }
         }
-        let (met_m, left_m) = self.way_left(own_m);
+        let (met_m, left_m) = self.route.left_m(own_m);
         let own = (own_m, state.ground_velocity_mps);
         self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
@@ -140,8 +140,8 @@ impl Companion {
             let floor_z = home_z + self.config.limits.floor_m;
             let clearance = 2.0 * self.config.protection.margin_m;
             if self
-                .way
-                .waypoints_m
+                .route
+                .waypoints_m()
                 .iter()
                 .all(|w| w.z > floor_z + clearance)
                 && own_m.z > floor_z + clearance
@@ -151,8 +151,8 @@ impl Companion {
             if let Some(ceiling_m) = self.config.limits.ceiling_m {
                 let ceiling_z = home_z + ceiling_m;
                 if self
-                    .way
-                    .waypoints_m
+                    .route
+                    .waypoints_m()
                     .iter()
                     .all(|w| w.z < ceiling_z - clearance)
                     && own_m.z < ceiling_z - clearance

@@ -1,5 +1,6 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
+use fga::angle::course_of;
 use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
@@ -10,8 +11,10 @@ use serde_json::json;
 
 use super::decider::Decider;
 use super::lacking::Lacking;
+use super::route::Moment;
 use super::{Companion, Decided};
 use crate::authority::{Authority, Fault, Severity};
+use crate::mode::Mode;
 use crate::ownship::State;
 use crate::telling;
 
@@ -78,7 +81,8 @@ impl Companion {
         };
         self.counts.decisions += 1;
         self.undecided_s = None;
-        self.watch_passing(state.ownship.position_m);
+        self.passing
+            .watch(self.route.way(), state.ownship.position_m);
         let is_back = decision.state == AvoiderState::Cruise;
         if self.keeper.commands() && self.listens(now_s) && is_back {
             // The course of the manoeuvre: the way back may lead to what was not heard yet.
@@ -158,8 +162,38 @@ impl Companion {
         };
         drop(zones);
         self.note_bounds(&decision, without.as_ref());
+        self.route.fly_leg(decider.leg_index());
         self.decider = Some(decider);
         Some(decision)
+    }
+
+    /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
+    fn renew_way(&mut self, state: &State, now_s: f64) {
+        let Some(heard) = self.session.mode() else {
+            return;
+        };
+        let (owed, is_engaged) = (self.keeper.owed(), self.keeper.is_engaged());
+        if owed.is_some() && owed == self.route.mode() && !is_engaged {
+            return;
+        }
+        let decider = self.decider.as_ref();
+        let moment = Moment {
+            own_m: state.ownship.position_m,
+            track_rad: course_of(state.ground_velocity_mps),
+            mode: owed.unwrap_or(heard),
+            is_engaged: is_engaged && decider.is_some(),
+            is_busy: decider.is_some_and(|decider| decider.state() != AvoiderState::Cruise),
+        };
+        let (lists, ownship) = (&self.lists, &self.ownship);
+        let (parameters, voice) = (&self.parameters, &mut self.voice);
+        if self
+            .route
+            .renew(&moment, lists, ownship, parameters, voice, now_s)
+        {
+            self.decider = None;
+            self.passing
+                .begin_way(&self.route, moment.own_m, lists, ownship);
+        }
     }
 
     fn situation<'a>(
@@ -175,7 +209,7 @@ impl Companion {
             mission: Mission {
                 zones,
                 ground,
-                ..Mission::new(&self.way.waypoints_m)
+                ..Mission::new(self.route.waypoints_m())
             },
             wind_mps: state.wind_mps,
         }
@@ -335,7 +369,7 @@ impl Companion {
             // The end of a planned way back leaves time for the slowest roll.
             AvoiderState::Recovering => {
                 decision.record.threat.is_none()
-                    && self.turns_onto_leg(decision)
+                    && self.route.turns_onto_leg(&decision.command)
                     && self.is_on_leg(state)
             }
             AvoiderState::Threatened | AvoiderState::Avoiding => false,
@@ -345,6 +379,23 @@ impl Companion {
             return false;
         }
         now_s - *self.on_way_since_s.get_or_insert(now_s) >= ON_LEG_FOR_S
+    }
+
+    /// Whether the aircraft is on the present leg.
+    fn is_on_leg(&self, state: &State) -> bool {
+        let vehicle = self.vehicle();
+        let climbs = vehicle.is_some_and(|vehicle| vehicle.can_climb());
+        self.route.is_on_leg(state, climbs)
+    }
+
+    /// Whether the vehicle goes on with its mission where it should, once its mode is restored.
+    fn item_is_set(&mut self, now_s: f64) -> bool {
+        let (lists, parameters) = (&self.lists, &self.parameters);
+        let (commands, voice) = (&mut self.commands, &mut self.voice);
+        self.keeper.owed() != Some(Mode::AUTO)
+            || self
+                .passing
+                .item_is_set(&self.route, lists, parameters, commands, voice, now_s)
     }
 
     fn log_decision(&mut self, now_s: f64) {

@@ -5,10 +5,7 @@
 //! restores the mode when nothing is proven any more, unless the restored course is known to collide: then
 //! that is the last choice.
 
-use fga::Vec3;
-use fga::angle::wrap_pi;
 use fga::avoider::Decision;
-use fga::situation::ObstacleKind;
 use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
 
 use super::Companion;
@@ -27,9 +24,7 @@ const TOLD_S: f64 = 1.5;
 /// Possible error of the prediction's acceleration, metres per second squared: gusts, and a turn rate
 /// known to a few per cent.
 const UNKNOWN_MPS2: f64 = 0.8;
-/// How far ahead the check of the restored course looks, and its steps, seconds.
-const GIVEN_BACK_S: f64 = 30.0;
-const GIVEN_BACK_STEP_S: f64 = 0.2;
+
 /// The reports about the present gap.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gap {
@@ -122,41 +117,13 @@ impl Companion {
         self.fault(fault, now_s);
     }
 
-    /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`: it turns to
-    /// its next waypoint and flies there.
+    /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`.
     pub(super) fn given_back_collides(&self, state: &State, clear_m: f64) -> bool {
-        let Some(decider) = &self.decider else {
-            return false;
-        };
-        let rate_radps = decider.vehicle().course_rate_radps();
-        let to_m = self.way.waypoints_m.get(decider.leg_index() + 1).copied();
-        let (mut at_m, mut course_rad) = (state.ownship.position_m, state.ownship.course_rad);
-        let mut after_s = 0.0;
-        while after_s < GIVEN_BACK_S {
-            // Fences, floor and ceiling are the mission's own business.
-            let beings = self
-                .obstacles
-                .iter()
-                .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
-            let enters = beings.into_iter().any(|obstacle| {
-                let offset_m = at_m - obstacle.position_after_m(after_s);
-                obstacle.volume.margin_m(offset_m) < clear_m
-            });
-            if enters {
-                return true;
-            }
-            if let Some(to_m) = to_m {
-                let ahead = to_m - at_m;
-                let error_rad = wrap_pi(libm::atan2(ahead.y, ahead.x) - course_rad);
-                let most_rad = rate_radps * GIVEN_BACK_STEP_S;
-                course_rad += error_rad.clamp(-most_rad, most_rad);
-            }
-            let air_mps = Vec3::new(libm::cos(course_rad), libm::sin(course_rad), 0.0)
-                * state.ownship.airspeed_mps;
-            at_m += (air_mps + state.wind_mps) * GIVEN_BACK_STEP_S;
-            after_s += GIVEN_BACK_STEP_S;
-        }
-        false
+        self.vehicle().is_some_and(|vehicle| {
+            let rate_radps = vehicle.course_rate_radps();
+            self.route
+                .given_back_collides(state, rate_radps, &self.obstacles, clear_m)
+        })
     }
 
     /// Takes the vehicle's answer to what its clock reads.

@@ -217,7 +217,7 @@ impl Companion {
 
     /// Asks the ground station for what is missing, and takes what has come.
     fn ask_for_ground(&mut self, frame: &LocalFrame, at_m: Vec3, now_s: f64) {
-        let (_, left_m) = self.way_left(at_m);
+        let (_, left_m) = self.route.left_m(at_m);
         let way_m = left_m.to_vec();
         let GroundSource::Station(asked, terrain) = &mut self.over.heights else {
             return;

@@ -58,7 +58,7 @@ impl Companion {
             obstacles: beings
                 .map(|obstacle| (*obstacle, self.obstacle_name(obstacle.id)))
                 .collect(),
-            waypoints_m: self.way.waypoints_m.clone(),
+            waypoints_m: self.route.waypoints_m().to_vec(),
             horizon_s: self.config.protection.horizon_s,
             margin_m: self.config.protection.margin_m,
         })

@@ -76,10 +76,13 @@ impl Companion {
                 let actions = self.keeper.heartbeat(mode, beat.armed, now_s);
                 self.perform(&actions, now_s);
                 if mode == Mode::AUTO {
-                    self.mission_goes_on();
+                    self.passing.mission_goes_on();
                 }
                 if mode == Mode::AUTO && mode_was == self.keeper.target() {
-                    self.set_item_to_resume(now_s);
+                    let (lists, ownship) = (&self.lists, &self.ownship);
+                    let (commands, voice) = (&mut self.commands, &mut self.voice);
+                    self.passing
+                        .has_auto_back(lists, ownship, commands, voice, now_s);
                 }
                 if contradicts {
                     self.heartbeats_contradict(mode, now_s);
@@ -118,7 +121,7 @@ impl Companion {
             }
             Some(Noted::Resume(note)) => {
                 self.keeper.resume(note.previous(), now_s);
-                self.resume_passing(note.item);
+                self.passing.resume(note.item);
             }
             None => {}
         }
@@ -229,7 +232,7 @@ impl Companion {
         self.tracks.clear();
         self.boundary.forget();
         self.forget_ground();
-        self.way_mode = None;
+        self.route.forget();
         self.lists.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
