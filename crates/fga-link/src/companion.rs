@@ -172,7 +172,7 @@ impl Companion {
         }
         let never = f64::NEG_INFINITY;
         let mut voice = Voice::default();
-        voice.set_own_system(match config.vehicle.system_id {
+        voice.speak_to(match config.vehicle.system_id {
             0 => FIRST_SYSTEM,
             system_id => system_id,
         });
@@ -312,11 +312,13 @@ impl Companion {
 
     /// The link carries MAVLink 1 frames of a system, which nobody here reads.
     pub fn hear_version1(&mut self, system: u8, now_s: f64) {
-        self.session.hear_version1(system, &mut self.voice, now_s);
+        self.voice.at(now_s);
+        self.session.hear_version1(system, &mut self.voice);
     }
 
     /// The operator's switch.
     pub fn set_enabled(&mut self, enabled: bool, now_s: f64) {
+        self.voice.at(now_s);
         let actions = self.keeper.set_enabled(enabled, now_s);
         self.perform(&actions, now_s);
     }
@@ -324,10 +326,12 @@ impl Companion {
     /// The program is to end. A manoeuvre goes on until the mode can be restored without a collision, for
     /// [`LONGEST_END_S`] at most; then, or without a manoeuvre at once, nothing is owed any more.
     pub fn shut_down(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         if self.keeper.commands() {
             self.ending_s = Some(now_s);
-            let words = format!("fga: program ends when clear, {LONGEST_END_S} s at most");
-            self.voice.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&format!(
+                "fga: program ends when clear, {LONGEST_END_S} s at most"
+            ));
             return;
         }
         self.shut_down_at_once(now_s);
@@ -335,11 +339,11 @@ impl Companion {
 
     /// Restores the mode in an orderly way before the program ends, whatever threatens.
     pub fn shut_down_at_once(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
         } else if self.vehicle_system().is_some() {
-            self.voice
-                .tell(Severity::Notice, "fga: program ends", now_s);
+            self.voice.tell(Severity::Notice, "fga: program ends");
         }
         let counts = Defect::ALL.map(|defect| {
             let count = json!({
@@ -348,12 +352,9 @@ impl Companion {
             });
             (defect.name().to_owned(), count)
         });
-        self.voice.note(
-            now_s,
-            "defects",
-            Value::Object(counts.into_iter().collect()),
-        );
-        self.note_ground_heard(now_s);
+        self.voice
+            .note("defects", Value::Object(counts.into_iter().collect()));
+        self.note_ground_heard();
         self.send_commands(now_s);
     }
 
@@ -364,12 +365,14 @@ impl Companion {
 
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
+        self.voice.at(now_s);
         words.clone_into(&mut self.trouble);
-        self.voice.tell(Severity::Warning, words, now_s);
+        self.voice.warn(words);
     }
 
     /// Advances the time: sends due messages and decides if no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         self.watch_link(now_s);
         self.take_held_reports(now_s);
         if !self.is_silent(now_s) {
@@ -379,7 +382,7 @@ impl Companion {
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
-            self.tell_feeds(now_s);
+            self.tell_feeds();
             let own = self
                 .decided
                 .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
@@ -440,11 +443,10 @@ impl Companion {
             match *action {
                 Action::SetMode { to, from } => {
                     self.ask_for_mode(to, from, now_s);
-                    self.voice
-                        .note(now_s, "set-mode", json!({ "mode": to.name() }));
+                    self.voice.note("set-mode", json!({ "mode": to.name() }));
                 }
                 Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
-                Action::Tell(severity, words) => self.voice.tell(severity, words, now_s),
+                Action::Tell(severity, words) => self.voice.tell(severity, words),
                 Action::Resumed => {
                     self.counts.maneuvers += 1;
                     self.resumed_s = Some(now_s);
@@ -457,18 +459,17 @@ impl Companion {
                     self.passing
                         .begin_maneuver(&self.route, item, &self.parameters);
                     self.start_commanding(now_s);
-                    self.tell_threat(now_s);
+                    self.tell_threat();
                 }
                 Action::Returned => {
                     self.refusals = 0;
                     self.let_go(now_s);
-                    self.voice
-                        .tell(Severity::Info, "fga: clear, mode restored", now_s);
+                    self.voice.tell(Severity::Info, "fga: clear, mode restored");
                     self.forget_plan();
                 }
                 Action::Ended(fault) => {
                     self.voice
-                        .note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
+                        .note("released", json!({ "fault": format!("{fault:?}") }));
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if reaction(fault).hand_back == HandBack::LeaveAlone {
                         self.passing.leave_alone();

@@ -137,7 +137,7 @@ impl Companion {
         }
         if level != watch.told {
             watch.told = level;
-            self.tell_alert(&watch, urgent.as_ref(), now_s);
+            self.tell_alert(&watch, urgent.as_ref());
         }
         if watch.act_at > 0
             && let Some(decider) = &mut self.decider
@@ -151,7 +151,7 @@ impl Companion {
         self.alerts = Some(watch);
     }
 
-    fn tell_alert(&mut self, watch: &Watch, urgent: Option<&Urgent>, now_s: f64) {
+    fn tell_alert(&mut self, watch: &Watch, urgent: Option<&Urgent>) {
         let words = match urgent {
             None => "fga: no alert".to_owned(),
             Some(urgent) => {
@@ -165,9 +165,8 @@ impl Companion {
                 )
             }
         };
-        self.voice.tell(watch.severity(watch.told), &words, now_s);
+        self.voice.tell(watch.severity(watch.told), &words);
         self.voice.note(
-            now_s,
             "alert",
             json!({
                 "level": watch.told,

@@ -5,7 +5,6 @@ use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use fga_formats::geodesy::Geodetic;
 
 use super::Companion;
-use crate::authority::Severity;
 use crate::config::{Config, VirtualObstacle};
 use crate::mode::Mode;
 use crate::ownship::State;
@@ -76,7 +75,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
 
 impl Companion {
     /// Tells once where the mission crosses the fence.
-    pub(super) fn watch_crossing(&mut self, own_m: Vec3, now_s: f64) {
+    pub(super) fn watch_crossing(&mut self, own_m: Vec3) {
         // Until the vehicle has answered which kinds of fence count, all do.
         if self.route.mode() != Some(Mode::AUTO) || !self.parameters.is_complete() {
             return;
@@ -88,7 +87,7 @@ impl Companion {
         let mission = self.lists.mission_number();
         let (parameters, voice) = (&self.parameters, &mut self.voice);
         self.boundary
-            .watch_crossing(mission, &way_m, parameters, voice, now_s);
+            .watch_crossing(mission, &way_m, parameters, voice);
     }
 
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
@@ -125,11 +124,7 @@ impl Companion {
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);
         if self.tracks.is_new_overload(now_s) {
-            self.voice.tell(
-                Severity::Warning,
-                "fga: traffic overload, most urgent kept",
-                now_s,
-            );
+            self.voice.warn("fga: traffic overload, most urgent kept");
         }
         let climbs = self
             .decider

@@ -51,7 +51,6 @@ impl Boundary {
         (items, number): (&[Item], u32),
         frame: &LocalFrame,
         voice: &mut Voice,
-        now_s: f64,
     ) -> bool {
         let before = core::mem::replace(&mut self.number, number);
         if before == number {
@@ -60,13 +59,12 @@ impl Boundary {
         self.fence = Fence::new(items, frame);
         let incomplete = self.fence.incomplete;
         let content = json!({ "items": items.len(), "incomplete": incomplete });
-        voice.note(now_s, "fence", content);
+        voice.note("fence", content);
         if before > 0 {
-            voice.tell(Severity::Notice, "fga: the fence has changed", now_s);
+            voice.tell(Severity::Notice, "fga: the fence has changed");
         }
         if incomplete {
-            let words = "fga: part of the fence was not understood";
-            voice.tell(Severity::Warning, words, now_s);
+            voice.warn("fga: part of the fence was not understood");
         }
         self.fence.zones().next().is_some()
     }
@@ -101,7 +99,6 @@ impl Boundary {
         way_m: &[Vec3],
         parameters: &VehicleParameters,
         voice: &mut Voice,
-        now_s: f64,
     ) {
         let lists = Some((mission, self.number));
         let Some(own_m) = way_m.first() else { return };
@@ -110,8 +107,7 @@ impl Boundary {
         }
         if self.fence.is_crossed(is_joined(parameters), way_m) {
             self.told_crossing = lists;
-            let words = "fga: the mission crosses the fence: flown as it is";
-            voice.tell(Severity::Warning, words, now_s);
+            voice.warn("fga: the mission crosses the fence: flown as it is");
         }
     }
 }

@@ -62,12 +62,12 @@ impl Companion {
         let before = self.keeper.state();
         let actions = self.keeper.readiness(lacking.is_none(), now_s);
         self.perform(&actions, now_s);
-        self.tell_readiness(lacking, now_s);
+        self.tell_readiness(lacking);
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
         }
         let Some(state) = state else { return };
-        self.lay_fence(now_s);
+        self.lay_fence();
         self.order_ground(&state, now_s);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
@@ -94,13 +94,13 @@ impl Companion {
             own: state,
         });
         if decision.record.in_need && self.keeper.commands() {
-            self.told.need(&mut self.voice, now_s);
+            self.told.need(&mut self.voice);
         }
         let no_way = decision.state == AvoiderState::Threatened
             && decision.record.reason == Reason::BestAvailable;
         let round = no_way.then(|| self.threat_name(&decision));
-        self.told.no_way(round, &mut self.voice, now_s);
-        self.watch_ground(&decision, &state, now_s);
+        self.told.no_way(round, &mut self.voice);
+        self.watch_ground(&decision, &state);
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
@@ -108,17 +108,16 @@ impl Companion {
     }
 
     /// Reports what has changed about readiness.
-    fn tell_readiness(&mut self, lacking: Option<Lacking>, now_s: f64) {
+    fn tell_readiness(&mut self, lacking: Option<Lacking>) {
         let voice = &mut self.voice;
-        self.told
-            .airspeed(self.ownship.airspeed_fails(), voice, now_s);
+        self.told.airspeed(self.ownship.airspeed_fails(), voice);
         if self.keeper.state() == Authority::Ready {
             self.told.ready();
             self.session.choose();
         }
         // Before the first heartbeat there is nobody to tell.
         if lacking.is_none() || self.session.system().is_some() {
-            self.told.lacking(lacking, voice, now_s);
+            self.told.lacking(lacking, voice);
         }
     }
 
@@ -131,11 +130,11 @@ impl Companion {
     }
 
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
-        self.renew_way(state, now_s);
-        self.renew_decider(now_s)?;
+        self.renew_way(state);
+        self.renew_decider()?;
         self.gather_obstacles(state, now_s);
         self.watch_alerts(state, now_s);
-        self.watch_crossing(state.ownship.position_m, now_s);
+        self.watch_crossing(state.ownship.position_m);
         self.grow_obstacles(now_s);
         let decider = self.decider.take()?;
         let zones = self
@@ -168,7 +167,7 @@ impl Companion {
     }
 
     /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
-    fn renew_way(&mut self, state: &State, now_s: f64) {
+    fn renew_way(&mut self, state: &State) {
         let Some(heard) = self.session.mode() else {
             return;
         };
@@ -186,10 +185,7 @@ impl Companion {
         };
         let (lists, ownship) = (&self.lists, &self.ownship);
         let (parameters, voice) = (&self.parameters, &mut self.voice);
-        if self
-            .route
-            .renew(&moment, lists, ownship, parameters, voice, now_s)
-        {
+        if self.route.renew(&moment, lists, ownship, parameters, voice) {
             self.decider = None;
             self.passing
                 .begin_way(&self.route, moment.own_m, lists, ownship);
@@ -247,7 +243,7 @@ impl Companion {
     }
 
     /// Makes the decider, or gives it the vehicle's present limits.
-    fn renew_decider(&mut self, now_s: f64) -> Option<()> {
+    fn renew_decider(&mut self) -> Option<()> {
         let mut response = self.lead.response();
         // The decider's state is after the dead time, so its response has no dead time; the rest stays in the plan.
         response.dead_time_s = 0.0;
@@ -275,7 +271,7 @@ impl Companion {
             }
             Err(error) => {
                 self.voice
-                    .note(now_s, "limits", json!({ "error": error.to_string() }));
+                    .note("limits", json!({ "error": error.to_string() }));
                 None
             }
         }
@@ -297,17 +293,14 @@ impl Companion {
             };
             if self.session.is_dry_run() {
                 self.pause_until_s = now_s + 5.0;
-                self.tell_dry(decision, now_s);
+                self.tell_dry(decision);
                 return;
             }
             if self.refusals >= MOST_REFUSALS {
                 self.refusals = 0;
                 self.set_enabled(false, now_s);
-                self.voice.tell(
-                    Severity::Critical,
-                    "fga: refused too often, switched off",
-                    now_s,
-                );
+                self.voice
+                    .tell(Severity::Critical, "fga: refused too often, switched off");
                 return;
             }
             let actions = self.keeper.take_over(mode, now_s);
@@ -320,12 +313,12 @@ impl Companion {
         }
         let is_back = self.is_back(decision, state, now_s);
         // The vehicle answers while the aircraft settles on the leg.
-        let is_set = self.on_way_since_s.is_some() && self.item_is_set(now_s);
+        let is_set = self.on_way_since_s.is_some() && self.item_is_set();
         let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
         let ends = self.ending_s.is_some()
             && !self.listens(now_s)
             && (is_back || !self.given_back_collides(state, clear_m));
-        if !(is_back && is_set || ends && self.item_is_set(now_s)) {
+        if !(is_back && is_set || ends && self.item_is_set()) {
             return;
         }
         if ends {
@@ -337,13 +330,10 @@ impl Companion {
         }
     }
 
-    fn tell_dry(&mut self, decision: &Decision, now_s: f64) {
+    fn tell_dry(&mut self, decision: &Decision) {
         let name = self.threat_name(decision);
-        self.voice.tell(
-            Severity::Warning,
-            &format!("fga: would avoid {name} (dry run)"),
-            now_s,
-        );
+        self.voice
+            .warn(&format!("fga: would avoid {name} (dry run)"));
     }
 
     /// Whether it has taken up a manoeuvre so lately that aircraft may not have reported yet: nothing heard is no
@@ -389,13 +379,13 @@ impl Companion {
     }
 
     /// Whether the vehicle goes on with its mission where it should, once its mode is restored.
-    fn item_is_set(&mut self, now_s: f64) -> bool {
+    fn item_is_set(&mut self) -> bool {
         let (lists, parameters) = (&self.lists, &self.parameters);
         let (commands, voice) = (&mut self.commands, &mut self.voice);
         self.keeper.owed() != Some(Mode::AUTO)
             || self
                 .passing
-                .item_is_set(&self.route, lists, parameters, commands, voice, now_s)
+                .item_is_set(&self.route, lists, parameters, commands, voice)
     }
 
     fn log_decision(&mut self, now_s: f64) {

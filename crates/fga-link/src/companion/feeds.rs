@@ -5,7 +5,6 @@ use serde_json::{Value, json};
 
 use super::Companion;
 use super::lacking::Lacking;
-use crate::authority::Severity;
 use crate::traffic::receiver::FeedStatus;
 
 /// A feed without any position is not understood when it has this many unusable parts, and one of this many is
@@ -50,8 +49,8 @@ fn is_not_understood(feed: &FeedStatus) -> bool {
 impl Companion {
     /// Takes what a receiver has given so far.
     pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.voice.at(now_s);
         self.voice.note(
-            now_s,
             "feed",
             json!({
                 "source": status.sender.source.name(),
@@ -74,7 +73,7 @@ impl Companion {
 
     /// Tells the operator once of each reason for which a feed's parts are left out, when there is a vehicle that
     /// passes it on.
-    pub(super) fn tell_feeds(&mut self, now_s: f64) {
+    pub(super) fn tell_feeds(&mut self) {
         if self.session.system().is_none() {
             return;
         }
@@ -88,7 +87,7 @@ impl Companion {
             }
         }
         for words in words {
-            self.voice.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&words);
         }
     }
 

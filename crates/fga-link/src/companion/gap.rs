@@ -84,8 +84,7 @@ impl Companion {
         }
         let age_s = self.telemetry_age_s(now_s);
         if age_s > TOLD_S && !core::mem::replace(&mut self.gap.begun, true) {
-            let words = "fga: no telemetry, flies on as proven";
-            self.voice.tell(Severity::Warning, words, now_s);
+            self.voice.warn("fga: no telemetry, flies on as proven");
         }
         let proven = !decision.record.reason.is_unproven();
         if proven || age_s <= LEAST_BLIND_S {
@@ -94,7 +93,7 @@ impl Companion {
         if self.given_back_collides(state, -self.growth_m(now_s)) {
             if !core::mem::replace(&mut self.gap.collision, true) {
                 let words = "fga: no telemetry, not given back: collision";
-                self.voice.tell(Severity::Critical, words, now_s);
+                self.voice.tell(Severity::Critical, words);
             }
             return;
         }

@@ -102,23 +102,23 @@ impl Told {
     }
 
     /// Reports once in a manoeuvre that it uses the bank in need.
-    pub(super) fn need(&mut self, voice: &mut Voice, now_s: f64) {
+    pub(super) fn need(&mut self, voice: &mut Voice) {
         if !core::mem::replace(&mut self.need, true) {
-            voice.tell(Severity::Warning, "fga: bank in need", now_s);
+            voice.warn("fga: bank in need");
         }
     }
 
     /// Takes the name of an obstacle without a way round, if there is one, and reports the first.
-    pub(super) fn no_way(&mut self, round: Option<String>, voice: &mut Voice, now_s: f64) {
+    pub(super) fn no_way(&mut self, round: Option<String>, voice: &mut Voice) {
         let was_told = core::mem::replace(&mut self.no_way, round.is_some());
         if let Some(name) = round.filter(|_| !was_told) {
-            let words = format!("fga: no way round {name} keeps it, not begun");
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!("fga: no way round {name} keeps it, not begun"));
         }
     }
 
     /// Reports once that ground speed and wind stand in for the airspeed sensor.
-    pub(super) fn airspeed(&mut self, fails: bool, voice: &mut Voice, now_s: f64) {
+    pub(super) fn airspeed(&mut self, fails: bool, voice: &mut Voice) {
+        let now_s = voice.now_s();
         if !fails {
             self.airspeed_fails_s = None;
             return;
@@ -126,8 +126,7 @@ impl Told {
         // In a take-off run the airspeed comes after the ground speed.
         let since_s = *self.airspeed_fails_s.get_or_insert(now_s);
         if now_s - since_s >= LOST_S && !core::mem::replace(&mut self.airspeed, true) {
-            let words = "fga: airspeed sensor fails, ground speed used";
-            voice.tell(Severity::Warning, words, now_s);
+            voice.warn("fga: airspeed sensor fails, ground speed used");
         }
     }
 
@@ -138,7 +137,8 @@ impl Told {
     }
 
     /// Reports to the operator of a vehicle a lost ability, or why it does not come.
-    pub(super) fn lacking(&mut self, lacking: Option<Lacking>, voice: &mut Voice, now_s: f64) {
+    pub(super) fn lacking(&mut self, lacking: Option<Lacking>, voice: &mut Voice) {
+        let now_s = voice.now_s();
         let Some(lacking) = lacking else {
             self.lacking = None;
             return;
@@ -152,7 +152,7 @@ impl Told {
         if now_s - since_s >= after_s && self.last != Some(lacking) {
             self.ready = false;
             self.last = Some(lacking);
-            voice.tell(lacking.severity(), lacking.words(), now_s);
+            voice.tell(lacking.severity(), lacking.words());
         }
     }
 }
@@ -195,7 +195,7 @@ mod tests {
     fn what_is_missing_is_told_once_after_a_while_and_sooner_where_it_was_there() {
         let (mut told, mut voice) = (Told::default(), Voice::default());
         let mut texts_at = |lacking, now_s| {
-            told.lacking(lacking, &mut voice, now_s);
+            told.lacking(lacking, voice.at(now_s));
             voice.texts()
         };
         let rate = Some(Lacking::Rate);
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(texts_at(None, 21.0), 1);
         told.ready();
         let mut texts_at = |lacking, now_s| {
-            told.lacking(lacking, &mut voice, now_s);
+            told.lacking(lacking, voice.at(now_s));
             voice.texts()
         };
         assert_eq!(texts_at(rate, 30.0), 1);

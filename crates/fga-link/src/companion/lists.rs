@@ -172,36 +172,24 @@ impl Lists {
     }
 
     /// Takes a number of items; `true` if the fence has been read.
-    pub(super) fn take_count(
-        &mut self,
-        data: &MISSION_COUNT_DATA,
-        system: u8,
-        voice: &mut Voice,
-        now_s: f64,
-    ) -> bool {
+    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) -> bool {
         if self.mission.contradicts_count(data) {
             self.read_mission_again();
         } else if self.fence.contradicts_count(data) {
             self.read_fence_again();
         } else if self.mission.take_count(data) {
-            self.mission_arrived(system, voice, now_s);
+            self.mission_arrived(voice);
         } else if self.fence.take_count(data) {
-            voice.send(self.fence.closing(system));
+            voice.send(self.fence.closing(voice.system()));
             return true;
         } else {
-            self.rally.take_count(data, system, voice, now_s);
+            self.rally.take_count(data, voice);
         }
         false
     }
 
     /// Takes an item; `true` if the fence has been read.
-    pub(super) fn take_item(
-        &mut self,
-        data: &MISSION_ITEM_INT_DATA,
-        system: u8,
-        voice: &mut Voice,
-        now_s: f64,
-    ) -> bool {
+    pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) -> bool {
         if self.mission.contradicts_item(data) {
             self.read_mission_again();
         }
@@ -209,18 +197,18 @@ impl Lists {
             self.read_fence_again();
         }
         if self.mission.take_item(data) {
-            self.mission_arrived(system, voice, now_s);
+            self.mission_arrived(voice);
         }
         let has_fence = self.fence.take_item(data);
         if has_fence {
-            voice.send(self.fence.closing(system));
+            voice.send(self.fence.closing(voice.system()));
         }
-        self.rally.take_point(data, system, voice, now_s);
+        self.rally.take_point(data, voice);
         has_fence
     }
 
-    fn mission_arrived(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
-        voice.send(self.mission.closing(system));
+    fn mission_arrived(&mut self, voice: &mut Voice) {
+        voice.send(self.mission.closing(voice.system()));
         let changes = self.mission.changes();
         let before = core::mem::replace(&mut self.told, changes);
         if before == changes {
@@ -228,9 +216,9 @@ impl Lists {
         }
         self.brisk = 2 * PROBED_ITEMS;
         let count = self.mission().map_or(0, <[_]>::len);
-        voice.note(now_s, "mission", json!({ "items": count }));
+        voice.note("mission", json!({ "items": count }));
         if before > 0 {
-            voice.tell(Severity::Notice, "fga: the mission has changed", now_s);
+            voice.tell(Severity::Notice, "fga: the mission has changed");
         }
     }
 
@@ -338,28 +326,22 @@ impl Lists {
 
     /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre. `true` if the fence has been
     /// read.
-    pub(super) fn tick(
-        &mut self,
-        system: u8,
-        engaged: bool,
-        voice: &mut Voice,
-        now_s: f64,
-    ) -> bool {
+    pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) -> bool {
+        let (system, now_s) = (voice.system(), voice.now_s());
         if self.mission.tick(now_s, system, voice.outbox()) {
-            self.mission_arrived(system, voice, now_s);
+            self.mission_arrived(voice);
         }
         let has_fence = !self.mission.is_busy() && self.fence.tick(now_s, system, voice.outbox());
         if has_fence {
             voice.send(self.fence.closing(system));
         }
-        self.probe_mission(system, voice, now_s);
+        self.probe_mission(voice);
         let is_read = !self.mission.is_busy();
         if self.use_fence {
-            self.fence_probes
-                .tick(&self.fence, is_read, system, voice, now_s);
+            self.fence_probes.tick(&self.fence, is_read, voice);
         }
         if is_read && !self.fence.is_busy() {
-            self.rally.tick(system, voice, now_s);
+            self.rally.tick(voice);
         }
         // Now and then the whole fence.
         if self.fence.is_busy() {
@@ -371,7 +353,8 @@ impl Lists {
     }
 
     /// Requests the present item, and those ahead in turn.
-    fn probe_mission(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
+    fn probe_mission(&mut self, voice: &mut Voice) {
+        let (system, now_s) = (voice.system(), voice.now_s());
         let since_s = now_s - self.probed_s;
         let brisk = self.hinted || self.brisk > 0;
         let due = since_s >= PROBE_S || (brisk && since_s >= HINTED_PROBE_S);

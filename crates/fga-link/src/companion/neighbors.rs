@@ -10,7 +10,6 @@ use mavlink::dialects::ardupilotmega::{GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA,
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 
 use super::voice::Voice;
-use crate::authority::Severity;
 use crate::number::degrees_from_e7;
 use crate::outgoing::AUTOPILOT;
 
@@ -165,19 +164,20 @@ impl Neighbors {
     }
 
     /// A system sends MAVLink 1.
-    pub(super) fn hear_version1(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
+    pub(super) fn hear_version1(&mut self, system: u8, voice: &mut Voice) {
         if self.version1.replace(system).is_none() {
-            let words = format!("fga: {system} sends MAVLink 1, expected MAVLink 2");
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!(
+                "fga: {system} sends MAVLink 1, expected MAVLink 2"
+            ));
         }
     }
 
     /// Another plane was heard.
-    pub(super) fn hear_plane(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
+    pub(super) fn hear_plane(&mut self, system: u8, voice: &mut Voice) {
+        let now_s = voice.now_s();
         self.plane_s = Some(now_s);
         if self.chosen && !core::mem::replace(&mut self.told, true) {
-            let words = format!("fga: another vehicle on the link: {system}");
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!("fga: another vehicle on the link: {system}"));
         }
     }
 
@@ -188,8 +188,8 @@ impl Neighbors {
         data: &HEARTBEAT_DATA,
         wanted: Option<u8>,
         voice: &mut Voice,
-        now_s: f64,
     ) {
+        let now_s = voice.now_s();
         let flies = data.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID;
         let Ok(system) = u8::try_from(header.system_id) else {
             return;
@@ -200,8 +200,7 @@ impl Neighbors {
         }
         let (first, since_s) = *self.stranger.get_or_insert((system, now_s));
         if now_s - since_s >= ALONE_S && !core::mem::replace(&mut self.stranger_told, true) {
-            let words = format!("fga: not ready: vehicle {first} is no ArduPlane");
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!("fga: not ready: vehicle {first} is no ArduPlane"));
         }
     }
 }

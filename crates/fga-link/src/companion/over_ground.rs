@@ -15,7 +15,6 @@ use mavlink::dialects::ardupilotmega::{
 use serde_json::json;
 
 use super::Companion;
-use crate::authority::Severity;
 use crate::commands::Command;
 use crate::ground::{AskedBlocks, GroundOrder, MadeGround, Square};
 use crate::ownship::State;
@@ -145,6 +144,7 @@ impl Companion {
 
     /// Takes ground that was made, and what it means for the mission.
     pub fn take_ground(&mut self, made: MadeGround, now_s: f64) {
+        self.voice.at(now_s);
         let is_here = |frame| made.square.is_in(frame);
         if !self.ownship.frame().is_some_and(is_here) {
             return;
@@ -155,7 +155,7 @@ impl Companion {
             "low_legs": made.low,
             "unknown_legs": made.unknown,
         });
-        self.voice.note(now_s, "ground", content);
+        self.voice.note("ground", content);
         let lowest = made.low.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let lowest = lowest.map(|(item, above_m)| match made.low.len() {
             1 => format!("fga: item {item} is {above_m:.0} m above ground: too low"),
@@ -176,7 +176,7 @@ impl Companion {
         let told = core::mem::replace(&mut self.over.told_mission, words.clone());
         for (words, told) in words.into_iter().zip(told) {
             if let Some(words) = words.filter(|words| told.as_ref() != Some(words)) {
-                self.voice.tell(Severity::Warning, &words, now_s);
+                self.voice.warn(&words);
             }
         }
         self.over.made = Some(made.ground);
@@ -232,17 +232,16 @@ impl Companion {
             self.voice.send(MavMessage::TERRAIN_REQUEST(request));
         }
         if is_unanswered && !core::mem::replace(&mut self.over.told_unanswered, true) {
-            let words = "fga: no terrain from the ground station";
-            self.voice.tell(Severity::Warning, words, now_s);
+            self.voice.warn("fga: no terrain from the ground station");
         }
     }
 
     /// Takes a piece of ground.
-    pub(super) fn take_terrain(&mut self, data: &TERRAIN_DATA_DATA, now_s: f64) {
+    pub(super) fn take_terrain(&mut self, data: &TERRAIN_DATA_DATA) {
         if let GroundSource::Station(asked, _) = &mut self.over.heights
             && let Some(words) = asked.take(data)
         {
-            self.voice.tell(Severity::Warning, words, now_s);
+            self.voice.warn(words);
         }
     }
 
@@ -283,7 +282,7 @@ impl Companion {
     }
 
     /// Reports each once in a manoeuvre: that the ground decides where it leads, that it leads over unknown ground, or too low.
-    pub(super) fn watch_ground(&mut self, decision: &Decision, state: &State, now_s: f64) {
+    pub(super) fn watch_ground(&mut self, decision: &Decision, state: &State) {
         if !self.keeper.is_engaged() {
             self.over.told = Reports::default();
         }
@@ -323,7 +322,7 @@ impl Companion {
             (is_so && !core::mem::replace(told, true)).then_some(words)
         });
         for words in due.collect::<Vec<_>>() {
-            self.voice.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&words);
         }
     }
 
@@ -353,8 +352,10 @@ impl Companion {
         let since_s = *measured.since_s.get_or_insert(now_s);
         if now_s - since_s >= DISAGREES_S && !core::mem::replace(&mut measured.told, true) {
             let side = if higher_m > 0.0 { "higher" } else { "lower" };
-            let words = format!("fga: rangefinder: ground {:.0} m {side}", higher_m.abs());
-            self.voice.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&format!(
+                "fga: rangefinder: ground {:.0} m {side}",
+                higher_m.abs()
+            ));
         }
     }
 
@@ -369,7 +370,7 @@ impl Companion {
     }
 
     /// What was heard of the ground, for the log.
-    pub(super) fn note_ground_heard(&mut self, now_s: f64) {
+    pub(super) fn note_ground_heard(&mut self) {
         let answers = match &self.over.heights {
             GroundSource::Nobody => return,
             GroundSource::Files(_) => None,
@@ -383,6 +384,6 @@ impl Companion {
         } = self.over.rangefinder;
         let rangefinder = json!({ "heard": heard, "disagreeing": disagreeing });
         let content = json!({ "rangefinder": rangefinder, "pieces": answers });
-        self.voice.note(now_s, "ground-heard", content);
+        self.voice.note("ground-heard", content);
     }
 }

@@ -9,7 +9,6 @@ use serde_json::json;
 use super::lists::Lists;
 use super::route::{Route, way_to};
 use super::voice::Voice;
-use crate::authority::Severity;
 use crate::commands::{Command, Commands};
 use crate::mission::{Item, Way, item_position_m};
 use crate::number::single;
@@ -62,10 +61,10 @@ fn command_name(lists: &Lists, item: u16) -> String {
     name.trim_start_matches("MAV_CMD_").to_owned()
 }
 
-fn set_item(item: u16, commands: &mut Commands, voice: &mut Voice, now_s: f64) {
+fn set_item(item: u16, commands: &mut Commands, voice: &mut Voice) {
     let command = MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT;
     commands.send(Command::long(command, single(f64::from(item)), 0.0), true);
-    voice.note(now_s, "set-item", json!({ "item": item }));
+    voice.note("set-item", json!({ "item": item }));
 }
 
 impl Passing {
@@ -154,7 +153,6 @@ impl Passing {
         near_m: f64,
         lists: &Lists,
         voice: &mut Voice,
-        now_s: f64,
     ) {
         for index in passed.clone() {
             let item = way.items.get(index).copied().flatten();
@@ -162,8 +160,7 @@ impl Passing {
             if let (Some(item), Some(nearest_m)) = (item, nearest_m)
                 && nearest_m > near_m
             {
-                let words = format!("fga: waypoint {item} passed {nearest_m:.0} m off");
-                voice.tell(Severity::Warning, &words, now_s);
+                voice.warn(&format!("fga: waypoint {item} passed {nearest_m:.0} m off"));
             }
         }
         // The commands before the first one ran when the vehicle began to fly there, or wait for AUTO.
@@ -171,8 +168,10 @@ impl Passing {
         let later = passed.skip(1).filter_map(|index| way.commands.get(index));
         lost.extend(later.flatten());
         for item in lost {
-            let words = format!("fga: item {item} not run: {}", command_name(lists, item));
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!(
+                "fga: item {item} not run: {}",
+                command_name(lists, item)
+            ));
         }
     }
 
@@ -186,8 +185,8 @@ impl Passing {
         parameters: &VehicleParameters,
         commands: &mut Commands,
         voice: &mut Voice,
-        now_s: f64,
     ) -> bool {
+        let now_s = voice.now_s();
         let way = route.way();
         let passed = self.passed(route, lists.item());
         let last = passed.end.checked_sub(1).filter(|_| !passed.is_empty());
@@ -196,13 +195,13 @@ impl Passing {
             let (next, item) = (passed.end, item.saturating_add(1));
             let near_m = parameters.get("WP_RADIUS").unwrap_or(NEAR_WAYPOINT_M);
             let near_m = near_m.min(NEAR_WAYPOINT_M);
-            self.tell_passed(passed, way, near_m, lists, voice, now_s);
+            self.tell_passed(passed, way, near_m, lists, voice);
             self.pending = way.commands.get(next).cloned().unwrap_or_default();
             self.next = next;
             self.asked = Some(item);
             self.settled_s = None;
             if !restarts_mission(parameters) {
-                set_item(item, commands, voice, now_s);
+                set_item(item, commands, voice);
             }
         }
         if restarts_mission(parameters) {
@@ -248,7 +247,6 @@ impl Passing {
         ownship: &OwnshipEstimate,
         commands: &mut Commands,
         voice: &mut Voice,
-        now_s: f64,
     ) {
         let Some(item) = self.after_restart.take() else {
             return;
@@ -260,11 +258,13 @@ impl Passing {
             };
             let first = items.iter().skip(1).position(is_flown).unwrap_or(0);
             for item in (1..=first).filter_map(|item| u16::try_from(item).ok()) {
-                let words = format!("fga: item {item} runs again: {}", command_name(lists, item));
-                voice.tell(Severity::Warning, &words, now_s);
+                voice.warn(&format!(
+                    "fga: item {item} runs again: {}",
+                    command_name(lists, item)
+                ));
             }
         }
-        set_item(item, commands, voice, now_s);
+        set_item(item, commands, voice);
     }
 }
 
@@ -299,14 +299,8 @@ mod tests {
         let (mut passing, parameters) = (Passing::default(), VehicleParameters::default());
         let mut is_set = |passing: &mut Passing, leg, item, now_s| {
             let (route, lists) = (route(leg), lists(item));
-            let set = passing.item_is_set(
-                &route,
-                &lists,
-                &parameters,
-                &mut commands,
-                &mut voice,
-                now_s,
-            );
+            let set =
+                passing.item_is_set(&route, &lists, &parameters, &mut commands, voice.at(now_s));
             (set, voice.texts(), passing.asked())
         };
         passing.begin_maneuver(&route(0), Some(2), &parameters);
@@ -335,7 +329,7 @@ mod tests {
         });
         let ownship = OwnshipEstimate::default();
         let mut back = |passing: &mut Passing| {
-            passing.has_auto_back(&lists(2), &ownship, &mut commands, &mut voice, 1.0);
+            passing.has_auto_back(&lists(2), &ownship, &mut commands, voice.at(1.0));
             let waits = commands.is_waiting(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
             commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
             waits

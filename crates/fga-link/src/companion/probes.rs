@@ -35,14 +35,8 @@ impl Probes {
     }
 
     /// Requests the number of items, and `with_items` the items in turn: a moved item does not change their number.
-    pub(super) fn tick(
-        &mut self,
-        list: &Download,
-        with_items: bool,
-        system: u8,
-        voice: &mut Voice,
-        now_s: f64,
-    ) {
+    pub(super) fn tick(&mut self, list: &Download, with_items: bool, voice: &mut Voice) {
+        let (system, now_s) = (voice.system(), voice.now_s());
         let Some(items) = list.items().filter(|_| !list.is_busy()) else {
             return;
         };
@@ -72,7 +66,7 @@ mod tests {
         let kind = MavMissionType::MAV_MISSION_TYPE_FENCE;
         let (mut list, mut voice) = (Download::new(kind), Voice::default());
         let mut probes = Probes::new(2.0, 0.1);
-        probes.tick(&list, true, 1, &mut voice, 0.0);
+        probes.tick(&list, true, voice.at(0.0));
         assert!(voice.take_messages().is_empty(), "nothing known yet");
         list.begin();
         list.take_count(&MISSION_COUNT_DATA {
@@ -90,7 +84,7 @@ mod tests {
         let mut sent = |from: u8, until: u8, with_items| {
             for tenth in from..until {
                 let now_s = f64::from(tenth) * 0.1 + 1e-9 * f64::from(tenth);
-                probes.tick(&list, with_items, 1, &mut voice, now_s);
+                probes.tick(&list, with_items, voice.at(now_s));
             }
             voice.take_messages().len()
         };

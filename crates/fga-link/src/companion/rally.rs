@@ -58,43 +58,32 @@ impl Rally {
     }
 
     /// Goes on reading, or asks for what would show another list.
-    pub(super) fn tick(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
+    pub(super) fn tick(&mut self, voice: &mut Voice) {
+        let (system, now_s) = (voice.system(), voice.now_s());
         if !self.is_used {
             return;
         }
         if self.download.tick(now_s, system, voice.outbox()) {
-            self.arrived(system, voice, now_s);
+            self.arrived(voice);
         } else {
-            self.probes.tick(&self.download, true, system, voice, now_s);
+            self.probes.tick(&self.download, true, voice);
         }
     }
 
-    pub(super) fn take_count(
-        &mut self,
-        data: &MISSION_COUNT_DATA,
-        system: u8,
-        voice: &mut Voice,
-        now_s: f64,
-    ) {
+    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) {
         if self.download.contradicts_count(data) {
             self.read_again();
         } else if self.download.take_count(data) {
-            self.arrived(system, voice, now_s);
+            self.arrived(voice);
         }
     }
 
-    pub(super) fn take_point(
-        &mut self,
-        data: &MISSION_ITEM_INT_DATA,
-        system: u8,
-        voice: &mut Voice,
-        now_s: f64,
-    ) {
+    pub(super) fn take_point(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) {
         if self.download.contradicts_item(data) {
             self.read_again();
         }
         if self.download.take_item(data) {
-            self.arrived(system, voice, now_s);
+            self.arrived(voice);
         }
     }
 
@@ -107,18 +96,18 @@ impl Rally {
         }
     }
 
-    fn arrived(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
-        voice.send(self.download.closing(system));
+    fn arrived(&mut self, voice: &mut Voice) {
+        voice.send(self.download.closing(voice.system()));
         let changes = self.download.changes();
         let before = core::mem::replace(&mut self.told, changes);
         if before == changes {
             return;
         }
         let count = self.download.items().map_or(0, <[_]>::len);
-        voice.note(now_s, "rally", json!({ "points": count }));
+        voice.note("rally", json!({ "points": count }));
         if before > 0 {
             let words = "fga: the rally points have changed";
-            voice.tell(Severity::Notice, words, now_s);
+            voice.tell(Severity::Notice, words);
         }
     }
 

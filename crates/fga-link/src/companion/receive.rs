@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::Companion;
 use super::session::{News, Noted, SILENT_S};
-use crate::authority::{Beat, Fault, Severity, reaction};
+use crate::authority::{Beat, Fault, reaction};
 use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
 use crate::mode::Mode;
@@ -20,11 +20,12 @@ use crate::ownship::Update;
 impl Companion {
     /// Takes a message.
     pub fn receive(&mut self, header: &MavHeader, message: &MavMessage, now_s: f64) {
+        self.voice.at(now_s);
         if self.take_traffic(*header, message, now_s) {
             return;
         }
         if let MavMessage::TERRAIN_DATA(data) = message {
-            self.take_terrain(data, now_s);
+            self.take_terrain(data);
             return;
         }
         let Ok(system) = u8::try_from(header.system_id) else {
@@ -44,7 +45,7 @@ impl Companion {
         let from_vehicle =
             self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         if from_vehicle {
-            self.take_telemetry(message, system, now_s);
+            self.take_telemetry(message, now_s);
             self.take_held_reports(now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
@@ -53,10 +54,10 @@ impl Companion {
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
         let (session, voice) = (&mut self.session, &mut self.voice);
         let Some(beat) = Beat::of_plane(header, data) else {
-            session.hear_stranger(header, data, voice, now_s);
+            session.hear_stranger(header, data, voice);
             return;
         };
-        match session.hear(system, beat, voice, now_s) {
+        match session.hear(system, beat, voice) {
             News::Nothing => {}
             News::First => self.lists.begin(),
             News::Next {
@@ -81,8 +82,7 @@ impl Companion {
                 if mode == Mode::AUTO && mode_was == self.keeper.target() {
                     let (lists, ownship) = (&self.lists, &self.ownship);
                     let (commands, voice) = (&mut self.commands, &mut self.voice);
-                    self.passing
-                        .has_auto_back(lists, ownship, commands, voice, now_s);
+                    self.passing.has_auto_back(lists, ownship, commands, voice);
                 }
                 if contradicts {
                     self.heartbeats_contradict(mode, now_s);
@@ -96,14 +96,14 @@ impl Companion {
 
     fn heartbeats_contradict(&mut self, mode: Mode, now_s: f64) {
         self.voice
-            .note(now_s, "contradiction", json!({ "mode": mode.name() }));
+            .note("contradiction", json!({ "mode": mode.name() }));
         if self.keeper.is_engaged() {
             self.fault(Fault::Contradiction, now_s);
         } else {
             let row = reaction(Fault::Contradiction);
             let actions = self.keeper.readiness(false, now_s);
             self.perform(&actions, now_s);
-            self.voice.tell(row.severity, row.text, now_s);
+            self.voice.tell(row.severity, row.text);
         }
     }
 
@@ -111,10 +111,7 @@ impl Companion {
     /// that its note counts.
     fn take_note(&mut self, boot_ms: u32, now_s: f64) {
         let target = self.keeper.target();
-        match self
-            .session
-            .take_note(boot_ms, target, &mut self.voice, now_s)
-        {
+        match self.session.take_note(boot_ms, target, &mut self.voice) {
             Some(Noted::Doubt(note)) => {
                 self.keeper
                     .doubt(Mode(note.owned_mode), note.previous(), now_s);
@@ -127,7 +124,7 @@ impl Companion {
         }
     }
 
-    fn take_telemetry(&mut self, message: &MavMessage, system: u8, now_s: f64) {
+    fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
@@ -172,13 +169,13 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                if self.lists.take_count(data, system, &mut self.voice, now_s) {
-                    self.lay_fence(now_s);
+                if self.lists.take_count(data, &mut self.voice) {
+                    self.lay_fence();
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                if self.lists.take_item(data, system, &mut self.voice, now_s) {
-                    self.lay_fence(now_s);
+                if self.lists.take_item(data, &mut self.voice) {
+                    self.lay_fence();
                 }
             }
             MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
@@ -237,7 +234,6 @@ impl Companion {
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
             self.voice.note(
-                now_s,
                 "frame",
                 json!({
                     "latitude_deg": origin.latitude_deg,
@@ -257,17 +253,16 @@ impl Companion {
     }
 
     /// Lays the fence in the local frame, once both are known.
-    pub(super) fn lay_fence(&mut self, now_s: f64) {
+    pub(super) fn lay_fence(&mut self) {
         let (Some(fence), Some(frame)) = (self.lists.fence(), self.ownship.frame()) else {
             return;
         };
-        if !self.boundary.lay(fence, frame, &mut self.voice, now_s) {
+        if !self.boundary.lay(fence, frame, &mut self.voice) {
             return;
         }
         self.parameters.ask_for_fence();
         if self.config.command.mode == CommandMode::Paper {
-            let words = "fga: Algorithm 4 knows no fence";
-            self.voice.tell(Severity::Warning, words, now_s);
+            self.voice.warn("fga: Algorithm 4 knows no fence");
         }
     }
 
@@ -279,7 +274,6 @@ impl Companion {
         };
         let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
         self.voice.note(
-            now_s,
             "refused",
             json!({ "command": format!("{:?}", command.command), "result": result }),
         );
@@ -292,8 +286,7 @@ impl Companion {
                 self.fault(Fault::NotFollowing, now_s);
             }
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
-                self.voice
-                    .tell(Severity::Warning, "fga: mission item not set", now_s);
+                self.voice.warn("fga: mission item not set");
             }
             _ => {}
         }

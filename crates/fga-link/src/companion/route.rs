@@ -107,8 +107,8 @@ impl Route {
         ownship: &OwnshipEstimate,
         parameters: &VehicleParameters,
         voice: &mut Voice,
-        now_s: f64,
     ) -> bool {
+        let now_s = voice.now_s();
         let is_laid = self.mode == Some(at.mode);
         let return_place_m = || {
             let (home_m, frame) = (lists.home_m(ownship, at.own_m.z), ownship.frame());
@@ -150,7 +150,6 @@ impl Route {
             let waypoints_m: Vec<[f64; 3]> =
                 self.way.waypoints_m.iter().map(|w| w.to_array()).collect();
             voice.note(
-                now_s,
                 "way",
                 json!({ "mode": at.mode.name(), "item": self.item, "waypoints_m": waypoints_m }),
             );
@@ -405,7 +404,7 @@ mod tests {
                 is_engaged: false,
                 is_busy,
             };
-            route.renew(&moment, &lists, &ownship, &parameters, &mut voice, 0.0)
+            route.renew(&moment, &lists, &ownship, &parameters, voice.at(0.0))
         };
         assert!(renews(0.0, 0.0, false));
         assert!(!renews(11.0, 0.04, false));

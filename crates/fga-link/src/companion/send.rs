@@ -37,8 +37,8 @@ impl Companion {
             .tick(attitude_s, now_s, system, self.voice.outbox());
         self.parameters.tick(now_s, system, self.voice.outbox());
         let engaged = self.keeper.is_engaged();
-        if self.lists.tick(system, engaged, &mut self.voice, now_s) {
-            self.lay_fence(now_s);
+        if self.lists.tick(engaged, &mut self.voice) {
+            self.lay_fence();
         }
         let age_s = self.telemetry_age_s(now_s);
         if let Some(request) = self.lead.request(age_s, system, now_s) {

@@ -183,13 +183,14 @@ impl Session {
     }
 
     /// Takes a heartbeat of a plane.
-    pub(super) fn hear(&mut self, system: u8, beat: Beat, voice: &mut Voice, now_s: f64) -> News {
+    pub(super) fn hear(&mut self, system: u8, beat: Beat, voice: &mut Voice) -> News {
+        let now_s = voice.now_s();
         let Beat { mode, armed, .. } = beat;
         let wanted = self.wanted();
         let Some(heard) = &mut self.heard else {
             if wanted.is_some_and(|wanted| wanted != system) {
                 self.neighbors.hear_other(system);
-                self.tell_left(system, mode, voice, now_s);
+                self.tell_left(system, mode, voice);
                 return News::Nothing;
             }
             if self.waits_for_noted(system, mode, now_s) {
@@ -203,12 +204,12 @@ impl Session {
                 since_s: now_s,
                 heartbeat_s: now_s,
             });
-            self.connected(system, mode, voice, now_s);
+            self.connected(system, mode, voice);
             return News::First;
         };
         if heard.system_id != system {
             if wanted.is_none() {
-                self.neighbors.hear_plane(system, voice, now_s);
+                self.neighbors.hear_plane(system, voice);
             }
             return News::Nothing;
         }
@@ -221,9 +222,9 @@ impl Session {
         heard.armed = self.hearing.is_armed();
         heard.heartbeat_s = now_s;
         let disarmed = before.armed && !heard.armed;
-        self.leave_notes(system, mode, voice, now_s);
+        self.leave_notes(system, mode, voice);
         if mode != before.mode {
-            voice.note(now_s, "mode", json!({ "mode": mode.to_string() }));
+            voice.note("mode", json!({ "mode": mode.to_string() }));
         }
         let contradicts = verdict == Verdict::Contradicts && now_s >= self.contradiction_due_s;
         if contradicts {
@@ -238,22 +239,21 @@ impl Session {
         }
     }
 
-    fn connected(&mut self, system: u8, mode: Mode, voice: &mut Voice, now_s: f64) {
+    fn connected(&mut self, system: u8, mode: Mode, voice: &mut Voice) {
         let others: Vec<u8> = self.notes.iter().map(|note| note.system_id).collect();
         self.notes.retain(|note| note.fits(system, mode));
-        voice.set_own_system(system);
+        voice.speak_to(system);
         let words = if self.dry_run {
             "fga: connected, dry run"
         } else {
             "fga: connected"
         };
-        voice.tell(Severity::Info, words, now_s);
+        voice.tell(Severity::Info, words);
         for other in others.into_iter().filter(|other| *other != system) {
-            let words = format!("fga: note of vehicle {other} left aside");
-            voice.tell(Severity::Warning, &words, now_s);
+            voice.warn(&format!("fga: note of vehicle {other} left aside"));
         }
         let content = json!({ "system": system, "mode": mode.to_string() });
-        voice.note(now_s, "vehicle", content);
+        voice.note("vehicle", content);
     }
 
     /// Takes a heartbeat that is not a plane's.
@@ -262,19 +262,17 @@ impl Session {
         header: MavHeader,
         data: &HEARTBEAT_DATA,
         voice: &mut Voice,
-        now_s: f64,
     ) {
         if self.heard.is_none() {
             let wanted = self.wanted();
-            self.neighbors
-                .hear_stranger(header, data, wanted, voice, now_s);
+            self.neighbors.hear_stranger(header, data, wanted, voice);
         }
     }
 
     /// The link carries MAVLink 1 frames of a system, which nobody here reads.
-    pub(super) fn hear_version1(&mut self, system: u8, voice: &mut Voice, now_s: f64) {
+    pub(super) fn hear_version1(&mut self, system: u8, voice: &mut Voice) {
         if self.heard.is_none() {
-            self.neighbors.hear_version1(system, voice, now_s);
+            self.neighbors.hear_version1(system, voice);
         }
     }
 
@@ -349,34 +347,32 @@ impl Session {
         boot_ms: u32,
         target: Mode,
         voice: &mut Voice,
-        now_s: f64,
     ) -> Option<Noted> {
         let note = self.notes.pop()?;
         self.notes.clear();
         if !note.counts(boot_ms) {
-            let words = "fga: an old note of a manoeuvre, mode left alone";
-            voice.tell(Severity::Warning, words, now_s);
+            voice.warn("fga: an old note of a manoeuvre, mode left alone");
         } else if note.given_up {
             return Some(Noted::Doubt(note));
         } else if self.dry_run || Mode(note.owned_mode) != target {
-            tell_left_in(note, voice, now_s);
+            tell_left_in(note, voice);
         } else {
             self.neighbors.choose();
             self.noted_boot_ms = Some(note.boot_ms);
             let content = json!({ "previous": note.previous().name() });
-            voice.note(now_s, "resumes", content);
+            voice.note("resumes", content);
             return Some(Noted::Resume(note));
         }
         None
     }
 
     /// The vehicle reports a mode: the notes of other modes end. Not even a forged heartbeat ends a debt in silence.
-    fn leave_notes(&mut self, system: u8, mode: Mode, voice: &mut Voice, now_s: f64) {
+    fn leave_notes(&mut self, system: u8, mode: Mode, voice: &mut Voice) {
         let noted = self.notes.len();
         self.notes.retain(|note| note.fits(system, mode));
         if self.notes.len() < noted {
             let row = reaction(Fault::ModeChanged);
-            voice.tell(row.severity, row.text, now_s);
+            voice.tell(row.severity, row.text);
         }
     }
 
@@ -392,23 +388,23 @@ impl Session {
     }
 
     /// Reports that an earlier run left a vehicle that is not ours in a manoeuvre.
-    fn tell_left(&mut self, system: u8, mode: Mode, voice: &mut Voice, now_s: f64) {
+    fn tell_left(&mut self, system: u8, mode: Mode, voice: &mut Voice) {
         let is_left = |note: &Note| note.fits(system, mode) && note.owned_mode == mode.0;
         if let Some(index) = self.notes.iter().position(is_left) {
-            tell_left_in(self.notes.remove(index), voice, now_s);
+            tell_left_in(self.notes.remove(index), voice);
         }
     }
 }
 
 /// Reports that an earlier run left the vehicle in a manoeuvre that this one does not take up.
-fn tell_left_in(note: Note, voice: &mut Voice, now_s: f64) {
+fn tell_left_in(note: Note, voice: &mut Voice) {
     let (system, mode) = (note.system_id, Mode(note.owned_mode));
     let (mode, previous) = (mode.name(), note.previous());
     let words = format!(
         "fga: vehicle {system} left in {mode}: set {}",
         previous.name()
     );
-    voice.tell(Severity::Critical, &words, now_s);
+    voice.tell(Severity::Critical, &words);
 }
 
 #[cfg(test)]
@@ -436,19 +432,19 @@ mod tests {
     fn the_first_plane_is_the_vehicle_unless_one_is_configured() {
         let (mut session, mut voice) = (Session::new(0, false), Voice::default());
         assert_eq!(session.lacking(3.0, false, 0.0), Some(Lacking::Link));
-        let news = session.hear(3, beat(0, Mode::AUTO), &mut voice, 0.0);
+        let news = session.hear(3, beat(0, Mode::AUTO), voice.at(0.0));
         assert_eq!((news, session.system()), (News::First, Some(3)));
         assert_eq!(session.lacking(3.0, false, 0.1), Some(Lacking::Listens));
         assert_eq!(session.lacking(3.0, false, 2.0), None);
         // A second plane before the companion was ever ready.
-        let news = session.hear(4, beat(0, Mode::AUTO), &mut voice, 2.0);
+        let news = session.hear(4, beat(0, Mode::AUTO), voice.at(2.0));
         assert_eq!((news, session.system()), (News::Nothing, Some(3)));
         assert_eq!(session.lacking(3.0, false, 2.0), Some(Lacking::TwoVehicles));
         let mut session = Session::new(4, true);
-        let news = session.hear(3, beat(0, Mode::AUTO), &mut voice, 0.0);
+        let news = session.hear(3, beat(0, Mode::AUTO), voice.at(0.0));
         assert_eq!((news, session.system()), (News::Nothing, None));
         assert!(session.instead().is_some());
-        session.hear(4, beat(0, Mode::AUTO), &mut voice, 0.0);
+        session.hear(4, beat(0, Mode::AUTO), voice.at(0.0));
         assert_eq!(session.lacking(3.0, false, 0.0), None);
         assert_eq!(
             (session.system(), session.commanded_system()),
@@ -461,27 +457,27 @@ mod tests {
         let (mut session, mut voice) = (Session::new(0, false), Voice::default());
         session.set_notes(vec![note(3)]);
         // Another plane first: the one of the note may still come.
-        let news = session.hear(4, beat(0, Mode::GUIDED), &mut voice, 0.0);
+        let news = session.hear(4, beat(0, Mode::GUIDED), voice.at(0.0));
         assert_eq!((news, session.system()), (News::Nothing, None));
-        let news = session.hear(3, beat(0, Mode::GUIDED), &mut voice, 0.5);
+        let news = session.hear(3, beat(0, Mode::GUIDED), voice.at(0.5));
         assert_eq!(news, News::First);
         assert_eq!(
             session.restart_note(None, None, Mode::GUIDED, false),
             Some(note(3)),
             "it is owed until it is taken up"
         );
-        let taken = session.take_note(2_000, Mode::GUIDED, &mut voice, 0.6);
+        let taken = session.take_note(2_000, Mode::GUIDED, voice.at(0.6));
         assert_eq!(taken, Some(Noted::Resume(note(3))));
         let later = session.restart_note(Some(Mode::AUTO), Some(7), Mode::GUIDED, false);
         let item = Some(7);
         assert_eq!(later, Some(Note { item, ..note(3) }));
         // The vehicle's clock says that it restarted since.
         session.set_notes(vec![note(3)]);
-        assert_eq!(session.take_note(10, Mode::GUIDED, &mut voice, 0.7), None);
+        assert_eq!(session.take_note(10, Mode::GUIDED, voice.at(0.7)), None);
         // A mode that somebody chose ends the debt.
         session.set_notes(vec![note(3)]);
         let told = voice.texts();
-        session.hear(3, beat(1, Mode::RTL), &mut voice, 1.5);
+        session.hear(3, beat(1, Mode::RTL), voice.at(1.5));
         assert_eq!(voice.texts(), told + 1);
         assert_eq!(session.restart_note(None, None, Mode::GUIDED, false), None);
     }

@@ -10,7 +10,6 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use super::Companion;
-use crate::authority::Severity;
 use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
 use crate::traffic::report::{Key, Quality, adsb_address, adsb_place};
@@ -164,6 +163,7 @@ impl Companion {
 
     /// Takes a report of traffic, from a receiver or a message.
     pub fn take_report(&mut self, report: &Report, now_s: f64) {
+        self.voice.at(now_s);
         let Some(frame) = self.ownship.frame() else {
             return;
         };
@@ -208,7 +208,7 @@ impl Companion {
             return;
         }
         if let Some(words) = self.defects.count(defect, key, is_near) {
-            self.voice.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&words);
         }
     }
 

@@ -13,6 +13,9 @@ const MOST_LOG_LINES: usize = 4096;
 /// What waits to be sent and to be written.
 #[derive(Debug, Default)]
 pub(super) struct Voice {
+    /// The time now, seconds.
+    now_s: f64,
+    system: u8,
     outbox: Outbox,
     log: Vec<Value>,
     /// Texts sent.
@@ -20,9 +23,26 @@ pub(super) struct Voice {
 }
 
 impl Voice {
-    /// Speaks under a vehicle's system id.
-    pub(super) fn set_own_system(&mut self, system_id: u8) {
-        self.outbox.set_own_system(system_id);
+    /// Speaks to a vehicle, and under its system id.
+    pub(super) fn speak_to(&mut self, system: u8) {
+        self.system = system;
+        self.outbox.set_own_system(system);
+    }
+
+    /// System id of the vehicle.
+    pub(super) const fn system(&self) -> u8 {
+        self.system
+    }
+
+    /// From here on it is this time, seconds.
+    pub(super) const fn at(&mut self, now_s: f64) -> &mut Self {
+        self.now_s = now_s;
+        self
+    }
+
+    /// The time now, seconds.
+    pub(super) const fn now_s(&self) -> f64 {
+        self.now_s
     }
 
     /// Sends a message.
@@ -36,19 +56,21 @@ impl Voice {
     }
 
     /// Tells the operator, and the log.
-    pub(super) fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
+    pub(super) fn tell(&mut self, severity: Severity, words: &str) {
         self.texts += 1;
         self.outbox.send(telling::text(severity, words));
-        self.note(
-            now_s,
-            "text",
-            json!({ "severity": format!("{severity:?}"), "text": words }),
-        );
+        let content = json!({ "severity": format!("{severity:?}"), "text": words });
+        self.note("text", content);
+    }
+
+    /// Warns the operator.
+    pub(super) fn warn(&mut self, words: &str) {
+        self.tell(Severity::Warning, words);
     }
 
     /// Tells the log alone.
-    pub(super) fn note(&mut self, now_s: f64, kind: &str, content: Value) {
-        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
+    pub(super) fn note(&mut self, kind: &str, content: Value) {
+        let mut line = json!({ "kind": kind, "t_s": (self.now_s * 1e3).round() / 1e3 });
         if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
             line.extend(content);
         }

@@ -3,10 +3,9 @@
 use fga::avoider::Decision;
 
 use super::{Companion, around};
-use crate::authority::Severity;
 
 impl Companion {
-    pub(super) fn tell_threat(&mut self, now_s: f64) {
+    pub(super) fn tell_threat(&mut self) {
         let threat = self
             .decided
             .and_then(|decided| decided.decision.record.threat);
@@ -20,7 +19,7 @@ impl Companion {
             }
             None => "fga: avoiding".to_owned(),
         };
-        self.voice.tell(Severity::Warning, &words, now_s);
+        self.voice.warn(&words);
     }
 
     /// Name of the obstacle that a decision is about.
