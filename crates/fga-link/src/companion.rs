@@ -34,7 +34,6 @@ mod voice;
 mod words;
 
 use fga::avoider::Decision;
-use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA;
@@ -50,8 +49,9 @@ use crate::ownship::{OwnshipEstimate, State};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::restart::Note;
-use crate::traffic::{Defect, Defects, Report, TrackTable};
+use crate::traffic::{Defect, Defects, TrackTable};
 
+use around::Around;
 use boundary::Boundary;
 use lacking::Told;
 use lead::Lead;
@@ -124,7 +124,7 @@ pub struct Companion {
     boundary: Boundary,
     ownship: OwnshipEstimate,
     lead: Lead,
-    tracks: TrackTable,
+    around: Around,
     feeds: feeds::Feeds,
     defects: Defects,
     over: over_ground::OverGround,
@@ -132,14 +132,12 @@ pub struct Companion {
     held_reports: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
     /// The last trouble of the surrounding program.
     trouble: String,
-    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     decider: Option<decider::Decider>,
     alerts: Option<alerts::Watch>,
     hand: Box<dyn Hand>,
     route: Route,
     passing: Passing,
-    obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
     on_way_since_s: Option<f64>,
     /// Since when nothing threatens in a manoeuvre, seconds.
@@ -192,20 +190,18 @@ impl Companion {
             boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
-            tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            around: Around::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
             over: over_ground::OverGround::new(config.terrain.source.is_some()),
             held_reports: Vec::new(),
             trouble: String::new(),
-            virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
             alerts: alerts::Watch::new(&config.alerts),
             hand,
             route: Route::default(),
             passing: Passing::default(),
-            obstacles: Vec::new(),
             decided: None,
             on_way_since_s: None,
             cruises_since_s: None,
@@ -257,7 +253,7 @@ impl Companion {
 
     /// Tracks of other aircraft.
     pub const fn tracks(&self) -> &TrackTable {
-        &self.tracks
+        self.around.tracks()
     }
 
     /// The vehicle's planned limits.
@@ -386,7 +382,7 @@ impl Companion {
             let own = self
                 .decided
                 .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
-            self.tracks.tidy(now_s, own);
+            self.around.tracks_mut().tidy(now_s, own);
         }
         // Telemetry prompts decisions and commands; the clock stands in where it pauses.
         let slack_s = self.config.command.decision_period_s;

@@ -1,28 +1,23 @@
-//! The surroundings of the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
+//! Who and what is around the aircraft: virtual obstacles, tracks, floor and ceiling?
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
-use fga_formats::geodesy::Geodetic;
+use fga_formats::geodesy::{Geodetic, LocalFrame};
 
-use super::Companion;
-use crate::config::{Config, VirtualObstacle};
-use crate::mode::Mode;
+use super::route::Route;
+use super::voice::Voice;
+use crate::config::{Config, ConfigError, VirtualObstacle};
 use crate::ownship::State;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::report::{Quality, Sender};
 use crate::traffic::table::Wanted;
 use crate::traffic::threat::Ahead;
-use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
+use crate::traffic::{AltitudeReference, Class, Report, Source, TrackTable, Volumes};
 
 /// Identifier of the first virtual obstacle.
-pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
+const FIRST_VIRTUAL_ID: usize = 1_000;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
-/// The configuration's obstacles: a report each, the volume, and when they were at that place.
-pub(super) fn virtual_reports(config: &Config) -> Vec<(Report, ProtectedVolume, f64)> {
-    config.obstacle.iter().filter_map(virtual_report).collect()
-}
-
 fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume, f64)> {
     let place = Geodetic::new(
         obstacle.latitude_deg,
@@ -73,33 +68,76 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
     Some((report, volume, 0.0))
 }
 
-impl Companion {
-    /// Tells once where the mission crosses the fence.
-    pub(super) fn watch_crossing(&mut self, own_m: Vec3) {
-        // Until the vehicle has answered which kinds of fence count, all do.
-        if self.route.mode() != Some(Mode::AUTO) || !self.parameters.is_complete() {
-            return;
-        }
-        let (met_m, left_m) = self.route.left_m(own_m);
-        let way_m: Vec<Vec3> = core::iter::once(met_m)
-            .chain(left_m.iter().copied())
-            .collect();
-        let mission = self.lists.mission_number();
-        let (parameters, voice) = (&self.parameters, &mut self.voice);
-        self.boundary
-            .watch_crossing(mission, &way_m, parameters, voice);
+/// The surroundings.
+#[derive(Debug)]
+pub(super) struct Around {
+    tracks: TrackTable,
+    /// The configuration's obstacles: a report each, the volume, and when they were at that place.
+    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
+    /// What a decision is about.
+    obstacles: Vec<Obstacle>,
+}
+
+impl Around {
+    pub(super) fn new(config: &Config) -> Result<Self, ConfigError> {
+        Ok(Self {
+            tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            virtual_reports: config.obstacle.iter().filter_map(virtual_report).collect(),
+            obstacles: Vec::new(),
+        })
     }
 
-    pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
+    pub(super) const fn tracks(&self) -> &TrackTable {
+        &self.tracks
+    }
+
+    pub(super) const fn tracks_mut(&mut self) -> &mut TrackTable {
+        &mut self.tracks
+    }
+
+    pub(super) fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// Name of an obstacle.
+    pub(super) fn name(&self, id: u32) -> String {
+        if let Some(track) = self.tracks.get(id) {
+            return track.name();
+        }
+        let index = usize::try_from(id).unwrap_or(usize::MAX);
+        let own = index
+            .checked_sub(FIRST_VIRTUAL_ID)
+            .and_then(|index| self.virtual_reports.get(index));
+        match (id, own) {
+            (FLOOR_ID, _) => "floor".to_owned(),
+            (CEILING_ID, _) => "ceiling".to_owned(),
+            (_, Some((report, ..))) if !report.callsign.is_empty() => report.callsign.clone(),
+            (_, Some(_)) => "virtual obstacle".to_owned(),
+            _ => "fence".to_owned(),
+        }
+    }
+
+    /// Number of an obstacle in messages: its address, where it has one.
+    pub(super) fn number(&self, id: u32) -> u32 {
+        let icao = self.tracks.get(id).map_or(0, |track| track.icao);
+        if icao == 0 { id } else { icao }
+    }
+
+    /// Gathers the obstacles at `at_s`, in seconds, of the aircraft in its state then.
+    pub(super) fn gather(
+        &mut self,
+        (state, at_s): (&State, f64),
+        frame: Option<&LocalFrame>,
+        route: &Route,
+        config: &Config,
+        voice: &mut Voice,
+    ) {
         self.obstacles.clear();
-        let at_s = self.lead.acts_s(now_s);
         let own_m = state.ownship.position_m;
-        let within_m = self.config.surveillance_m(state.ownship.airspeed_mps);
-        if let Some(frame) = self.ownship.frame() {
-            for (index, (report, volume, since_s)) in self.virtual_reports.iter().enumerate() {
-                let Ok(id) = u32::try_from(FIRST_VIRTUAL_ID + index) else {
-                    break;
-                };
+        let within_m = config.surveillance_m(state.ownship.airspeed_mps);
+        if let Some(frame) = frame {
+            for (id, (report, volume, since_s)) in (FIRST_VIRTUAL_ID..).zip(&self.virtual_reports) {
+                let Ok(id) = u32::try_from(id) else { break };
                 let velocity_mps =
                     frame.velocity_mps(report.place, report.velocity_mps.unwrap_or(Vec3::ZERO));
                 let position_m = frame.to_local_m(report.place) + velocity_mps * (at_s - since_s);
@@ -111,50 +149,46 @@ impl Companion {
                 }
             }
         }
-        let (met_m, left_m) = self.route.left_m(own_m);
+        let (met_m, left_m) = route.left_m(own_m);
         let own = (own_m, state.ground_velocity_mps);
         self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
             at_s,
             own_m,
-            own_altitude_m: own_m.z + self.ownship.frame().map_or(0.0, |f| f.origin().altitude_m),
+            own_altitude_m: own_m.z + frame.map_or(0.0, |frame| frame.origin().altitude_m),
             within_m,
-            volumes: Volumes::new(&self.config),
+            volumes: Volumes::new(config),
             most: MOST_TRACKS,
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);
-        if self.tracks.is_new_overload(now_s) {
-            self.voice.warn("fga: traffic overload, most urgent kept");
+        if self.tracks.is_new_overload(voice.now_s()) {
+            voice.warn("fga: traffic overload, most urgent kept");
         }
-        let climbs = self
-            .decider
-            .as_ref()
-            .is_some_and(|decider| decider.vehicle().can_climb());
-        if climbs {
-            let home_z = own_m.z - state.above_home_m;
-            let floor_z = home_z + self.config.limits.floor_m;
-            let clearance = 2.0 * self.config.protection.margin_m;
-            if self
-                .route
-                .waypoints_m()
-                .iter()
-                .all(|w| w.z > floor_z + clearance)
-                && own_m.z > floor_z + clearance
-            {
-                self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
-            }
-            if let Some(ceiling_m) = self.config.limits.ceiling_m {
-                let ceiling_z = home_z + ceiling_m;
-                if self
-                    .route
-                    .waypoints_m()
-                    .iter()
-                    .all(|w| w.z < ceiling_z - clearance)
-                    && own_m.z < ceiling_z - clearance
-                {
-                    self.obstacles
-                        .push(layer(CEILING_ID, ceiling_z, false, own_m));
-                }
+    }
+
+    /// Adds floor and ceiling of a vehicle that can climb, where neither the aircraft nor its way comes near them.
+    pub(super) fn add_layers(&mut self, state: &State, route: &Route, config: &Config) {
+        let own_m = state.ownship.position_m;
+        let home_z = own_m.z - state.above_home_m;
+        let clearance_m = 2.0 * config.protection.margin_m;
+        let mut heights = route.waypoints_m().iter().map(|w| w.z).chain([own_m.z]);
+        let floor_z = home_z + config.limits.floor_m;
+        if heights.clone().all(|z| z > floor_z + clearance_m) {
+            self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
+        }
+        if let Some(ceiling_m) = config.limits.ceiling_m
+            && heights.all(|z| z < home_z + ceiling_m - clearance_m)
+        {
+            let ceiling = layer(CEILING_ID, home_z + ceiling_m, false, own_m);
+            self.obstacles.push(ceiling);
+        }
+    }
+
+    /// Grows the obstacles by the uncertainty of our own position, m.
+    pub(super) fn grow(&mut self, by_m: f64) {
+        if by_m > 0.0 {
+            for obstacle in &mut self.obstacles {
+                obstacle.volume = obstacle.volume.grown(by_m);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
+use fga::Vec3;
 use fga::angle::course_of;
 use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
@@ -132,10 +133,7 @@ impl Companion {
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
         self.renew_decider()?;
-        self.gather_obstacles(state, now_s);
-        self.watch_alerts(state, now_s);
-        self.watch_crossing(state.ownship.position_m);
-        self.grow_obstacles(now_s);
+        self.look_around(state, now_s);
         let decider = self.decider.take()?;
         let zones = self
             .boundary
@@ -192,6 +190,34 @@ impl Companion {
         }
     }
 
+    /// Gathers what the decision is about, and reports what the alerts and the fence say of it.
+    fn look_around(&mut self, state: &State, now_s: f64) {
+        let at = (state, self.lead.acts_s(now_s));
+        let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
+        self.around.gather(at, frame, route, &self.config, voice);
+        let vehicle = self.decider.as_ref().map(Decider::vehicle);
+        if vehicle.is_some_and(Vehicle::can_climb) {
+            self.around.add_layers(state, route, &self.config);
+        }
+        if let (Some(alerts), Some(decider)) = (&mut self.alerts, &mut self.decider) {
+            let threat = self.decided.and_then(|d| d.decision.record.threat);
+            if let Some(start) = alerts.watch(state, threat, &self.around, voice) {
+                decider.set_start(start);
+            }
+        }
+        // Until the vehicle has answered which kinds of fence count, all do.
+        if route.mode() == Some(Mode::AUTO) && self.parameters.is_complete() {
+            let (met_m, left_m) = route.left_m(state.ownship.position_m);
+            let way_m: Vec<Vec3> = core::iter::once(met_m)
+                .chain(left_m.iter().copied())
+                .collect();
+            let (mission, parameters) = (self.lists.mission_number(), &self.parameters);
+            self.boundary
+                .watch_crossing(mission, &way_m, parameters, voice);
+        }
+        self.around.grow(self.growth_m(now_s));
+    }
+
     fn situation<'a>(
         &'a self,
         state: &State,
@@ -201,7 +227,7 @@ impl Companion {
         Situation {
             time_s: self.lead.acts_s(now_s),
             ownship: state.ownship,
-            obstacles: Obstacles::Rows(&self.obstacles),
+            obstacles: Obstacles::Rows(self.around.obstacles()),
             mission: Mission {
                 zones,
                 ground,
@@ -409,7 +435,7 @@ impl Companion {
             &self.keeper.state(),
             self.known_ground()
                 .and_then(|ground| ground.above_m(decided.own.ownship.position_m)),
-            |id| self.obstacle_name(id),
+            |id| self.around.name(id),
         );
         self.voice.log(line);
     }

@@ -66,16 +66,6 @@ impl Companion {
         0.5 * UNKNOWN_MPS2 * age_s * age_s
     }
 
-    /// Grows the obstacles by the uncertainty of our own position.
-    pub(super) fn grow_obstacles(&mut self, now_s: f64) {
-        let by_m = self.growth_m(now_s);
-        if by_m > 0.0 {
-            for obstacle in &mut self.obstacles {
-                obstacle.volume = obstacle.volume.grown(by_m);
-            }
-        }
-    }
-
     /// Decides whether to fly on through the gap.
     pub(super) fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
         if !self.flies_blind(now_s) {
@@ -121,7 +111,7 @@ impl Companion {
         self.vehicle().is_some_and(|vehicle| {
             let rate_radps = vehicle.course_rate_radps();
             self.route
-                .given_back_collides(state, rate_radps, &self.obstacles, clear_m)
+                .given_back_collides(state, rate_radps, self.around.obstacles(), clear_m)
         })
     }
 

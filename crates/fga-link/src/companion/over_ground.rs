@@ -297,7 +297,7 @@ impl Companion {
         let threat = decision.record.threat;
         let name = threat.map_or_else(
             || "traffic".to_owned(),
-            |threat| self.obstacle_name(threat.id),
+            |threat| self.around.name(threat.id),
         );
         let bounds = self.over.bounds;
         let told = &mut self.over.told;

@@ -45,18 +45,19 @@ impl Companion {
         let decided = self.decided?;
         let threat = decided.decision.record.threat;
         let beings = self
-            .obstacles
+            .around
+            .obstacles()
             .iter()
             .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
         Some(Picture {
             time_s: decided.for_s,
             own: decided.own,
             decision: decided.decision,
-            threat_name: threat.map(|threat| self.obstacle_name(threat.id)),
+            threat_name: threat.map(|threat| self.around.name(threat.id)),
             authority: self.keeper.state(),
             vehicle: *self.vehicle()?,
             obstacles: beings
-                .map(|obstacle| (*obstacle, self.obstacle_name(obstacle.id)))
+                .map(|obstacle| (*obstacle, self.around.name(obstacle.id)))
                 .collect(),
             waypoints_m: self.route.waypoints_m().to_vec(),
             horizon_s: self.config.protection.horizon_s,

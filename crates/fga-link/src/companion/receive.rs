@@ -159,7 +159,8 @@ impl Companion {
             MavMessage::SCALED_PRESSURE(data) => {
                 if let Some(altitude_m) = self.ownship.altitude_m(now_s) {
                     let hpa = f64::from(data.press_abs);
-                    self.tracks
+                    self.around
+                        .tracks_mut()
                         .levels_mut()
                         .take_pressure(hpa, altitude_m, now_s);
                 }
@@ -226,7 +227,7 @@ impl Companion {
         if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
             return;
         }
-        self.tracks.clear();
+        self.around.tracks_mut().clear();
         self.boundary.forget();
         self.forget_ground();
         self.route.forget();

@@ -93,7 +93,8 @@ impl Companion {
         let own = decided.own.ownship.position_m;
         let margin = |obstacle: &Obstacle| obstacle.volume.margin_m(own - obstacle.position_m);
         let least_m = self
-            .obstacles
+            .around
+            .obstacles()
             .iter()
             .map(margin)
             .fold(f64::INFINITY, f64::min);
@@ -125,12 +126,11 @@ impl Companion {
             return;
         };
         self.due.collision_s = now_s + 0.5;
-        let icao = self.tracks.get(threat.id).map_or(0, |track| track.icao);
-        let id = if icao == 0 { threat.id } else { icao };
+        let id = self.around.number(threat.id);
         let engaged = self.keeper.is_engaged();
         let message = telling::collision(
             &decided.decision,
-            &self.obstacles,
+            self.around.obstacles(),
             &decided.own,
             engaged,
             id,

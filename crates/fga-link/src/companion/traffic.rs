@@ -54,7 +54,7 @@ impl Companion {
             }
             MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
-                let (remote_id, _) = self.tracks.remote_id();
+                let (remote_id, _) = self.around.tracks_mut().remote_id();
                 remote_id.take_basic_id(data, sender(Source::RemoteId), now_s);
                 None
             }
@@ -69,12 +69,12 @@ impl Companion {
                 None
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
-                let (remote_id, levels) = self.tracks.remote_id();
+                let (remote_id, levels) = self.around.tracks_mut().remote_id();
                 let taken = remote_id.take_location(data, sender(Source::RemoteId), levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
-                let (remote_id, levels) = self.tracks.remote_id();
+                let (remote_id, levels) = self.around.tracks_mut().remote_id();
                 let taken = remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s);
                 self.with_position(taken, now_s)
             }
@@ -177,15 +177,18 @@ impl Companion {
             report.quality.altitude = AltitudeReference::Unknown;
         }
         let report = &report;
-        self.tracks.take(report, frame, now_s);
+        self.around.tracks_mut().take(report, frame, now_s);
         let key = report.key();
         let defects = [
-            (Defect::Old, self.tracks.is_old(report, now_s)),
+            (Defect::Old, self.around.tracks_mut().is_old(report, now_s)),
             (
                 Defect::NoAltitude,
                 report.quality.altitude == AltitudeReference::Unknown,
             ),
-            (Defect::FalseVelocity, self.tracks.contradicts_itself(key)),
+            (
+                Defect::FalseVelocity,
+                self.around.tracks_mut().contradicts_itself(key),
+            ),
         ];
         let first = defects.into_iter().find(|(_, has)| *has);
         if let Some((defect, _)) = first {
@@ -286,7 +289,7 @@ impl Companion {
         let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
         // Zero: the extension field is missing.
         if fixed && data.alt_ellipsoid != 0 {
-            self.tracks.levels_mut().take_geoid(
+            self.around.tracks_mut().levels_mut().take_geoid(
                 f64::from(data.alt_ellipsoid) * 1e-3,
                 f64::from(data.alt) * 1e-3,
             );

@@ -2,7 +2,7 @@
 
 use fga::avoider::Decision;
 
-use super::{Companion, around};
+use super::Companion;
 
 impl Companion {
     pub(super) fn tell_threat(&mut self) {
@@ -11,7 +11,7 @@ impl Companion {
             .and_then(|decided| decided.decision.record.threat);
         let words = match threat {
             Some(threat) => {
-                let name = self.obstacle_name(threat.id);
+                let name = self.around.name(threat.id);
                 format!(
                     "fga: avoiding {name}, {:.0} s away",
                     threat.entry_s.max(0.0)
@@ -25,25 +25,7 @@ impl Companion {
     /// Name of the obstacle that a decision is about.
     pub(super) fn threat_name(&self, decision: &Decision) -> String {
         let threat = decision.record.threat;
-        threat.map_or("?".to_owned(), |threat| self.obstacle_name(threat.id))
-    }
-
-    pub(super) fn obstacle_name(&self, id: u32) -> String {
-        use crate::traffic::fence::{CEILING_ID, FLOOR_ID};
-        if let Some(track) = self.tracks.get(id) {
-            return track.name();
-        }
-        let index = usize::try_from(id).unwrap_or(usize::MAX);
-        let own = index
-            .checked_sub(around::FIRST_VIRTUAL_ID)
-            .and_then(|index| self.config.obstacle.get(index));
-        match (id, own) {
-            (FLOOR_ID, _) => "floor".to_owned(),
-            (CEILING_ID, _) => "ceiling".to_owned(),
-            (_, Some(obstacle)) if !obstacle.name.is_empty() => obstacle.name.clone(),
-            (_, Some(_)) => "virtual obstacle".to_owned(),
-            _ => "fence".to_owned(),
-        }
+        threat.map_or("?".to_owned(), |threat| self.around.name(threat.id))
     }
 
     /// One line for a terminal.
@@ -73,7 +55,7 @@ impl Companion {
                 .map_or(String::new(), |threat| {
                     format!(
                         " | {} in {:.0} s",
-                        self.obstacle_name(threat.id),
+                        self.around.name(threat.id),
                         threat.entry_s.max(0.0)
                     )
                 });
@@ -96,7 +78,7 @@ impl Companion {
             } else {
                 ""
             },
-            self.tracks.tracks().len(),
+            self.around.tracks().tracks().len(),
         )
     }
 }
