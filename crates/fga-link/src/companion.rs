@@ -193,7 +193,10 @@ impl Companion {
             around: Around::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
-            over: over_ground::OverGround::new(config.terrain.source.is_some()),
+            over: over_ground::OverGround::new(
+                config.terrain.source.is_some(),
+                config.terrain.clearance_m.unwrap_or(0.0),
+            ),
             held_reports: Vec::new(),
             trouble: String::new(),
             keeper: Keeper::new(target, config.safety.armed_at_start),
@@ -350,7 +353,7 @@ impl Companion {
         });
         self.voice
             .note("defects", Value::Object(counts.into_iter().collect()));
-        self.note_ground_heard();
+        self.over.note_heard(&mut self.voice);
         self.send_commands(now_s);
     }
 
@@ -378,7 +381,9 @@ impl Companion {
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
-            self.tell_feeds();
+            if self.vehicle_system().is_some() {
+                self.feeds.tell(&mut self.voice);
+            }
             let own = self
                 .decided
                 .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));

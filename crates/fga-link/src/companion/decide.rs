@@ -69,7 +69,9 @@ impl Companion {
         }
         let Some(state) = state else { return };
         self.lay_fence();
-        self.order_ground(&state, now_s);
+        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
+        let at_m = state.ownship.position_m;
+        self.over.order(at_m, route, lists, &self.ownship, voice);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }
@@ -101,7 +103,8 @@ impl Companion {
             && decision.record.reason == Reason::BestAvailable;
         let round = no_way.then(|| self.threat_name(&decision));
         self.told.no_way(round, &mut self.voice);
-        self.watch_ground(&decision, &state);
+        let (around, keeper, voice) = (&self.around, &self.keeper, &mut self.voice);
+        self.over.watch(&decision, &state, around, keeper, voice);
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
@@ -138,7 +141,7 @@ impl Companion {
         let zones = self
             .boundary
             .zones(&self.parameters, state.ownship.position_m);
-        let ground = self.bounding_ground(now_s);
+        let ground = self.over.raised(self.growth_m(now_s));
         let step = |mut decider: Decider, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));
             (decider, decision)
@@ -151,14 +154,14 @@ impl Companion {
         let (decider, decision, without) = if let Some((decider, decision)) = quiet {
             (decider, decision, None)
         } else {
-            let before = self.known_ground().map(|_| decider.clone());
+            let before = self.over.known().map(|_| decider.clone());
             let (decider, decision) = step(decider, (&zones, ground.as_ref()));
-            let before = before.filter(|_| self.asks_without_ground(&decision));
+            let before = before.filter(|_| self.over.asks_without(&decision));
             let without = before.map(|before| step(before, (&zones, None)).1);
             (decider, decision, without)
         };
         drop(zones);
-        self.note_bounds(&decision, without.as_ref());
+        self.over.note_bounds(&decision, without.as_ref());
         self.route.fly_leg(decider.leg_index());
         self.decider = Some(decider);
         Some(decision)
@@ -433,7 +436,8 @@ impl Companion {
             &decided.decision,
             &decided.own,
             &self.keeper.state(),
-            self.known_ground()
+            self.over
+                .known()
                 .and_then(|ground| ground.above_m(decided.own.ownship.position_m)),
             |id| self.around.name(id),
         );

@@ -90,7 +90,7 @@ impl Companion {
         if !engaged && acts_in_guided(&self.parameters) {
             return Some(Lacking::FenceAction);
         }
-        if !engaged && self.waits_for_ground() {
+        if !engaged && self.over.is_awaited() {
             return Some(Lacking::Ground);
         }
         if self.bank_limit_rad().is_none() {

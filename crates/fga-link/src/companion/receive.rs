@@ -1,7 +1,10 @@
 //! The effect of each message.
 
+use alloc::sync::Arc;
+
 use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
+use fga_formats::terrain::Terrain;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
@@ -9,13 +12,16 @@ use mavlink::dialects::ardupilotmega::{
 use serde_json::json;
 
 use super::Companion;
+use super::over_ground::distance_m;
 use super::session::{News, Noted, SILENT_S};
 use crate::authority::{Beat, Fault, reaction};
 use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
+use crate::ground::{GroundOrder, MadeGround};
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
+use crate::traffic::receiver::FeedStatus;
 
 impl Companion {
     /// Takes a message.
@@ -25,7 +31,7 @@ impl Companion {
             return;
         }
         if let MavMessage::TERRAIN_DATA(data) = message {
-            self.take_terrain(data);
+            self.over.take_terrain(data, &mut self.voice);
             return;
         }
         let Ok(system) = u8::try_from(header.system_id) else {
@@ -150,7 +156,11 @@ impl Companion {
             MavMessage::SYS_STATUS(data) => {
                 self.boundary.take_status(data);
             }
-            MavMessage::DISTANCE_SENSOR(data) => self.take_rangefinder(data, now_s),
+            MavMessage::DISTANCE_SENSOR(data) => {
+                if let Some(distance_m) = distance_m(data) {
+                    self.take_distance(distance_m, now_s);
+                }
+            }
             MavMessage::RANGEFINDER(data) if data.distance > 0.0 => {
                 self.take_distance(f64::from(data.distance), now_s);
             }
@@ -209,6 +219,50 @@ impl Companion {
         }
     }
 
+    fn take_distance(&mut self, distance_m: f64, now_s: f64) {
+        if let (Some(at_m), Some(decided)) = (self.ownship.position_m(now_s), &self.decided) {
+            self.over
+                .take_distance(distance_m, at_m, &decided.own, &mut self.voice);
+        }
+    }
+
+    /// Gives it the heights of the ground, before the flight.
+    pub fn set_terrain(&mut self, terrain: Option<Arc<Terrain>>) {
+        if let Some(terrain) = terrain {
+            self.over.set_terrain(terrain);
+        }
+    }
+
+    /// Ground to make, if any is due: [`GroundOrder::make`] takes longer than a decision may.
+    pub fn ground_order(&mut self) -> Option<GroundOrder> {
+        self.over.take_order()
+    }
+
+    /// Makes the ground that is due, where nobody waits for a decision.
+    pub fn make_ground(&mut self, now_s: f64) {
+        if let Some(order) = self.ground_order() {
+            self.take_ground(order.make(), now_s);
+        }
+    }
+
+    /// Takes ground that was made, and what it means for the mission.
+    pub fn take_ground(&mut self, made: MadeGround, now_s: f64) {
+        let is_here = |frame| made.square.is_in(frame);
+        if self.ownship.frame().is_some_and(is_here) {
+            self.over.take_ground(made, self.voice.at(now_s));
+        }
+    }
+
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.feeds.take(status, self.voice.at(now_s));
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        self.feeds.words()
+    }
+
     fn after_update(&mut self, update: Update, now_s: f64) {
         if update == Update::Restarted {
             self.fault(Fault::AutopilotRestarted, now_s);
@@ -229,7 +283,7 @@ impl Companion {
         }
         self.around.tracks_mut().clear();
         self.boundary.forget();
-        self.forget_ground();
+        self.over.forget();
         self.route.forget();
         self.lists.mode_changed(now_s);
         self.forget_plan();
