@@ -7,21 +7,23 @@
 
 mod alerts;
 mod around;
+mod authorize;
 mod boundary;
 mod decide;
 mod decider;
 mod feeds;
 mod gap;
+mod handover;
 mod lacking;
 mod lead;
 mod lists;
 mod neighbors;
+mod observe;
 mod over_ground;
 mod passing;
 mod picture;
 mod probes;
 mod rally;
-mod readiness;
 mod receive;
 mod requests;
 mod route;
@@ -53,6 +55,7 @@ use crate::traffic::{Defect, Defects, TrackTable};
 
 use around::Around;
 use boundary::Boundary;
+use handover::Handover;
 use lacking::Told;
 use lead::Lead;
 use lists::Lists;
@@ -108,9 +111,6 @@ pub struct Companion {
     recorded: bool,
     voice: Voice,
     session: Session,
-    /// Since when it flies on a manoeuvre of an earlier run, or from before a lost link, without a threat known yet,
-    /// seconds.
-    resumed_s: Option<f64>,
     /// Since when the program is to end, seconds.
     ending_s: Option<f64>,
     /// Start of a time without possible decisions, seconds; a late step does not count.
@@ -139,11 +139,7 @@ pub struct Companion {
     route: Route,
     passing: Passing,
     decided: Option<Decided>,
-    on_way_since_s: Option<f64>,
-    /// Since when nothing threatens in a manoeuvre, seconds.
-    cruises_since_s: Option<f64>,
-    refusals: u32,
-    pause_until_s: f64,
+    handover: Handover,
     due: Due,
     last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
     counts: Counts,
@@ -178,7 +174,6 @@ impl Companion {
             recorded: false,
             voice,
             session: Session::new(config.vehicle.system_id, dry_run),
-            resumed_s: None,
             ending_s: None,
             undecided_s: Some(never),
             told: Told::default(),
@@ -206,10 +201,7 @@ impl Companion {
             route: Route::default(),
             passing: Passing::default(),
             decided: None,
-            on_way_since_s: None,
-            cruises_since_s: None,
-            refusals: 0,
-            pause_until_s: never,
+            handover: Handover::default(),
             due: Due {
                 heartbeat_s: never,
                 decision_s: never,
@@ -450,8 +442,7 @@ impl Companion {
                 Action::Tell(severity, words) => self.voice.tell(severity, words),
                 Action::Resumed => {
                     self.counts.maneuvers += 1;
-                    self.resumed_s = Some(now_s);
-                    self.start_commanding(now_s);
+                    self.start_commanding(true, now_s);
                 }
                 Action::Began => {
                     self.counts.maneuvers += 1;
@@ -459,11 +450,11 @@ impl Companion {
                     let item = self.lists.item();
                     self.passing
                         .begin_maneuver(&self.route, item, &self.parameters);
-                    self.start_commanding(now_s);
+                    self.start_commanding(false, now_s);
                     self.tell_threat();
                 }
                 Action::Returned => {
-                    self.refusals = 0;
+                    self.handover.succeeded();
                     self.let_go(now_s);
                     self.voice.tell(Severity::Info, "fga: clear, mode restored");
                     self.forget_plan();
@@ -476,8 +467,7 @@ impl Companion {
                         self.passing.leave_alone();
                     }
                     if fault == Fault::TakeOverRefused {
-                        self.refusals += 1;
-                        self.pause_until_s = now_s + 5.0;
+                        self.handover.refused(now_s);
                     }
                     self.let_go(now_s);
                     self.forget_plan();
@@ -486,10 +476,10 @@ impl Companion {
         }
     }
 
-    fn start_commanding(&mut self, now_s: f64) {
+    fn start_commanding(&mut self, resumed: bool, now_s: f64) {
         self.hand.begin();
         self.lead.begin(self.ownship.bank_rad(), now_s);
-        self.on_way_since_s = None;
+        self.handover.begin(resumed, now_s);
         self.told.begin();
         self.due.command_s = f64::NEG_INFINITY;
     }
@@ -499,7 +489,7 @@ impl Companion {
         self.decider = None;
         self.route.fly_leg(0);
         self.decided = None;
-        self.resumed_s = None;
+        self.handover.forget();
         self.lead.end();
     }
 }

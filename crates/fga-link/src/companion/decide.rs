@@ -1,4 +1,4 @@
-//! From telemetry and tracks to a decision, and from the decision to who flies.
+//! What is to be flown: from a state and its surroundings to a decision.
 
 use fga::Vec3;
 use fga::angle::course_of;
@@ -11,128 +11,47 @@ use fga::zone::Zone;
 use serde_json::json;
 
 use super::decider::Decider;
-use super::lacking::Lacking;
 use super::route::Moment;
 use super::{Companion, Decided};
-use crate::authority::{Authority, Fault, Severity};
 use crate::mode::Mode;
 use crate::ownship::State;
 use crate::telling;
 
-/// The vehicle gets its mode back after this long on the leg, seconds.
-const ON_LEG_FOR_S: f64 = 0.4;
-/// A manoeuvre that is taken up again listens this long for traffic before it may end, seconds: the longest interval of reports
-/// (5 s), and the delay of one.
-const LISTENS_S: f64 = 6.0;
-/// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
-const ENDS_CLEAR_M: f64 = 30.0;
-/// Without a threat the vehicle gets its mode back beside the leg after this long, seconds, and flies to the leg by itself.
-const BESIDE_LEG_S: f64 = 30.0;
-/// The companion takes over when a manoeuvre begins within this time, seconds.
-const PREPARE_S: f64 = 0.6;
 /// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
-/// Telemetry is stale after this many of its measured intervals, if these are long.
-const STALE_INTERVALS: f64 = 2.5;
-/// After this many refusals in a row the operator must arm the companion again.
-const MOST_REFUSALS: u32 = 3;
-
 impl Companion {
-    /// The state at the moment at which a command sent now takes effect.
-    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
-        let in_need = self.is_in_need();
-        self.lead.state(&mut self.ownship, in_need, now_s)
-    }
-
-    /// Whether the last decision uses the bank in need.
-    fn is_in_need(&self) -> bool {
-        self.decided
-            .is_some_and(|decided| decided.decision.record.in_need)
-    }
-
+    /// Observes, decides, authorizes, and commands at once what has just been taken over.
     pub(super) fn decide(&mut self, now_s: f64) {
-        self.lead.follow(now_s);
         self.due.decision_s = now_s + self.config.command.decision_period_s;
-        let fresh = !self.is_blind(now_s);
-        let state = if fresh || self.flies_blind(now_s) {
-            self.state_ahead(now_s)
-        } else {
-            None
+        let Some(state) = self.observe(now_s) else {
+            return;
         };
-        let lacking = self.lacking(now_s, state.as_ref().filter(|_| fresh));
-        let before = self.keeper.state();
-        let actions = self.keeper.readiness(lacking.is_none(), now_s);
-        self.perform(&actions, now_s);
-        self.tell_readiness(lacking);
-        if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
-            self.forget_plan();
-        }
-        let Some(state) = state else { return };
-        self.lay_fence();
-        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
-        let at_m = state.ownship.position_m;
-        self.over.order(at_m, route, lists, &self.ownship, voice);
-        if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
-            self.fault(Fault::BelowFloor, now_s);
-        }
-        if !self.keeper.commands() {
-            self.hand.watch(&state);
-        }
-        let Some(mut decision) = self.decision_for(&state, now_s) else {
+        let Some(decision) = self.decision_for(&state, now_s) else {
             self.undecided_s.get_or_insert(now_s);
             return;
         };
-        self.counts.decisions += 1;
-        self.undecided_s = None;
-        self.passing
-            .watch(self.route.way(), state.ownship.position_m);
-        let is_back = decision.state == AvoiderState::Cruise;
-        if self.keeper.commands() && self.listens(now_s) && is_back {
-            // The course of the manoeuvre: the way back may lead to what was not heard yet.
-            decision.command = Maneuver::hold();
+        self.report(&decision, &state, now_s);
+        if self.authorize(&decision, &state, now_s) {
+            self.command(now_s);
         }
-        self.decided = Some(Decided {
-            decision,
-            for_s: self.lead.acts_s(now_s),
-            own: state,
-        });
+    }
+
+    /// Tells the operator and the log of a decision.
+    fn report(&mut self, decision: &Decision, state: &State, now_s: f64) {
         if decision.record.in_need && self.keeper.commands() {
             self.told.need(&mut self.voice);
         }
         let no_way = decision.state == AvoiderState::Threatened
             && decision.record.reason == Reason::BestAvailable;
-        let round = no_way.then(|| self.threat_name(&decision));
+        let round = no_way.then(|| self.threat_name(decision));
         self.told.no_way(round, &mut self.voice);
         let (around, keeper, voice) = (&self.around, &self.keeper, &mut self.voice);
-        self.over.watch(&decision, &state, around, keeper, voice);
+        self.over.watch(decision, state, around, keeper, voice);
         self.log_decision(now_s);
         self.send_collision(now_s);
-        self.act_on(&decision, &state, now_s);
-        self.judge_gap(&decision, &state, now_s);
     }
 
-    /// Reports what has changed about readiness.
-    fn tell_readiness(&mut self, lacking: Option<Lacking>) {
-        let voice = &mut self.voice;
-        self.told.airspeed(self.ownship.airspeed_fails(), voice);
-        if self.keeper.state() == Authority::Ready {
-            self.told.ready();
-            self.session.choose();
-        }
-        // Before the first heartbeat there is nobody to tell.
-        if lacking.is_none() || self.session.system().is_some() {
-            self.told.lacking(lacking, voice);
-        }
-    }
-
-    /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
-    /// if the vehicle sends them slowly.
-    pub(super) fn stale_s(&self) -> f64 {
-        let configured_s = self.config.safety.telemetry_stale_s;
-        let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
-        interval_s.map_or(configured_s, |s| configured_s.max(STALE_INTERVALS * s))
-    }
-
+    /// The decision about a state; `None` until the vehicle's limits are known.
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
         self.renew_decider()?;
@@ -151,7 +70,7 @@ impl Companion {
         let free =
             (is_bounded && !self.keeper.is_engaged()).then(|| step(decider.clone(), (&[], None)));
         let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
-        let (decider, decision, without) = if let Some((decider, decision)) = quiet {
+        let (decider, mut decision, without) = if let Some((decider, decision)) = quiet {
             (decider, decision, None)
         } else {
             let before = self.over.known().map(|_| decider.clone());
@@ -164,6 +83,20 @@ impl Companion {
         self.over.note_bounds(&decision, without.as_ref());
         self.route.fly_leg(decider.leg_index());
         self.decider = Some(decider);
+        self.counts.decisions += 1;
+        self.undecided_s = None;
+        self.passing
+            .watch(self.route.way(), state.ownship.position_m);
+        let is_back = decision.state == AvoiderState::Cruise;
+        if self.keeper.commands() && self.handover.listens(now_s) && is_back {
+            // The course of the manoeuvre: the way back may lead to what was not heard yet.
+            decision.command = Maneuver::hold();
+        }
+        self.decided = Some(Decided {
+            decision,
+            for_s: self.lead.acts_s(now_s),
+            own: *state,
+        });
         Some(decision)
     }
 
@@ -240,24 +173,6 @@ impl Companion {
         }
     }
 
-    /// Measured airspeed, or cruise airspeed, metres per second.
-    fn airspeed_mps(&self) -> Option<f64> {
-        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
-        measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
-    }
-
-    /// The largest bank to command now, radians.
-    pub(super) fn bank_limit_rad(&self) -> Option<f64> {
-        self.parameters
-            .bank_limit_rad(&self.config, self.airspeed_mps()?)
-    }
-
-    /// The largest bank to command in need, radians; `None` without a separate one.
-    pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
-        self.parameters
-            .bank_in_need_rad(&self.config, self.airspeed_mps()?)
-    }
-
     /// The limits in need: only a hand that commands a bank can bank more.
     fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
         if !self.hand.commands_bank() {
@@ -304,117 +219,6 @@ impl Companion {
                 None
             }
         }
-    }
-
-    /// Takes over, goes on, or hands back.
-    fn act_on(&mut self, decision: &Decision, state: &State, now_s: f64) {
-        let wants = match decision.state {
-            AvoiderState::Avoiding => true,
-            AvoiderState::Threatened => decision
-                .record
-                .start_s
-                .is_some_and(|start_s| start_s < PREPARE_S),
-            AvoiderState::Cruise | AvoiderState::Recovering => false,
-        };
-        if self.keeper.state() == Authority::Ready && wants && now_s >= self.pause_until_s {
-            let Some(mode) = self.session.mode() else {
-                return;
-            };
-            if self.session.is_dry_run() {
-                self.pause_until_s = now_s + 5.0;
-                self.tell_dry(decision);
-                return;
-            }
-            if self.refusals >= MOST_REFUSALS {
-                self.refusals = 0;
-                self.set_enabled(false, now_s);
-                self.voice
-                    .tell(Severity::Critical, "fga: refused too often, switched off");
-                return;
-            }
-            let actions = self.keeper.take_over(mode, now_s);
-            self.perform(&actions, now_s);
-            self.command(now_s);
-            return;
-        }
-        if !self.keeper.commands() {
-            return;
-        }
-        let is_back = self.is_back(decision, state, now_s);
-        // The vehicle answers while the aircraft settles on the leg.
-        let is_set = self.on_way_since_s.is_some() && self.item_is_set();
-        let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
-        let ends = self.ending_s.is_some()
-            && !self.listens(now_s)
-            && (is_back || !self.given_back_collides(state, clear_m));
-        if !(is_back && is_set || ends && self.item_is_set()) {
-            return;
-        }
-        if ends {
-            self.fault(Fault::ProgramEnds, now_s);
-        } else {
-            self.fly_straight(now_s);
-            let actions = self.keeper.hand_back(now_s);
-            self.perform(&actions, now_s);
-        }
-    }
-
-    fn tell_dry(&mut self, decision: &Decision) {
-        let name = self.threat_name(decision);
-        self.voice
-            .warn(&format!("fga: would avoid {name} (dry run)"));
-    }
-
-    /// Whether it has taken up a manoeuvre so lately that aircraft may not have reported yet: nothing heard is no
-    /// evidence that nothing threatens.
-    fn listens(&self, now_s: f64) -> bool {
-        self.resumed_s
-            .is_some_and(|since_s| now_s - since_s < LISTENS_S)
-    }
-
-    /// Whether the aircraft is back on its way and nothing threatens.
-    fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
-        if decision.state != AvoiderState::Cruise {
-            self.cruises_since_s = None;
-        }
-        if self.listens(now_s) {
-            return false;
-        }
-        let on_way = match decision.state {
-            AvoiderState::Cruise => {
-                let since_s = *self.cruises_since_s.get_or_insert(now_s);
-                self.is_on_leg(state) || now_s - since_s >= BESIDE_LEG_S
-            }
-            // The end of a planned way back leaves time for the slowest roll.
-            AvoiderState::Recovering => {
-                decision.record.threat.is_none()
-                    && self.route.turns_onto_leg(&decision.command)
-                    && self.is_on_leg(state)
-            }
-            AvoiderState::Threatened | AvoiderState::Avoiding => false,
-        };
-        if !on_way {
-            self.on_way_since_s = None;
-            return false;
-        }
-        now_s - *self.on_way_since_s.get_or_insert(now_s) >= ON_LEG_FOR_S
-    }
-
-    /// Whether the aircraft is on the present leg.
-    fn is_on_leg(&self, state: &State) -> bool {
-        let vehicle = self.vehicle();
-        let climbs = vehicle.is_some_and(|vehicle| vehicle.can_climb());
-        self.route.is_on_leg(state, climbs)
-    }
-
-    /// Whether the vehicle goes on with its mission where it should, once its mode is restored.
-    fn item_is_set(&mut self) -> bool {
-        let (lists, parameters) = (&self.lists, &self.parameters);
-        let (commands, voice) = (&mut self.commands, &mut self.voice);
-        self.keeper.owed() != Some(Mode::AUTO)
-            || self
-                .passing
-                .item_is_set(&self.route, lists, parameters, commands, voice)
     }
 
     fn log_decision(&mut self, now_s: f64) {

@@ -5,20 +5,13 @@
 //! restores the mode when nothing is proven any more, unless the restored course is known to collide: then
 //! that is the last choice.
 
-use fga::avoider::Decision;
-use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
-
-use super::Companion;
-use super::decider::Decider;
-use super::session::SILENT_S;
-use super::trips::round_trip_of;
-use crate::authority::{Fault, Severity};
-use crate::ownship::State;
+use super::voice::Voice;
+use crate::authority::Severity;
 
 /// Least time to fly on, seconds …
 const LEAST_BLIND_S: f64 = 3.0;
 /// … and longest time, seconds.
-const MOST_BLIND_S: f64 = 8.0;
+pub(super) const MOST_BLIND_S: f64 = 8.0;
 /// The companion reports a gap that lasts this long, s.
 const TOLD_S: f64 = 1.5;
 /// Possible error of the prediction's acceleration, metres per second squared: gusts, and a turn rate
@@ -32,95 +25,59 @@ pub(super) struct Gap {
     collision: bool,
 }
 
-impl Companion {
-    /// Age of the telemetry, seconds; infinite before the first.
-    pub(super) fn telemetry_age_s(&self, now_s: f64) -> f64 {
-        self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
+/// Extra uncertainty of our own position after a gap of `age_s`, m.
+pub(super) fn growth_m(age_s: f64) -> f64 {
+    let age_s = age_s.min(MOST_BLIND_S);
+    0.5 * UNKNOWN_MPS2 * age_s * age_s
+}
+
+impl Gap {
+    /// Telemetry is here again, or somebody else flies.
+    pub(super) fn end(&mut self) {
+        *self = Self::default();
     }
 
-    /// Whether the telemetry is too old to use unchanged.
-    pub(super) fn is_blind(&self, now_s: f64) -> bool {
-        self.telemetry_age_s(now_s) > self.stale_s()
-    }
-
-    /// Whether the companion flies on without telemetry.
-    pub(super) fn flies_blind(&self, now_s: f64) -> bool {
-        self.keeper.commands()
-            && self.decider.as_ref().is_some_and(Decider::certifies)
-            && self.decided.is_some()
-            && self.is_blind(now_s)
-            && self.telemetry_age_s(now_s) <= MOST_BLIND_S
-    }
-
-    /// Whether heartbeats are missing, so that requests have no visible effect.
-    pub(super) fn is_silent(&self, now_s: f64) -> bool {
-        self.session.silent_s(now_s).is_some_and(|s| s > SILENT_S)
-    }
-
-    /// Extra uncertainty of our own position, m.
-    pub(super) fn growth_m(&self, now_s: f64) -> f64 {
-        if !self.is_blind(now_s) {
-            return 0.0;
+    /// Whether the gap has lasted too long: nothing is proven any more, and the restored course is not known to collide.
+    pub(super) fn is_over(
+        &mut self,
+        age_s: f64,
+        is_proven: bool,
+        collides: bool,
+        voice: &mut Voice,
+    ) -> bool {
+        if age_s > TOLD_S && !core::mem::replace(&mut self.begun, true) {
+            voice.warn("fga: no telemetry, flies on as proven");
         }
-        let age_s = self.telemetry_age_s(now_s).min(MOST_BLIND_S);
-        0.5 * UNKNOWN_MPS2 * age_s * age_s
+        if is_proven || age_s <= LEAST_BLIND_S {
+            return false;
+        }
+        if collides && !core::mem::replace(&mut self.collision, true) {
+            let words = "fga: no telemetry, not given back: collision";
+            voice.tell(Severity::Critical, words);
+        }
+        !collides
     }
+}
 
-    /// Decides whether to fly on through the gap.
-    pub(super) fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
-        if !self.flies_blind(now_s) {
-            self.gap = Gap::default();
-            return;
-        }
-        let age_s = self.telemetry_age_s(now_s);
-        if age_s > TOLD_S && !core::mem::replace(&mut self.gap.begun, true) {
-            self.voice.warn("fga: no telemetry, flies on as proven");
-        }
-        let proven = !decision.record.reason.is_unproven();
-        if proven || age_s <= LEAST_BLIND_S {
-            return;
-        }
-        if self.given_back_collides(state, -self.growth_m(now_s)) {
-            if !core::mem::replace(&mut self.gap.collision, true) {
-                let words = "fga: no telemetry, not given back: collision";
-                self.voice.tell(Severity::Critical, words);
-            }
-            return;
-        }
-        self.end_gap(now_s);
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// The gap has lasted too long.
-    pub(super) fn end_gap(&mut self, now_s: f64) {
-        self.gap = Gap::default();
-        let link_lost_s = self.config.safety.link_lost_s;
-        let lost = self
-            .session
-            .silent_s(now_s)
-            .is_some_and(|s| s > link_lost_s);
-        let fault = if lost {
-            Fault::LinkLost
-        } else {
-            Fault::TelemetryStale
+    #[test]
+    fn a_gap_ends_when_nothing_is_proven_unless_the_vehicle_would_collide() {
+        let (mut gap, mut voice) = (Gap::default(), Voice::default());
+        let mut judge = |age_s, is_proven, collides| {
+            let over = gap.is_over(age_s, is_proven, collides, &mut voice);
+            (over, voice.texts())
         };
-        self.fault(fault, now_s);
-    }
-
-    /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`.
-    pub(super) fn given_back_collides(&self, state: &State, clear_m: f64) -> bool {
-        self.vehicle().is_some_and(|vehicle| {
-            let rate_radps = vehicle.course_rate_radps();
-            self.route
-                .given_back_collides(state, rate_radps, self.around.obstacles(), clear_m)
-        })
-    }
-
-    /// Takes the vehicle's answer to what its clock reads.
-    pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
-        self.lead.take_round_trip(data, now_s);
-        if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
-            self.ownship.round_trip(sent_s, boot_s, now_s);
-            self.session.round_trip(sent_s, boot_s, now_s);
-        }
+        assert_eq!(judge(1.0, false, false), (false, 0));
+        assert_eq!(judge(2.0, false, false), (false, 1));
+        assert_eq!(judge(4.0, true, false), (false, 1));
+        assert_eq!(judge(4.0, false, true), (false, 2));
+        assert_eq!(judge(5.0, false, true), (false, 2), "told once");
+        assert_eq!(judge(6.0, false, false), (true, 2));
+        // Half of 0.8 m/s² over 5 s, and no more than over 8 s.
+        assert!((growth_m(5.0) - 10.0).abs() < 1e-9);
+        assert_eq!(growth_m(100.0), growth_m(8.0));
     }
 }

@@ -1,8 +1,10 @@
-//! Names and words: of an obstacle, of the threat, of the moment in a line for a terminal.
+//! The moment in words and as a picture: the threat, a line for a terminal, what a viewer draws.
 
 use fga::avoider::Decision;
+use fga::situation::ObstacleKind;
 
 use super::Companion;
+use super::picture::Picture;
 
 impl Companion {
     pub(super) fn tell_threat(&mut self) {
@@ -80,5 +82,35 @@ impl Companion {
             },
             self.around.tracks().tracks().len(),
         )
+    }
+
+    /// Time of the last decision's state, seconds.
+    pub fn decided_for_s(&self) -> Option<f64> {
+        self.decided.map(|decided| decided.for_s)
+    }
+
+    /// The picture of the last decision; `None` before the first.
+    pub fn picture(&self) -> Option<Picture> {
+        let decided = self.decided?;
+        let threat = decided.decision.record.threat;
+        let beings = self
+            .around
+            .obstacles()
+            .iter()
+            .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
+        Some(Picture {
+            time_s: decided.for_s,
+            own: decided.own,
+            decision: decided.decision,
+            threat_name: threat.map(|threat| self.around.name(threat.id)),
+            authority: self.keeper.state(),
+            vehicle: *self.vehicle()?,
+            obstacles: beings
+                .map(|obstacle| (*obstacle, self.around.name(obstacle.id)))
+                .collect(),
+            waypoints_m: self.route.waypoints_m().to_vec(),
+            horizon_s: self.config.protection.horizon_s,
+            margin_m: self.config.protection.margin_m,
+        })
     }
 }
