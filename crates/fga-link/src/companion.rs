@@ -4,6 +4,20 @@
 //! [`Companion::take_report`] a report of traffic, [`Companion::tick`] advances the time,
 //! [`Companion::outbox`] holds the messages to send and [`Companion::take_log`] the log. The
 //! program, the replay of a recording and the tests in scaled time all drive the same code.
+//!
+//! Each part has its own file and hides its fields from the others:
+//!
+//! | part | question |
+//! |---|---|
+//! | `Session` | which vehicle is this, and what did an earlier run leave with it? |
+//! | `Lists`, `Boundary` | what does the vehicle intend, and what of its fence binds? |
+//! | `Route`, `Passing` | which way would it fly by itself, and what of its mission has a manoeuvre passed? |
+//! | `Lead` | when does a command act, and how is the aircraft then? |
+//! | `Around`, `OverGround`, `Feeds` | who and what is around, how high is the ground, and who reports traffic? |
+//! | `Handover`, `Gap`, `Told` | when is control wanted and given back, and what has the operator read of it? |
+//! | `Voice` | what is said: messages, texts, lines of the log? |
+//!
+//! A decision goes from `observe.rs` by `decide.rs` and `authorize.rs` to the targets in `send.rs`.
 
 mod alerts;
 mod around;

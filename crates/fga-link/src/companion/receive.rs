@@ -180,12 +180,14 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                if self.lists.take_count(data, &mut self.voice) {
+                let has_fence = self.lists.take_count(data, &mut self.voice);
+                if has_fence {
                     self.lay_fence();
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                if self.lists.take_item(data, &mut self.voice) {
+                let has_fence = self.lists.take_item(data, &mut self.voice);
+                if has_fence {
                     self.lay_fence();
                 }
             }

@@ -138,8 +138,7 @@ impl Route {
             _ => {
                 let (sin, cos) = libm::sincos(at.track_rad);
                 let to_m = at.own_m + Vec3::new(cos, sin, 0.0) * CRUISE_AHEAD_M;
-                !at.is_busy
-                    && !(is_laid && self.leads_along(at))
+                !(at.is_busy || is_laid && self.leads_along(at))
                     && self.lay_line(at.own_m, Some(to_m))
             }
         };
@@ -148,7 +147,7 @@ impl Route {
             self.item = lists.item();
             self.leg = 0;
             let waypoints_m: Vec<[f64; 3]> =
-                self.way.waypoints_m.iter().map(|w| w.to_array()).collect();
+                self.way.waypoints_m.iter().map(Vec3::to_array).collect();
             voice.note(
                 "way",
                 json!({ "mode": at.mode.name(), "item": self.item, "waypoints_m": waypoints_m }),
