@@ -36,7 +36,6 @@ mod observe;
 mod over_ground;
 mod passing;
 mod picture;
-mod probes;
 mod rally;
 mod receive;
 mod requests;
@@ -47,6 +46,7 @@ mod target;
 mod traffic;
 mod trips;
 mod voice;
+mod watched;
 mod words;
 
 use fga::avoider::Decision;

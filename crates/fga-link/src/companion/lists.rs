@@ -11,14 +11,12 @@ use mavlink::dialects::ardupilotmega::{
     MavMissionResult, MavMissionType, NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA,
     STATUSTEXT_DATA,
 };
-use serde_json::json;
 
-use super::probes::Probes;
 use super::rally::Rally;
 use super::target::{OwnTarget, Reported};
 use super::voice::Voice;
-use crate::authority::Severity;
-use crate::mission::{Download, Item, item_position_m};
+use super::watched::Watched;
+use crate::mission::{Item, item_position_m};
 use crate::outgoing::OWN_COMPONENT;
 use crate::ownship::OwnshipEstimate;
 
@@ -38,9 +36,7 @@ const FENCE_AGAIN_S: f64 = 10.0;
 /// The vehicle's lists, and its place in the mission.
 #[derive(Debug)]
 pub(super) struct Lists {
-    mission: Download,
-    /// The number of the mission download that the operator read about.
-    told: u32,
+    mission: Watched,
     /// The vehicle's present item, and the number of items that it reports.
     item: Option<u16>,
     total: Option<u16>,
@@ -50,9 +46,7 @@ pub(super) struct Lists {
     probes: u16,
     /// Probes left at the pace of a hint: a list may have changed while it was read.
     brisk: u16,
-    use_fence: bool,
-    fence: Download,
-    fence_probes: Probes,
+    fence: Watched,
     fence_due_s: f64,
     rally: Rally,
     /// Numbers of the vehicle's lists, if it sends them.
@@ -62,9 +56,10 @@ pub(super) struct Lists {
 impl Lists {
     /// Nothing is known yet. Fence and rally points are read only where they matter.
     pub(super) fn new(use_fence: bool, use_rally: bool) -> Self {
+        let mission = MavMissionType::MAV_MISSION_TYPE_MISSION;
+        let fence = MavMissionType::MAV_MISSION_TYPE_FENCE;
         Self {
-            mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
-            told: 0,
+            mission: Watched::new(mission, true, f64::INFINITY, f64::INFINITY),
             item: None,
             total: None,
             target: OwnTarget::default(),
@@ -72,9 +67,7 @@ impl Lists {
             probed_s: f64::NEG_INFINITY,
             probes: 0,
             brisk: 0,
-            use_fence,
-            fence: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
-            fence_probes: Probes::new(FENCE_COUNT_S, FENCE_ITEM_S),
+            fence: Watched::new(fence, use_fence, FENCE_COUNT_S, FENCE_ITEM_S),
             fence_due_s: f64::NEG_INFINITY,
             rally: Rally::new(use_rally),
             ids: [None; 3],
@@ -93,17 +86,17 @@ impl Lists {
 
     /// An item of the mission, also of one that is being read for the first time.
     pub(super) fn mission_item(&self, index: u16) -> Option<&MISSION_ITEM_INT_DATA> {
-        self.mission.item(index)
+        self.mission.download().item(index)
     }
 
     /// Number of missions read so far that differed from the one before.
     pub(super) const fn mission_number(&self) -> u32 {
-        self.mission.changes()
+        self.mission.download().changes()
     }
 
     /// The fence, once read, and the number of fences so far.
     pub(super) fn fence(&self) -> Option<(&[Item], u32)> {
-        Some((self.fence.items()?, self.fence.changes()))
+        Some((self.fence.items()?, self.fence.download().changes()))
     }
 
     /// The rally points.
@@ -147,10 +140,8 @@ impl Lists {
 
     /// The vehicle was heard for the first time.
     pub(super) fn begin(&mut self) {
-        self.mission.begin();
-        if self.use_fence {
-            self.fence.begin();
-        }
+        self.mission.read_again();
+        self.fence.read_again();
         self.rally.read_again();
     }
 
@@ -159,66 +150,28 @@ impl Lists {
         self.target.mode_changed(now_s);
     }
 
-    fn read_mission_again(&mut self) {
-        if !self.mission.is_busy() {
-            self.mission.begin();
-        }
-    }
-
-    fn read_fence_again(&mut self) {
-        if self.use_fence && !self.fence.is_busy() {
-            self.fence.begin();
-        }
-    }
-
     /// Takes a number of items; `true` if the fence has been read.
     pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) -> bool {
-        if self.mission.contradicts_count(data) {
-            self.read_mission_again();
-        } else if self.fence.contradicts_count(data) {
-            self.read_fence_again();
-        } else if self.mission.take_count(data) {
+        if self.mission.take_count(data, voice) {
             self.mission_arrived(voice);
-        } else if self.fence.take_count(data) {
-            voice.send(self.fence.closing(voice.system()));
-            return true;
-        } else {
-            self.rally.take_count(data, voice);
         }
-        false
+        self.rally.take_count(data, voice);
+        self.fence.take_count(data, voice)
     }
 
     /// Takes an item; `true` if the fence has been read.
     pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) -> bool {
-        if self.mission.contradicts_item(data) {
-            self.read_mission_again();
-        }
-        if self.fence.contradicts_item(data) {
-            self.read_fence_again();
-        }
-        if self.mission.take_item(data) {
+        if self.mission.take_item(data, voice) {
             self.mission_arrived(voice);
         }
-        let has_fence = self.fence.take_item(data);
-        if has_fence {
-            voice.send(self.fence.closing(voice.system()));
-        }
         self.rally.take_point(data, voice);
-        has_fence
+        self.fence.take_item(data, voice)
     }
 
     fn mission_arrived(&mut self, voice: &mut Voice) {
-        voice.send(self.mission.closing(voice.system()));
-        let changes = self.mission.changes();
-        let before = core::mem::replace(&mut self.told, changes);
-        if before == changes {
-            return;
-        }
-        self.brisk = 2 * PROBED_ITEMS;
-        let count = self.mission().map_or(0, <[_]>::len);
-        voice.note("mission", json!({ "items": count }));
-        if before > 0 {
-            voice.tell(Severity::Notice, "fga: the mission has changed");
+        let words = "fga: the mission has changed";
+        if self.mission.report(("mission", "items"), words, voice) {
+            self.brisk = 2 * PROBED_ITEMS;
         }
     }
 
@@ -270,7 +223,7 @@ impl Lists {
         if data.total != 0 && data.total != u16::MAX {
             let before = self.total.replace(data.total);
             if before.is_some_and(|before| before != data.total) {
-                self.read_mission_again();
+                self.mission.read_again();
             }
         }
         let told = [data.mission_id, data.fence_id, data.rally_points_id];
@@ -283,10 +236,10 @@ impl Lists {
         }
         let [mission, fence, rally] = changed;
         if mission {
-            self.read_mission_again();
+            self.mission.read_again();
         }
         if fence {
-            self.read_fence_again();
+            self.fence.read_again();
         }
         if rally {
             self.rally.read_again();
@@ -300,7 +253,7 @@ impl Lists {
             self.hinted = true;
         }
         if text.contains("ence") {
-            self.fence_probes.hint();
+            self.fence.hint();
         }
     }
 
@@ -314,10 +267,10 @@ impl Lists {
             return;
         }
         match data.mission_type {
-            MavMissionType::MAV_MISSION_TYPE_MISSION if uploaded => self.read_mission_again(),
+            MavMissionType::MAV_MISSION_TYPE_MISSION if uploaded => self.mission.read_again(),
             MavMissionType::MAV_MISSION_TYPE_MISSION => self.mission.refused(),
-            MavMissionType::MAV_MISSION_TYPE_FENCE if uploaded => self.read_fence_again(),
-            MavMissionType::MAV_MISSION_TYPE_FENCE if self.use_fence => self.fence.refused(),
+            MavMissionType::MAV_MISSION_TYPE_FENCE if uploaded => self.fence.read_again(),
+            MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence.refused(),
             MavMissionType::MAV_MISSION_TYPE_RALLY if uploaded => self.rally.read_again(),
             MavMissionType::MAV_MISSION_TYPE_RALLY => self.rally.refused(data.mavtype),
             _ => {}
@@ -327,27 +280,22 @@ impl Lists {
     /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre. `true` if the fence has been
     /// read.
     pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) -> bool {
-        let (system, now_s) = (voice.system(), voice.now_s());
-        if self.mission.tick(now_s, system, voice.outbox()) {
+        let now_s = voice.now_s();
+        if self.mission.tick(voice) {
             self.mission_arrived(voice);
         }
-        let has_fence = !self.mission.is_busy() && self.fence.tick(now_s, system, voice.outbox());
-        if has_fence {
-            voice.send(self.fence.closing(system));
-        }
+        let has_fence = !self.mission.is_busy() && self.fence.tick(voice);
         self.probe_mission(voice);
         let is_read = !self.mission.is_busy();
-        if self.use_fence {
-            self.fence_probes.tick(&self.fence, is_read, voice);
-        }
+        self.fence.look(is_read, voice);
         if is_read && !self.fence.is_busy() {
             self.rally.tick(voice);
         }
         // Now and then the whole fence.
         if self.fence.is_busy() {
             self.fence_due_s = now_s + FENCE_AGAIN_S;
-        } else if now_s >= self.fence_due_s && self.fence.changes() > 0 && !engaged {
-            self.fence.begin();
+        } else if now_s >= self.fence_due_s && self.fence.items().is_some() && !engaged {
+            self.fence.read_again();
         }
         has_fence
     }
@@ -372,6 +320,6 @@ impl Lists {
         let item = item
             .saturating_add(half * (1 + turn % PROBED_ITEMS))
             .min(last);
-        voice.send(self.mission.item_request(item, system));
+        voice.send(self.mission.download().item_request(item, system));
     }
 }

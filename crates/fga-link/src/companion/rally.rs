@@ -10,12 +10,10 @@ use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::{
     MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA, MavCmd, MavMissionResult, MavMissionType,
 };
-use serde_json::json;
 
-use super::probes::Probes;
 use super::voice::Voice;
-use crate::authority::Severity;
-use crate::mission::{Download, place_of};
+use super::watched::Watched;
+use crate::mission::place_of;
 use crate::parameters::VehicleParameters;
 
 /// Interval of requests for the number of points, seconds.
@@ -32,57 +30,39 @@ pub(super) const SAME_TARGET_M: f64 = 5.0;
 /// The vehicle's rally points.
 #[derive(Debug)]
 pub(super) struct Rally {
-    download: Download,
-    probes: Probes,
-    /// The number of the list download that the operator read about.
-    told: u32,
-    /// Whether the list matters: RTL may be taken over, and the vehicle knows rally points.
-    is_used: bool,
+    list: Watched,
 }
 
 impl Rally {
-    /// Nothing is known yet.
+    /// Nothing is known yet; the list matters if RTL may be taken over.
     pub(super) const fn new(is_used: bool) -> Self {
+        let kind = MavMissionType::MAV_MISSION_TYPE_RALLY;
         Self {
-            download: Download::new(MavMissionType::MAV_MISSION_TYPE_RALLY),
-            probes: Probes::new(COUNT_S, POINT_S),
-            told: 0,
-            is_used,
+            list: Watched::new(kind, is_used, COUNT_S, POINT_S),
         }
     }
 
     pub(super) fn read_again(&mut self) {
-        if self.is_used && !self.download.is_busy() {
-            self.download.begin();
-        }
+        self.list.read_again();
     }
 
     /// Goes on reading, or asks for what would show another list.
     pub(super) fn tick(&mut self, voice: &mut Voice) {
-        let (system, now_s) = (voice.system(), voice.now_s());
-        if !self.is_used {
-            return;
-        }
-        if self.download.tick(now_s, system, voice.outbox()) {
+        if self.list.tick(voice) {
             self.arrived(voice);
         } else {
-            self.probes.tick(&self.download, true, voice);
+            self.list.look(true, voice);
         }
     }
 
     pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) {
-        if self.download.contradicts_count(data) {
-            self.read_again();
-        } else if self.download.take_count(data) {
+        if self.list.take_count(data, voice) {
             self.arrived(voice);
         }
     }
 
     pub(super) fn take_point(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) {
-        if self.download.contradicts_item(data) {
-            self.read_again();
-        }
-        if self.download.take_item(data) {
+        if self.list.take_item(data, voice) {
             self.arrived(voice);
         }
     }
@@ -90,25 +70,15 @@ impl Rally {
     /// The vehicle refuses a known point, or has no such list.
     pub(super) fn refused(&mut self, result: MavMissionResult) {
         if result == MavMissionResult::MAV_MISSION_UNSUPPORTED {
-            self.is_used = false;
+            self.list.leave();
         } else {
-            self.read_again();
+            self.list.read_again();
         }
     }
 
     fn arrived(&mut self, voice: &mut Voice) {
-        voice.send(self.download.closing(voice.system()));
-        let changes = self.download.changes();
-        let before = core::mem::replace(&mut self.told, changes);
-        if before == changes {
-            return;
-        }
-        let count = self.download.items().map_or(0, <[_]>::len);
-        voice.note("rally", json!({ "points": count }));
-        if before > 0 {
-            let words = "fga: the rally points have changed";
-            voice.tell(Severity::Notice, words);
-        }
+        let words = "fga: the rally points have changed";
+        self.list.report(("rally", "points"), words, voice);
     }
 
     /// The target of RTL from here by the lists, of which one gives home; metres, local frame, at the aircraft's height.
@@ -141,7 +111,7 @@ impl Rally {
         frame: Option<&LocalFrame>,
     ) -> Option<Vec3> {
         // Without a list only the vehicle's report from before the manoeuvre is known.
-        self.download.items()?;
+        self.list.items()?;
         let away_m = |place_m: Vec3| (place_m - own_m).truncate().length();
         let (to_m, laid_m) = to_m.zip(laid_m)?;
         if (to_m - laid_m).truncate().length() <= SAME_TARGET_M {
@@ -160,7 +130,7 @@ impl Rally {
         own_m: Vec3,
         frame: Option<&'a LocalFrame>,
     ) -> impl Iterator<Item = Vec3> + 'a {
-        let items = self.download.items().unwrap_or_default();
+        let items = self.list.items().unwrap_or_default();
         items.iter().filter_map(move |item| {
             let item = item.as_ref()?;
             if item.command != MavCmd::MAV_CMD_NAV_RALLY_POINT {
