@@ -273,7 +273,7 @@ impl Lists {
             MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence.refused(),
             MavMissionType::MAV_MISSION_TYPE_RALLY if uploaded => self.rally.read_again(),
             MavMissionType::MAV_MISSION_TYPE_RALLY => self.rally.refused(data.mavtype),
-            _ => {}
+            MavMissionType::MAV_MISSION_TYPE_ALL => {}
         }
     }
 
