@@ -193,3 +193,47 @@ impl Around {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fga::situation::Ownship;
+
+    use super::*;
+    use crate::mission::Way;
+
+    #[test]
+    fn floor_and_ceiling_count_where_neither_the_aircraft_nor_its_way_is_near() {
+        let mut config = Config::default();
+        config.limits.floor_m = 30.0;
+        config.limits.ceiling_m = Some(300.0);
+        config.protection.margin_m = 10.0;
+        let layers = |own_m: f64, way_m: f64| {
+            let mut around = Around::new(&config).unwrap();
+            let state = State {
+                ownship: Ownship {
+                    position_m: Vec3::Z * own_m,
+                    course_rad: 0.0,
+                    climb_rad: 0.0,
+                    bank_rad: 0.0,
+                    airspeed_mps: 20.0,
+                },
+                ground_velocity_mps: Vec3::X * 20.0,
+                wind_mps: Vec3::ZERO,
+                above_home_m: own_m,
+                pitch_rad: 0.0,
+                course_rate_radps: 0.0,
+            };
+            let way = Way {
+                waypoints_m: vec![Vec3::Z * way_m],
+                ..Way::default()
+            };
+            around.add_layers(&state, &Route::of(way, 0), &config);
+            let names = around.obstacles().iter().map(|o| around.name(o.id));
+            names.collect::<Vec<_>>()
+        };
+        assert_eq!(layers(100.0, 100.0), ["floor", "ceiling"]);
+        assert_eq!(layers(49.0, 100.0), ["ceiling"]);
+        assert_eq!(layers(100.0, 281.0), ["floor"]);
+        assert_eq!(layers(100.0, 45.0), ["ceiling"]);
+    }
+}

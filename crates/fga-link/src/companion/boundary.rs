@@ -123,3 +123,39 @@ pub(super) fn acts_in_guided(parameters: &VehicleParameters) -> bool {
     let value = |name| parameters.get(name).unwrap_or(0.0);
     value("FENCE_ENABLE") != 0.0 && FENCE_ACTS_IN_GUIDED.contains(&value("FENCE_ACTION"))
 }
+
+#[cfg(test)]
+mod tests {
+    use mavlink::dialects::ardupilotmega::PARAM_VALUE_DATA;
+
+    use super::*;
+
+    #[test]
+    fn the_fence_counts_by_the_vehicles_status_unless_it_only_reports() {
+        let (mut boundary, mut parameters) = (Boundary::default(), VehicleParameters::default());
+        let set = |parameters: &mut VehicleParameters, name: &str, value| {
+            let data = PARAM_VALUE_DATA {
+                param_id: name.into(),
+                param_value: value,
+                ..PARAM_VALUE_DATA::DEFAULT
+            };
+            assert!(parameters.take(&data), "{name}");
+        };
+        assert!(boundary.is_active(&parameters), "nothing is known");
+        set(&mut parameters, "FENCE_ENABLE", 0.0);
+        assert!(!boundary.is_active(&parameters) && !acts_in_guided(&parameters));
+        boundary.take_status(&SYS_STATUS_DATA {
+            onboard_control_sensors_enabled: MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE,
+            ..SYS_STATUS_DATA::DEFAULT
+        });
+        assert!(boundary.is_active(&parameters), "a switch enabled it");
+        set(&mut parameters, "FENCE_ACTION", 0.0);
+        assert!(!boundary.is_active(&parameters), "it only reports");
+        set(&mut parameters, "FENCE_ACTION", 6.0);
+        // Heights alone: no place is barred.
+        set(&mut parameters, "FENCE_TYPE", 1.0);
+        assert!(!boundary.is_active(&parameters));
+        set(&mut parameters, "FENCE_ENABLE", 1.0);
+        assert!(acts_in_guided(&parameters));
+    }
+}
