@@ -99,9 +99,10 @@ impl Companion {
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
         }
+        // Before the take-off too: a ground station needs minutes.
+        self.order_ground(now_s);
         let Some(state) = state else { return };
         self.lay_fence(now_s);
-        self.order_ground(&state, now_s);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }

@@ -187,9 +187,9 @@ impl Companion {
         if !self.rates.is_usable() {
             return Some(Lacking::Rate);
         }
-        let Some(state) = state else {
+        if self.is_blind(now_s) {
             return Some(Lacking::Telemetry);
-        };
+        }
         let engaged = self.keeper.is_engaged();
         // Before the vehicle is armed the operator can still mend it.
         if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
@@ -198,6 +198,14 @@ impl Companion {
         if !heard.armed {
             return Some(Lacking::Disarmed);
         }
+        // It stands or rolls.
+        let Some(state) = state else {
+            return Some(if self.takes_off_or_lands() {
+                Lacking::TakeOffOrLanding
+            } else {
+                Lacking::Slow
+            });
+        };
         let floor_m = self.config.limits.floor_m;
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
         let high_enough = state.above_home_m >= floor_m + 5.0

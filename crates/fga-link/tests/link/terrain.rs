@@ -297,8 +297,12 @@ struct Station<'a> {
 
 /// A flight past a head-on intruder with ground that a ground station sends.
 fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
+    asked_with(Settings::default(), says, until_s)
+}
+
+fn asked_with(settings: Settings, says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
     let config = "[terrain]\nsource = \"ground-station\"\nclearance_m = 30.0\n";
-    let mut world = World::new(config, GOOD, 8);
+    let mut world = World::with(settings, config, GOOD, 8);
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
     intruder.shown_m = 1200.0;
     world.add(intruder);
@@ -393,6 +397,23 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
     assert_eq!(
         (pieces(&flown, "wrong"), pieces(&flown, "contradicting")),
         (0, 0)
+    );
+}
+
+/// A ground station needs minutes for the way of a flight.
+#[test]
+fn before_the_vehicle_moves_the_ground_is_asked_for_and_the_operator_reads_what_is_missing() {
+    let stands = Settings {
+        armed: false,
+        ..Settings::default()
+    };
+    let (world, flown, _) = asked_with(stands, &[&|_, _, _| Some(4)], 60.0);
+    assert!(pieces(&flown, "taken") > 200, "{}", pieces(&flown, "taken"));
+    assert!(is_told(&world, "fga: not ready: vehicle is disarmed"));
+    assert!(
+        !is_told(&world, "telemetry"),
+        "{:?}",
+        world.emulator.texts()
     );
 }
 
