@@ -3,7 +3,7 @@
 use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
-use fga::situation::{Mission, Obstacles, Situation};
+use fga::situation::{Mission, Obstacles, Ownship, Situation};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
@@ -29,6 +29,8 @@ const PREPARE_S: f64 = 0.6;
 const LIMITS_CHANGE: f64 = 0.02;
 /// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
 const AHEAD_PACE: f64 = 0.5;
+/// A mission climbs or descends where its waypoint is this much higher or lower, metres.
+const CLIMBS_M: f64 = 10.0;
 /// Telemetry is stale after this many of its measured intervals, if these are long.
 const STALE_INTERVALS: f64 = 2.5;
 /// After this many refusals in a row the operator must arm the companion again.
@@ -197,7 +199,10 @@ impl Companion {
     ) -> Situation<'a> {
         Situation {
             time_s: now_s + self.ahead_s,
-            ownship: state.ownship,
+            ownship: Ownship {
+                climb_rad: self.lasting_climb_rad(state),
+                ..state.ownship
+            },
             obstacles: Obstacles::Rows(&self.obstacles),
             mission: Mission {
                 zones,
@@ -205,6 +210,20 @@ impl Companion {
                 ..Mission::new(&self.way.waypoints_m)
             },
             wind_mps: state.wind_mps,
+        }
+    }
+
+    /// The climb angle that lasts, radians: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
+    pub(super) fn lasting_climb_rad(&self, state: &State) -> f64 {
+        let climb_rad = state.ownship.climb_rad;
+        let waypoint_m = self.way.waypoints_m.get(1);
+        let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
+        let follows_mission =
+            !self.keeper.commands() && to_climb_m * climb_rad > 0.0 && to_climb_m.abs() > CLIMBS_M;
+        if self.config.vehicle.vertical || follows_mission {
+            climb_rad
+        } else {
+            0.0
         }
     }
 

@@ -290,6 +290,7 @@ impl Companion {
             return;
         };
         let needed_m = ground.clearance_m() + ground.error_m();
+        let climb_mps = state.ownship.airspeed_mps * libm::sin(self.lasting_climb_rad(state));
         let (mut at_m, mut is_known, mut least_m) = (state.ownship.position_m, true, f64::INFINITY);
         for second in 0..LOOKS_AHEAD {
             let above_m = ground.above_m(at_m);
@@ -297,7 +298,7 @@ impl Companion {
             least_m = least_m.min(above_m.unwrap_or(f64::INFINITY));
             let turned = Vec2::from_angle(state.course_rate_radps * (f64::from(second) + 0.5));
             let flown_m = turned.rotate(state.ground_velocity_mps.truncate());
-            at_m += flown_m.extend(state.ground_velocity_mps.z);
+            at_m += flown_m.extend(climb_mps);
         }
         let threat = decision.record.threat;
         let name = threat.map_or_else(

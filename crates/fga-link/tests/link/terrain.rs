@@ -176,6 +176,28 @@ fn a_ridge_that_a_manoeuvre_without_ground_hits_is_passed_on_the_other_side() {
     );
 }
 
+/// In a turn ArduPlane climbs and sinks by some degrees. An earlier version took that to last for as long as it looked ahead: over
+/// ground 10 m below what it takes, nothing was certified any more, and the manoeuvre changed with each swing.
+#[test]
+fn a_vehicle_that_keeps_its_altitude_is_not_expected_to_sink_into_the_ground() {
+    let terrain = tile(|_, _| Some(50));
+    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut log = Vec::new();
+    while world.time_s < 130.0 {
+        world.reported_sink_mps = if (world.time_s % 4.0) < 2.0 {
+            1.5
+        } else {
+            -1.5
+        };
+        world.step();
+        log.extend(world.companion.take_log());
+    }
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert!(!is_told(&world, "ground"), "{:?}", world.emulator.texts());
+    let has = |words: &str| log.iter().filter(|line| line["reason"] == words).count();
+    assert!(has("maneuver-chosen") == 1 && has("best-available") == 0);
+}
+
 #[test]
 fn without_a_choice_of_its_own_the_ground_changes_no_manoeuvre() {
     let (terrain, settings) = (flat(), Settings::default());
