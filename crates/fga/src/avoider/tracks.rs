@@ -174,11 +174,6 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
     }
 
-    /// Whether any zone is near.
-    pub(super) fn has_zones(&self) -> bool {
-        !self.zones.is_empty()
-    }
-
     /// All places of obstacles.
     fn all_known(&self) -> &[Known] {
         self.places.all().0

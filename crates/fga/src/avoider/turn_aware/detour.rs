@@ -1,11 +1,11 @@
-//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between zones.
+//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between walls: zones and ground.
 
 use crate::avoider::{Avoider, Places};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
-/// After the time of this turn without a way back the search also covers detours, radians; between zones after twice that time.
+/// After the time of this turn without a way back the search also covers detours, radians; between walls after twice that time.
 const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
@@ -30,7 +30,7 @@ const FAR_AFTER_RAD: f64 = 60.0;
 const SPREAD: [f64; 2] = [0.754_878, 0.569_840];
 
 impl Avoider<dyn Places + '_> {
-    /// A turn away from an obstacle alongside, or between zones, with a straight flight after it, one of many, and the aircraft after it;
+    /// A turn away from an obstacle alongside, or between walls, with a straight flight after it, one of many, and the aircraft after it;
     /// none while a way back without one may still be found.
     pub(super) fn detour(
         &self,
@@ -43,8 +43,9 @@ impl Avoider<dyn Places + '_> {
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        let is_between_zones = self.tracks.has_zones() && waited_rad > 2.0 * AFTER_RAD;
-        if !is_between_zones && !self.is_accompanied(situation) {
+        let has_walls = !self.tracks.around(&situation.mission).fixed.is_empty();
+        let is_between_walls = has_walls && waited_rad > 2.0 * AFTER_RAD;
+        if !is_between_walls && !self.is_accompanied(situation) {
             return None;
         }
         let [aside, along] = SPREAD.map(|spread| {
