@@ -401,7 +401,7 @@ pub unsafe extern "C" fn fga_predict(
             let state = flown(
                 flyer,
                 &MotionState::of(&own),
-                &maneuver,
+                maneuver.stages(),
                 after_s,
                 &within(u32::MAX),
             );

@@ -148,8 +148,9 @@ impl PaperPilot {
     /// The guidance along the mission.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> Maneuver {
         let horizon_s = self.settings.horizon_s;
-        let (command, _) = self.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, horizon_s)
+        let mut command = Maneuver::hold();
+        self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s, &mut command)
         });
         command
     }

@@ -241,8 +241,7 @@ impl Ascent {
 
 /// Predicts a manoeuvre into the search's path; returns whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
-    let maneuver = search.maneuver(turns, &search.departure(turns.wait_s));
-    search.predict(&maneuver);
+    search.predict(turns, &search.departure(turns.wait_s));
     search.path.is_complete()
 }
 

@@ -6,7 +6,7 @@
 
 use fga_proof::angle::Side;
 use fga_proof::limit::Limit as _;
-use fga_proof::maneuver::Maneuver;
+use fga_proof::maneuver::Stage;
 use fga_proof::prediction::flown;
 
 use super::lattice::{Climbing, Entry, Prefix, Row, Way};
@@ -38,7 +38,7 @@ impl Search<'_> {
     pub(super) fn after_first(&self, (turn_rad, climb_rad): (f64, f64), after_s: f64) -> Prefix {
         let scene = &self.scene;
         let leaves = scene.start;
-        let first = Maneuver::turn(0.0, leaves.course_rad + turn_rad, climb_rad);
+        let first = [Stage::turn(0.0, leaves.course_rad + turn_rad, climb_rad)];
         let from = flown(scene.flyer, &leaves, &first, after_s, &self.meter);
         Prefix {
             leaves,

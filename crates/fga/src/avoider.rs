@@ -350,7 +350,8 @@ impl Avoider<dyn Places + '_> {
         decision: &mut Decision,
     ) {
         if !situation.is_usable() {
-            return self.say(decision, &Maneuver::HOLD, Reason::InvalidInput);
+            decision.command.set([]);
+            return self.say(decision, Reason::InvalidInput);
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
@@ -428,9 +429,9 @@ impl Avoider<dyn Places + '_> {
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
-    /// What is left of the manoeuvre of a plan.
-    fn remaining(&self, plan: &Plan, time_s: f64) -> Maneuver {
-        self.flown.after(time_s - plan.decided_s)
+    /// Sets a command to what is left of the manoeuvre of a plan.
+    fn go_on(&self, plan: &Plan, time_s: f64, command: &mut Maneuver) {
+        command.set_later(&self.flown, time_s - plan.decided_s);
     }
 
     /// Predicts a manoeuvre into the path, up to a horizon.
@@ -454,9 +455,9 @@ impl Avoider<dyn Places + '_> {
         certify_set(&self.flyer, &self.path, one, &asked, &self.meter)
     }
 
-    /// The aircraft some time into a manoeuvre.
-    fn after(&self, from: &MotionState, maneuver: &Maneuver, until_s: f64) -> MotionState {
-        flown(&self.flyer, from, maneuver, until_s, &self.meter)
+    /// The aircraft some time into some stages.
+    fn after(&self, from: &MotionState, stages: &[Stage], until_s: f64) -> MotionState {
+        flown(&self.flyer, from, stages, until_s, &self.meter)
     }
 
     fn load_tracks(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) {
@@ -517,20 +518,10 @@ impl Avoider<dyn Places + '_> {
         if low.is_infinite() && high.is_infinite() {
             return;
         }
-        let held = Maneuver::turn(0.0, own.course_rad, own.climb_rad);
-        let asked = if command.stage_at(0.0).is_some() {
-            *command
-        } else {
-            held
-        };
-        *command = Maneuver::hold();
-        for stage in asked.stages() {
-            let climb_rad = stage.climb_rad.max(low).min(high);
-            command.push(Stage {
-                climb_rad,
-                ..*stage
-            });
+        if command.stage_at(0.0).is_none() {
+            command.set([Stage::turn(0.0, own.course_rad, own.climb_rad)]);
         }
+        command.limit_climbs(low, high);
     }
 
     /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
@@ -545,14 +536,6 @@ impl Avoider<dyn Places + '_> {
 
     fn climb_limits_rad(&self) -> (f64, f64) {
         (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
-    }
-
-    /// The guidance along the mission, and the moment from which it is straight.
-    fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
-        let horizon_s = self.far_s;
-        self.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, horizon_s)
-        })
     }
 
     /// Looks at the mission's geometry, with what is left of the step's work at most.
@@ -576,8 +559,8 @@ impl Avoider<dyn Places + '_> {
         answer
     }
 
-    /// Decides on a command, with nothing on record but its reason.
-    fn say(&self, decision: &mut Decision, command: &Maneuver, reason: Reason) {
+    /// Decides on the command of a decision, with nothing on record but its reason.
+    fn say(&self, decision: &mut Decision, reason: Reason) {
         let reason = match reason {
             Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
             Reason::Clear | Reason::ManeuverKept if self.progress.is_adrift() => {
@@ -585,7 +568,7 @@ impl Avoider<dyn Places + '_> {
             }
             other => other,
         };
-        decision.set(self.state, command, reason);
+        decision.set(self.state, reason);
         decision.record.work.tracked = self.tracks.seen;
         decision.record.work.unusable = self.tracks.unusable;
     }

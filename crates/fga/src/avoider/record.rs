@@ -198,14 +198,17 @@ impl Reason {
 impl Decision {
     /// A decision with nothing on record but its reason.
     pub fn new(state: State, command: &Maneuver, reason: Reason) -> Self {
-        let mut decision = Self::default();
-        decision.set(state, command, reason);
+        let mut decision = Self {
+            command: *command,
+            ..Self::default()
+        };
+        decision.set(state, reason);
         decision
     }
 
-    /// The same in its place: what is large on record is not written.
-    pub(super) fn set(&mut self, state: State, command: &Maneuver, reason: Reason) {
-        (self.state, self.command) = (state, *command);
+    /// All but its command in its place: what is large on record is not written.
+    pub(super) fn set(&mut self, state: State, reason: Reason) {
+        self.state = state;
         let record = &mut self.record;
         (record.reason, record.work) = (reason, Work::default());
         (record.threat, record.certified) = (None, None);
@@ -256,7 +259,7 @@ mod tests {
             record,
             ..Decision::default()
         };
-        decision.set(State::Cruise, &hold, Reason::Clear);
+        decision.set(State::Cruise, Reason::Clear);
         assert_eq!(decision, Decision::default());
     }
 }

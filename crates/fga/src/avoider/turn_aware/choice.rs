@@ -20,12 +20,14 @@ pub(super) fn choose(
             let [found, beside] = search.least_departure(entry_s);
             *other = beside
                 .filter(|beside| search.prove(beside).is_some())
-                .map(|beside| Candidate {
-                    maneuver: search
-                        .maneuver(&beside.turns, &search.departure(beside.turns.wait_s)),
-                    margin_m: beside.margin_m,
-                    cost: beside.cost,
-                    verdict: Verdict::Certified,
+                .map(|beside| {
+                    search.keep(&beside.turns);
+                    Candidate {
+                        maneuver: *search.maneuver(),
+                        margin_m: beside.margin_m,
+                        cost: beside.cost,
+                        verdict: Verdict::Certified,
+                    }
                 });
             return found;
         }

@@ -1,7 +1,7 @@
 //! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between walls: zones and ground.
 
 use crate::avoider::{Avoider, Places};
-use crate::maneuver::Maneuver;
+use crate::maneuver::Stage;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
@@ -37,7 +37,7 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &MotionState,
         (waited_s, which): (f64, usize),
-    ) -> Option<(Maneuver, MotionState)> {
+    ) -> Option<(Stage, MotionState)> {
         let rate_radps = self.flyer.course_rate_radps();
         let waited_rad = waited_s * rate_radps;
         if waited_rad <= AFTER_RAD {
@@ -55,9 +55,9 @@ impl Avoider<dyn Places + '_> {
         let is_far = waited_rad > FAR_AFTER_RAD && which % 2 == 1;
         let most = if is_far { FAR } else { STRAIGHT };
         let turn_rad = TURN_RAD * (1.0 - 2.0 * aside);
-        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let first = Stage::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + most * libm::sqrt(along)) / rate_radps;
-        Some((maneuver, self.after(now, &maneuver, until_s)))
+        Some((first, self.after(now, &[first], until_s)))
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.
@@ -85,7 +85,7 @@ mod tests {
             let rows = [sphere(1, (0.0, 60.0), velocity_mps)];
             among(&rows, |avoider, situation, now| {
                 let detour = avoider.detour(situation, now, (waited_s, which));
-                detour.map(|(maneuver, _)| maneuver.stages()[0].course_rad)
+                detour.map(|(first, _)| first.course_rad)
             })
         };
         let alongside = (18.0, 0.0);

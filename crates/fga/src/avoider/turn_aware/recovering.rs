@@ -6,6 +6,7 @@
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
+use crate::maneuver::Maneuver;
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -19,16 +20,15 @@ const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
-    fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
+    fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
-            return self.kept_rung(plan, situation, now) == Some(plan.rung);
+            return self.kept_rung(plan, back, now) == Some(plan.rung);
         }
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;
-        let back = self.remaining(plan, situation.time_s);
         self.withstand(|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
+        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
     }
 
     /// On the way back.
@@ -53,10 +53,11 @@ impl Avoider<dyn Places + '_> {
                 }
                 return;
             }
-            let holds = self.keeps_back(&mut plan, situation, now);
-            if holds {
-                if let Some(sooner) = self.sooner_back(situation, now, &plan) {
-                    (self.plan, self.flown) = (Some(sooner), self.back);
+            self.go_on(&plan, time_s, &mut decision.command);
+            if self.keeps_back(&mut plan, &decision.command, now) {
+                let back = &mut decision.command;
+                if let Some(sooner) = self.sooner_back(situation, now, &plan, back) {
+                    (self.plan, self.flown) = (Some(sooner), *back);
                     return self.report(decision, &sooner, time_s, Reason::RejoinChosen);
                 }
                 self.plan = Some(plan);
@@ -104,20 +105,17 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &Now<'_>,
         plan: &Plan,
+        back: &mut Maneuver,
     ) -> Option<Plan> {
         let left_s = plan.joined_s - situation.time_s;
         if plan.next_start_s.is_some() || left_s < SOONER_S {
             return None;
         }
         let before = (self.progress, self.returned);
-        let back = self.way_back(
-            situation,
-            now,
-            plan,
-            (LOOK_EVERY / 2, plan.joined_s - SOONER_S),
-        )?;
-        if back.next_start_s.is_none() && back.joined_s < plan.joined_s - SOONER_S {
-            return Some(back);
+        let looks = (LOOK_EVERY / 2, plan.joined_s - SOONER_S);
+        let sooner = self.way_back(situation, now, plan, looks, back)?;
+        if sooner.next_start_s.is_none() && sooner.joined_s < plan.joined_s - SOONER_S {
+            return Some(sooner);
         }
         (self.progress, self.returned) = before;
         None
@@ -136,7 +134,8 @@ mod tests {
         let keeps = |row: Obstacle| {
             among(&[row], |avoider, situation, now| {
                 let mut plan = plan(avoider, situation, (0.0, WANTED));
-                avoider.keeps_back(&mut plan, situation, now)
+                let back = avoider.flown;
+                avoider.keeps_back(&mut plan, &back, now)
             })
         };
         assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));

@@ -7,7 +7,7 @@ use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
 use crate::mission::leg::Leg;
 use crate::prediction::MotionState;
@@ -97,13 +97,14 @@ const fn place_of(look: usize) -> usize {
 
 impl Avoider<dyn Places + '_> {
     /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
-    /// joins the mission after `latest_s`.
+    /// joins the mission after `latest_s`. `back` takes its manoeuvre.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
         plan: &Plan,
         (every, latest_s): (u32, f64),
+        back: &mut Maneuver,
     ) -> Option<Plan> {
         if !self.cycle.is_multiple_of(every) || self.meter.is_met() {
             return None;
@@ -124,7 +125,8 @@ impl Avoider<dyn Places + '_> {
             .flatten();
         let is_any = look.is_multiple_of(2);
         let is_long = given_up > 2;
-        let (mut first, from) = detour.unwrap_or((Maneuver::hold(), now.state));
+        let mut first = detour.map(|(first, _)| first);
+        let from = detour.map_or(now.state, |(_, from)| from);
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
         let asked_rad = if is_any && latest_s.is_finite() {
@@ -143,8 +145,9 @@ impl Avoider<dyn Places + '_> {
             if way.is_some() {
                 break;
             }
-            first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
-            let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
+            let away = Stage::turn(0.0, now.course_rad + turn_rad, 0.0);
+            first = Some(away);
+            let from = self.after(now, &[away], radii / self.flyer.course_rate_radps());
             way = self.on_mission(situation, |progress, route| {
                 progress.direct_way(route, &from)
             });
@@ -154,32 +157,32 @@ impl Avoider<dyn Places + '_> {
             self.progress = before;
             return None;
         }
-        let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
+        back.set(first.into_iter().chain(joined.stages().iter().copied()));
+        let found = self.fly_back(&joined, plan, (situation, now), rung, back);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
         // clear of the expected motion.
         let is_robust = |avoider: &mut Self| {
-            let back = &{ avoider.back };
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
-        let Some(back) = back.filter(|_| is_robust(self)) else {
+        let Some(found) = found.filter(|_| is_robust(self)) else {
             self.progress = before;
             return None;
         };
         self.return_to(&joined, plan, (situation, now));
-        Some(back)
+        Some(found)
     }
 
-    /// The plan to fly a manoeuvre and a join of the leg that begins at a waypoint after it; `None` where it leads to an obstacle,
-    /// or to another encounter that cannot be avoided.
+    /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
+    /// avoided.
     fn fly_back(
         &mut self,
-        first: &Maneuver,
         joined: &Join,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &Now<'_>),
         rung: usize,
+        maneuver: &mut Maneuver,
     ) -> Option<Plan> {
         let far = Demand {
             horizon_s: self.far_s,
@@ -191,14 +194,9 @@ impl Avoider<dyn Places + '_> {
         } else {
             f64::INFINITY
         };
-        let mut maneuver = *first;
-        for stage in joined.stages() {
-            maneuver.push(*stage);
-        }
         self.on_mission(situation, |progress, route| {
-            progress.round_corners(route, far.horizon_s, &mut maneuver, joined)
+            progress.round_corners(route, far.horizon_s, maneuver, joined)
         });
-        self.back = maneuver;
         let mut back = Plan {
             decided_s: situation.time_s,
             start_s: situation.time_s,
@@ -210,7 +208,7 @@ impl Avoider<dyn Places + '_> {
             is_small: false,
             ..*plan
         };
-        self.predict(&maneuver, now, far.horizon_s);
+        self.predict(maneuver, now, far.horizon_s);
         match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
             WayAhead::Blocked => None,
             WayAhead::Clear => {
@@ -221,7 +219,9 @@ impl Avoider<dyn Places + '_> {
                     back
                 })
             }
-            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now, &far),
+            WayAhead::NextEncounter => {
+                self.way_back_and_on(&back, joined.joined_s, now, &far, maneuver)
+            }
         }
     }
 
@@ -249,15 +249,15 @@ impl Avoider<dyn Places + '_> {
         joined_s: f64,
         now: &Now<'_>,
         demand: &Demand,
+        maneuver: &mut Maneuver,
     ) -> Option<Plan> {
-        let maneuver = self.back;
-        let (threat, against) = self.first_threat(&maneuver, now, demand)?;
-        let found = self.search(&maneuver, now, demand, |search| {
+        let (threat, against) = self.first_threat(maneuver, now, demand)?;
+        let found = self.search(maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let proven = search.proven(found)?;
             Some(Answer::new(search, proven, back.rung))
         })?;
-        self.back = self.tables.answer;
+        *maneuver = self.tables.answer;
         Some(Plan {
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
