@@ -140,14 +140,17 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
     let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
     let kept = [bank_rad, -bank_rad].map(|bank_rad| (bank_rad, flyer.bend_from(bank_rad)));
     let work = kept.map(|(_, bend)| if bend.is_some() { 0 } else { BEND });
-    let made = if route.meter.take(SETUP + work.iter().sum::<usize>()) {
-        kept.map(|(bank_rad, bend)| bend.is_none().then(|| Bend::new(flyer, bank_rad)))
-    } else {
-        [None, None]
-    };
-    let [left, right] = [0, 1].map(|side: usize| {
-        let kept = kept.get(side).and_then(|(_, bend)| *bend);
-        kept.or_else(|| made.get(side)?.as_ref())
+    let mut made = [Bend::NONE; 2];
+    if route.meter.take(SETUP + work.iter().sum::<usize>()) {
+        for (made, (bank_rad, kept)) in made.iter_mut().zip(kept) {
+            if kept.is_none() {
+                made.set(flyer, bank_rad);
+            }
+        }
+    }
+    let [left, right] = kept.map(|(bank_rad, kept)| {
+        let mut made = made.iter();
+        kept.or_else(|| made.find(|bend| bend.is_from(bank_rad)))
     });
     let final_climb_rad = route.climb_rad(leg);
     let mut shot = Shot {

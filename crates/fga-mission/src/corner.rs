@@ -187,6 +187,7 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner
 
 /// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
 /// follows as closely as it can.
+#[inline(never)]
 fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
     let route = legs.route;
     let skipped = join.index - first;

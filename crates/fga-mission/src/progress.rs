@@ -122,6 +122,7 @@ impl Progress {
     }
 
     /// Advances to the leg for a state at a time on the situation's clock, seconds.
+    #[inline(never)]
     pub fn update(&mut self, route: &Route<'_>, state: &MotionState, time_s: f64) {
         let passed_s = time_s - self.time_s;
         self.time_s = time_s;
@@ -257,6 +258,7 @@ impl Progress {
 
     /// Sets a command to the guidance along the mission from a state: onto the leg, and round the corners up to
     /// `horizon_s`. Returns the moment from which it is straight.
+    #[inline(never)]
     pub fn guidance(
         &mut self,
         route: &Route<'_>,
@@ -290,8 +292,14 @@ impl Progress {
             held.stages.push(route.stage(0.0, course_rad, &leg));
             return held;
         }
-        let found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
-        let found = found.or_else(|| self.direct_way(route, state));
+        let mut found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
+        if found.is_none() {
+            let before = *self;
+            found = self.direct_way(route, state);
+            if found.is_none() {
+                *self = before;
+            }
+        }
         if let Some(joined) = &found {
             self.advance_to(route, state, joined.index);
         }

@@ -58,6 +58,7 @@ impl Progress {
 
     /// Gives the waypoint at the end of the leg up, and goes on to the next one, once obstacles at rest have kept the aircraft from it
     /// for long; an obstacle at rest is avoided for another `passed_s`, seconds. Whether it does.
+    #[inline(never)]
     pub fn gives_up(&mut self, route: &Route<'_>, state: &MotionState, passed_s: f64) -> bool {
         let Some(leg) = self.leg.filter(|_| !self.is_complete) else {
             return false;
@@ -104,17 +105,13 @@ impl Progress {
         }
     }
 
-    /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
+    /// A way straight to the next waypoint, as if the mission began where the aircraft is; it does so afterwards, with a way or
+    /// without.
     pub fn direct_way(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
-        let before = *self;
         self.restart_here(route, state);
         // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
         let found = self.way_back(route, state, FRAC_PI_2, MOST_LEGS);
-        let found = found.filter(|_| !self.is_adrift());
-        if found.is_none() {
-            *self = before;
-        }
-        found
+        found.filter(|_| !self.is_adrift())
     }
 }
 

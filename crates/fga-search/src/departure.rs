@@ -69,6 +69,7 @@ impl Search<'_> {
     }
 
     /// Finds what comes too close on the mission, once. Uses the path.
+    #[inline(never)]
     fn find_conflicts(&mut self) {
         if self.conflicts.is_known || self.limit_met() {
             return;

@@ -135,12 +135,12 @@ impl Search<'_> {
     }
 
     /// The best single turn of each row.
+    #[inline(never)]
     fn single_turns(&mut self, climbs: &mut Climbs) {
         let prefix = self.after_wait(0.0);
         for climb_rad in self.scene.extreme_climbs() {
-            let climbing = self.climbing(&prefix.entry, climb_rad);
             for side in Side::BOTH {
-                let Some(row) = self.row(&prefix, &climbing, side) else {
+                let Some(row) = self.row(&prefix, climb_rad, side) else {
                     continue;
                 };
                 let mut best: Option<Found> = None;
@@ -163,6 +163,7 @@ impl Search<'_> {
     }
 
     /// Climbs and descents straight ahead that level off again: between layers of airspace the aircraft can hold no climb angle.
+    #[inline(never)]
     fn levelled(&mut self, climbs: &mut Climbs) {
         let level_rad = self.scene.original.1;
         for climb_rad in self.scene.extreme_climbs().skip(1) {
@@ -195,6 +196,7 @@ impl Search<'_> {
     }
 
     /// Second turns after a part of the first ones and some gaps, with a larger margin than `least_m`.
+    #[inline(never)]
     fn two_turns(&mut self, part: u32, least_m: f64, climbs: &mut Climbs) {
         // A third is for flights and climbs.
         let until = self.meter.done() + self.meter.left() / 3 * 2;
@@ -235,13 +237,12 @@ impl Search<'_> {
             if before_m <= floor_m {
                 break;
             }
-            let climbing = self.climbing(&prefix.entry, climb_rad);
             for (other, best) in Side::BOTH.into_iter().zip(&mut best) {
                 // To the same side without a gap it is a single turn.
                 if gap == 0.0 && other == side {
                     continue;
                 }
-                let Some(row) = self.row(&prefix, &climbing, other) else {
+                let Some(row) = self.row(&prefix, climb_rad, other) else {
                     continue;
                 };
                 self.scan(
@@ -292,6 +293,7 @@ impl Search<'_> {
     }
 
     /// Flies the best seeds and keeps those near the best, with the margins of their flights.
+    #[inline(never)]
     fn fly_best(&mut self, climbs: &mut Climbs) {
         let far_m = self.far_m();
         let (mut best_m, mut flown) = (f64::MIN, 0);

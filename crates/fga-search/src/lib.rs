@@ -165,7 +165,7 @@ impl Board {
 #[derive(Debug, Clone)]
 pub struct Tables {
     board: Board,
-    bends: [Option<Bend>; 2],
+    bends: [Bend; 2],
     conflicts: Conflicts,
     /// The manoeuvre that was laid last: that of an answer.
     pub answer: Maneuver,
@@ -175,7 +175,7 @@ impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
         board: Board::Climbs(Climbs::NONE),
-        bends: [None; 2],
+        bends: [Bend::NONE; 2],
         conflicts: Conflicts::UNKNOWN,
         answer: Maneuver::hold(),
     };
@@ -201,7 +201,7 @@ pub struct Search<'a> {
     /// Not there while it is used.
     board: Option<&'a mut Board>,
     /// Turns to the left and to the right from the banks that were looked at last.
-    bends: &'a mut [Option<Bend>; 2],
+    bends: &'a mut [Bend; 2],
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
     /// The manoeuvre that was laid last.
@@ -225,7 +225,7 @@ impl<'a> Search<'a> {
             conflicts,
             answer,
         } = tables;
-        *bends = [None; 2];
+        bends.iter_mut().for_each(Bend::clear);
         (conflicts.count, conflicts.is_known) = (0, false);
         Self {
             scene,

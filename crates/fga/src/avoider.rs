@@ -136,9 +136,8 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
-    /// The manoeuvre of the plan, and that of a way back which is looked at.
+    /// The manoeuvre of the plan.
     flown: Maneuver,
-    back: Maneuver,
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -192,7 +191,7 @@ impl<P> Avoider<P> {
             vehicle,
             made_for: vehicle,
             in_need: None,
-            flyer: Flyer::blank(&vehicle),
+            flyer: Flyer::NONE,
             state: State::Cruise,
             progress: Progress::new(),
             tracks,
@@ -201,7 +200,6 @@ impl<P> Avoider<P> {
             mission_meter: Meter::unlimited(),
             plan: None,
             flown: Maneuver::hold(),
-            back: Maneuver::hold(),
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -349,6 +347,7 @@ impl Avoider<dyn Places + '_> {
         kept: Option<&mut Kept<'_>>,
         decision: &mut Decision,
     ) {
+        decision.record.alternative = None;
         if !situation.is_usable() {
             decision.command.set([]);
             return self.say(decision, Reason::InvalidInput);
@@ -460,6 +459,7 @@ impl Avoider<dyn Places + '_> {
         flown(&self.flyer, from, stages, until_s, &self.meter)
     }
 
+    #[inline(never)]
     fn load_tracks(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) {
         let limits = self.limits();
         let sigmas = self.settings.confidence_sigmas;

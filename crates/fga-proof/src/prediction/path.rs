@@ -233,6 +233,7 @@ impl FlightPath {
 
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
     /// `None` if the nodes ran out, or the meter refuses them.
+    #[inline(never)]
     fn fly_piece(
         &mut self,
         flyer: &Flyer,

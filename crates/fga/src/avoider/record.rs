@@ -206,14 +206,13 @@ impl Decision {
         decision
     }
 
-    /// All but its command in its place: what is large on record is not written.
+    /// All but its command and its alternative in its place: what is large on record is not written.
     pub(super) fn set(&mut self, state: State, reason: Reason) {
         self.state = state;
         let record = &mut self.record;
         (record.reason, record.work) = (reason, Work::default());
         (record.threat, record.certified) = (None, None);
-        (record.chosen, record.alternative) = (None, None);
-        (record.start_s, record.latest_start_s) = (None, None);
+        (record.chosen, record.start_s, record.latest_start_s) = (None, None, None);
         (record.resilience, record.straight_aircraft) = (None, 0);
         (record.in_need, record.clock_set_back) = (false, false);
     }
@@ -245,7 +244,7 @@ mod tests {
             start_s: Some(1.0),
             chosen,
             certified: None,
-            alternative: chosen,
+            alternative: None,
             resilience: Some(1.0),
             straight_aircraft: 1,
             in_need: true,

@@ -114,6 +114,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether this is one of the many cycles in which the leg ahead is straight and clear; then with its decision.
+    #[inline(never)]
     fn is_quiet(
         &mut self,
         situation: &Situation<'_>,
@@ -147,8 +148,10 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// On the mission: is it clear, and if not, when and where should the aircraft turn?
+    #[inline(never)]
     fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
+        decision.record.alternative = None;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
         {
@@ -168,7 +171,7 @@ impl Avoider<dyn Places + '_> {
             progress.guidance(route, now, far_s, nominal)
         });
         let (nominal, demand) = (&decision.command, self.first_demand());
-        self.withstand(|_| Freedom::Expected, (0.0, demand.margin_m));
+        self.withstand(&|_| Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(nominal, now, &demand) else {
             self.state = State::Cruise;
             return self.say(decision, Reason::Clear);
@@ -189,6 +192,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Chooses a manoeuvre and its start, in place of the command of a decision.
+    #[inline(never)]
     fn plan_anew(
         &mut self,
         situation: &Situation<'_>,
@@ -203,12 +207,16 @@ impl Avoider<dyn Places + '_> {
             self.settings.start
         };
         let moments = (threat.0.entry_s, self.settings.decision_period_s);
-        let (mut latest_s, mut other) = (None, None);
-        let nominal = &decision.command;
+        let mut latest_s = None;
+        let Decision {
+            command, record, ..
+        } = decision;
+        let (nominal, other) = (&*command, &mut record.alternative);
         let answer = self.highest(0..RUNGS, nominal, now, |search| {
-            choice::choose(search, start, moments, (&mut latest_s, &mut other))
+            choice::choose(search, start, moments, (&mut latest_s, other))
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
+            *other = None;
             return self.say(decision, Reason::BestAvailable);
         };
         self.begin(situation, &answer, threat, decision);
@@ -216,10 +224,10 @@ impl Avoider<dyn Places + '_> {
             plan.latest_start_s = latest_s.map(|latest_s| situation.time_s + latest_s);
         }
         decision.record.latest_start_s = latest_s;
-        decision.record.alternative = other;
     }
 
-    /// Begins to avoid with a manoeuvre, or waits for its start.
+    /// Begins to avoid with a manoeuvre, or waits for its start. The one before it is left in the tables.
+    #[inline(never)]
     fn begin(
         &mut self,
         situation: &Situation<'_>,
@@ -243,7 +251,8 @@ impl Avoider<dyn Places + '_> {
             next_start_s: None,
             is_small: self.is_small(answer, threat.id),
         };
-        (self.plan, self.flown) = (Some(plan), self.tables.answer);
+        self.plan = Some(plan);
+        core::mem::swap(&mut self.flown, &mut self.tables.answer);
         let (state, reason) = if !answer.proof.is_certified() {
             (State::Avoiding, self.unproven())
         } else if plan.start_s > time_s {
@@ -265,6 +274,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Flying the manoeuvre: returns, keeps it, or replaces it.
+    #[inline(never)]
     fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
         let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
@@ -337,6 +347,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Keeps the rolls from the bank of now, from which many predictions are about to begin.
+    #[inline(never)]
     fn keep_rolls(&mut self, now: &MotionState) {
         let is_kept = self.flyer.keeps_rolls_from(now.bank_rad);
         if !is_kept && self.meter.take(2 * BEND) {

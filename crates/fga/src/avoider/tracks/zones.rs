@@ -202,6 +202,7 @@ fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
 }
 
 /// Whether the aircraft is on the wrong side of a zone that binds, or lower than it takes to clear the ground where its mission does.
+#[inline(never)]
 pub(in crate::avoider) fn has_entered(
     situation: &Situation<'_>,
     leg: usize,

@@ -26,12 +26,13 @@ impl Avoider<dyn Places + '_> {
         }
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;
-        self.withstand(|_| Freedom::Expected, (0.0, self.wanted_m()));
+        self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
         self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
     }
 
     /// On the way back.
+    #[inline(never)]
     pub(super) fn come_back(
         &mut self,
         situation: &Situation<'_>,
@@ -71,6 +72,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
     /// the manoeuvre of the way back is flown.
+    #[inline(never)]
     fn meet_next(
         &mut self,
         (plan, start_s): (&Plan, f64),
@@ -80,7 +82,7 @@ impl Avoider<dyn Places + '_> {
         let next = plan.threat.zip(self.returned);
         let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
         if !is_again {
-            (self.plan, self.back) = (None, self.flown);
+            self.plan = None;
             self.state = State::Cruise;
             self.meter.reserve(HALVES);
             self.watch(situation, now, decision);
@@ -88,7 +90,9 @@ impl Avoider<dyn Places + '_> {
             if !decision.record.reason.is_unproven() {
                 return;
             }
-            self.flown = self.back;
+            if self.plan.is_some() {
+                core::mem::swap(&mut self.flown, &mut self.tables.answer);
+            }
         }
         self.plan = Some(Plan {
             start_s,
@@ -111,14 +115,8 @@ impl Avoider<dyn Places + '_> {
         if plan.next_start_s.is_some() || left_s < SOONER_S {
             return None;
         }
-        let before = (self.progress, self.returned);
         let looks = (LOOK_EVERY / 2, plan.joined_s - SOONER_S);
-        let sooner = self.way_back(situation, now, plan, looks, back)?;
-        if sooner.next_start_s.is_none() && sooner.joined_s < plan.joined_s - SOONER_S {
-            return Some(sooner);
-        }
-        (self.progress, self.returned) = before;
-        None
+        self.way_back(situation, now, plan, looks, back)
     }
 }
 

@@ -47,7 +47,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
     pub(super) fn is_free(&mut self, now: &Now<'_>) -> bool {
-        self.withstand(|_| Freedom::Brief, (0.0, self.wanted_m()));
+        self.withstand(&|_| Freedom::Brief, (0.0, self.wanted_m()));
         self.has_turn(&Maneuver::HOLD, now, (0.0, PI))
     }
 

@@ -96,8 +96,8 @@ const fn place_of(look: usize) -> usize {
 }
 
 impl Avoider<dyn Places + '_> {
-    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
-    /// joins the mission after `latest_s`. `back` takes its manoeuvre.
+    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; with `latest_s` only
+    /// one that joins the mission sooner than then, without another encounter. `back` takes its manoeuvre.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
@@ -148,15 +148,16 @@ impl Avoider<dyn Places + '_> {
             let away = Stage::turn(0.0, now.course_rad + turn_rad, 0.0);
             first = Some(away);
             let from = self.after(now, &[away], radii / self.flyer.course_rate_radps());
+            self.progress = before;
             way = self.on_mission(situation, |progress, route| {
                 progress.direct_way(route, &from)
             });
         }
-        let joined = way?;
-        if situation.time_s + joined.joined_s > latest_s {
+        let in_time = |joined: &Join| situation.time_s + joined.joined_s <= latest_s;
+        let Some(joined) = way.filter(in_time) else {
             self.progress = before;
             return None;
-        }
+        };
         back.set(first.into_iter().chain(joined.stages().iter().copied()));
         let found = self.fly_back(&joined, plan, (situation, now), rung, back);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
@@ -166,7 +167,9 @@ impl Avoider<dyn Places + '_> {
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
-        let Some(found) = found.filter(|_| is_robust(self)) else {
+        let found = found.filter(|_| is_robust(self));
+        let is_sooner = |found: &Plan| found.next_start_s.is_none() && found.joined_s < latest_s;
+        let Some(found) = found.filter(|found| latest_s.is_infinite() || is_sooner(found)) else {
             self.progress = before;
             return None;
         };
@@ -176,6 +179,7 @@ impl Avoider<dyn Places + '_> {
 
     /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
     /// avoided.
+    #[inline(never)]
     fn fly_back(
         &mut self,
         joined: &Join,
@@ -357,7 +361,7 @@ impl Avoider<dyn Places + '_> {
                 Freedom::Brief
             }
         };
-        self.withstand(freedom, (0.0, target_m));
+        self.withstand(&freedom, (0.0, target_m));
         self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 }
