@@ -7,7 +7,7 @@
 use crate::aim::aim;
 use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
-use fga_proof::maneuver::{Stage, Stages};
+use fga_proof::maneuver::{Stage, StageList};
 use fga_proof::prediction::{MotionState, flown};
 
 /// Most stages of a join: three turns, and the climb angle of the leg.
@@ -28,7 +28,7 @@ pub struct Join {
     /// Index of the waypoint at the start of the leg.
     pub index: usize,
     /// Its commands.
-    pub stages: Stages<MOST_STAGES>,
+    pub stages: StageList<MOST_STAGES>,
     /// Arrival on the leg, seconds from the decision.
     pub joined_s: f64,
     /// Distance along the leg at that time, metres.
@@ -42,7 +42,7 @@ impl Join {
     pub(crate) const fn new(index: usize, along_m: f64) -> Self {
         Self {
             index,
-            stages: Stages::hold(),
+            stages: StageList::hold(),
             joined_s: 0.0,
             along_m,
             cross_m: 0.0,

@@ -48,18 +48,18 @@ pub fn later(stages: &[Stage], elapsed_s: f64) -> impl Iterator<Item = Stage> {
 ///
 /// The aircraft flies it if nothing new happens. A plant without lag flies it exactly:
 /// course and climb angle move at their rate limits to the commanded values and stay there.
-pub type Maneuver = Stages<MAX_STAGES>;
+pub type Maneuver = StageList<MAX_STAGES>;
 
 /// At most `N` stages, first to last.
 #[derive(Clone, Copy)]
-pub struct Stages<const N: usize> {
+pub struct StageList<const N: usize> {
     list: [Stage; N],
     len: usize,
     /// Whether a pushed stage was refused.
     is_cut: bool,
 }
 
-impl<const N: usize> core::fmt::Debug for Stages<N> {
+impl<const N: usize> core::fmt::Debug for StageList<N> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Maneuver")
             .field("stages", &self.stages())
@@ -68,19 +68,19 @@ impl<const N: usize> core::fmt::Debug for Stages<N> {
     }
 }
 
-impl<const N: usize> PartialEq for Stages<N> {
+impl<const N: usize> PartialEq for StageList<N> {
     fn eq(&self, other: &Self) -> bool {
         (self.stages(), self.is_cut) == (other.stages(), other.is_cut)
     }
 }
 
-impl<const N: usize> Default for Stages<N> {
+impl<const N: usize> Default for StageList<N> {
     fn default() -> Self {
         Self::hold()
     }
 }
 
-impl<const N: usize> Stages<N> {
+impl<const N: usize> StageList<N> {
     /// Hold course and climb angle.
     pub const HOLD: Self = Self::hold();
 

@@ -272,6 +272,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
+    #[inline(never)]
     fn way_ahead(
         &self,
         plan: &Plan,
@@ -329,6 +330,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
+    #[inline(never)]
     fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, target_m: f64) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
