@@ -5,7 +5,7 @@ use fga::angle::course_of;
 use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
-use fga::situation::{Mission, Obstacles, Situation};
+use fga::situation::{Mission, Obstacles, Ownship, Situation};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
@@ -19,6 +19,9 @@ use crate::telling;
 
 /// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
+/// A mission climbs or descends where its waypoint is this much higher or lower, metres.
+const CLIMBS_M: f64 = 10.0;
+
 impl Companion {
     /// Observes, decides, authorizes, and commands at once what has just been taken over.
     pub(super) fn decide(&mut self, now_s: f64) {
@@ -45,8 +48,9 @@ impl Companion {
             && decision.record.reason == Reason::BestAvailable;
         let round = no_way.then(|| self.threat_name(decision));
         self.told.no_way(round, &mut self.voice);
+        let lasting = self.lasting(state);
         let (around, keeper, voice) = (&self.around, &self.keeper, &mut self.voice);
-        self.over.watch(decision, state, around, keeper, voice);
+        self.over.watch(decision, &lasting, around, keeper, voice);
         self.log_decision(now_s);
         self.send_collision(now_s);
     }
@@ -162,7 +166,7 @@ impl Companion {
     ) -> Situation<'a> {
         Situation {
             time_s: self.lead.acts_s(now_s),
-            ownship: state.ownship,
+            ownship: self.lasting(state).ownship,
             obstacles: Obstacles::Rows(self.around.obstacles()),
             mission: Mission {
                 zones,
@@ -170,6 +174,27 @@ impl Companion {
                 ..Mission::new(self.route.waypoints_m())
             },
             wind_mps: state.wind_mps,
+        }
+    }
+
+    /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
+    fn lasting(&self, state: &State) -> State {
+        let waypoint_m = self.route.waypoints_m().get(1);
+        let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
+        let follows_mission = !self.keeper.commands()
+            && to_climb_m * state.ownship.climb_rad > 0.0
+            && to_climb_m.abs() > CLIMBS_M;
+        if self.config.vehicle.vertical || follows_mission {
+            return *state;
+        }
+        let ownship = Ownship {
+            climb_rad: 0.0,
+            ..state.ownship
+        };
+        State {
+            ownship,
+            ground_velocity_mps: ownship.velocity_mps() + state.wind_mps,
+            ..*state
         }
     }
 

@@ -40,11 +40,11 @@ impl Companion {
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
         }
+        // Before the take-off too: a ground station needs minutes.
+        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
+        self.over.order(route, lists, &self.ownship, voice);
         let state = state?;
         self.lay_fence();
-        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
-        let at_m = state.ownship.position_m;
-        self.over.order(at_m, route, lists, &self.ownship, voice);
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }
@@ -188,9 +188,9 @@ impl Companion {
         if !self.rates.is_usable() {
             return Some(Lacking::Rate);
         }
-        let Some(state) = state else {
+        if self.is_blind(now_s) {
             return Some(Lacking::Telemetry);
-        };
+        }
         // Before the vehicle is armed the operator can still mend it.
         if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
             return Some(lacking);
@@ -198,6 +198,14 @@ impl Companion {
         if !self.session.is_armed() {
             return Some(Lacking::Disarmed);
         }
+        // It stands or rolls.
+        let Some(state) = state else {
+            return Some(if self.takes_off_or_lands() {
+                Lacking::TakeOffOrLanding
+            } else {
+                Lacking::Slow
+            });
+        };
         let floor_m = self.config.limits.floor_m;
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
         let high_enough = state.above_home_m >= floor_m + 5.0

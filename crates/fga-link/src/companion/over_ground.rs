@@ -2,11 +2,11 @@
 
 use alloc::sync::Arc;
 
-use fga::Vec3;
 use fga::avoider::{Decision, Reason};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
-use fga_formats::geodesy::LocalFrame;
+use fga::{Vec2, Vec3};
+use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::MessageData as _;
 use mavlink::dialects::ardupilotmega::{
@@ -23,8 +23,8 @@ use crate::commands::Command;
 use crate::ground::{AskedBlocks, GroundOrder, MadeGround, Square};
 use crate::ownship::{OwnshipEstimate, State};
 
-/// The ground is looked up at these times ahead on the present course, seconds.
-const AHEAD_S: [f64; 6] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+/// The ground is looked up here and each second ahead in the present turn, so often.
+const LOOKS_AHEAD: u8 = 6;
 /// Manoeuvres whose courses or climbs differ by more than this are two, radians.
 const OTHER_RAD: f64 = 0.05;
 /// Ground is asked for this far along the way, metres …
@@ -144,7 +144,7 @@ impl OverGround {
             "vertical_error_m": made.ground.as_ref().ok().map(LocalGround::error_m),
             "unusable": made.ground.as_ref().err(),
             "low_legs": made.low,
-            "unknown_legs": made.unknown,
+            "unknown_legs": made.unknown.iter().map(|(item, _)| item).collect::<Vec<_>>(),
         });
         voice.note("ground", content);
         let lowest = made.low.iter().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -152,17 +152,16 @@ impl OverGround {
             1 => format!("fga: item {item} is {above_m:.0} m above ground: too low"),
             count => format!("fga: {count} legs too low, item {item}: {above_m:.0} m"),
         });
-        // What a ground station has not sent yet may still come.
-        let is_settled = match &self.heights {
-            GroundSource::Station(asked, _) => asked.is_settled(),
+        let is_settled = |place: &Geodetic| match &self.heights {
+            GroundSource::Station(asked, _) => asked.is_settled(place),
             _ => true,
         };
-        let unknown = made.unknown.first().filter(|_| is_settled);
+        let unknown = made.unknown.iter().find(|(_, place)| is_settled(place));
         let unusable = made.ground.as_ref().err();
         let words = [
             unusable.map(|_| "fga: no ground is known here".to_owned()),
             lowest,
-            unknown.map(|item| format!("fga: item {item} is over unknown ground")),
+            unknown.map(|(item, _)| format!("fga: item {item} is over unknown ground")),
         ];
         let told = core::mem::replace(&mut self.told_mission, words.clone());
         for (words, told) in words.into_iter().zip(told) {
@@ -176,13 +175,16 @@ impl OverGround {
     /// Asks for ground, and orders it where the present one does not serve any more.
     pub(super) fn order(
         &mut self,
-        at_m: Vec3,
         route: &Route,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         voice: &mut Voice,
     ) {
-        let Some((frame, home_m)) = ownship.frame().zip(ownship.home_altitude_m()) else {
+        let (Some(frame), Some(home_m), Some(at_m)) = (
+            ownship.frame(),
+            ownship.home_altitude_m(),
+            ownship.position_m(voice.now_s()),
+        ) else {
             return;
         };
         self.ask(frame, at_m, route, voice);
@@ -287,10 +289,15 @@ impl OverGround {
             return;
         };
         let needed_m = ground.clearance_m() + ground.error_m();
-        let at_m = |after_s| state.ownship.position_m + state.ground_velocity_mps * after_s;
-        let above_m = AHEAD_S.map(|after_s| ground.above_m(at_m(after_s)));
-        let is_known = above_m.iter().all(Option::is_some);
-        let least_m = above_m.into_iter().flatten().fold(f64::INFINITY, f64::min);
+        let (mut at_m, mut is_known, mut least_m) = (state.ownship.position_m, true, f64::INFINITY);
+        for second in 0..LOOKS_AHEAD {
+            let above_m = ground.above_m(at_m);
+            is_known &= above_m.is_some();
+            least_m = least_m.min(above_m.unwrap_or(f64::INFINITY));
+            let turned = Vec2::from_angle(state.course_rate_radps * (f64::from(second) + 0.5));
+            let flown_m = turned.rotate(state.ground_velocity_mps.truncate());
+            at_m += flown_m.extend(state.ground_velocity_mps.z);
+        }
         let threat = decision.record.threat;
         let name = threat.map_or_else(|| "traffic".to_owned(), |threat| around.name(threat.id));
         let bounds = self.bounds;
