@@ -28,7 +28,7 @@ pub struct Join {
     /// Index of the waypoint at the start of the leg.
     pub index: usize,
     /// Its commands.
-    pub stages: StageList<MOST_STAGES>,
+    pub(crate) stages: StageList<MOST_STAGES>,
     /// Arrival on the leg, seconds from the decision.
     pub joined_s: f64,
     /// Distance along the leg at that time, metres.

@@ -428,7 +428,7 @@ impl Avoider<dyn Places + '_> {
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
-    /// Sets a command to what is left of the manoeuvre of a plan.
+    /// Sets a command to the rest of a plan's manoeuvre.
     fn go_on(&self, plan: &Plan, time_s: f64, command: &mut Maneuver) {
         command.set_later(&self.flown, time_s - plan.decided_s);
     }

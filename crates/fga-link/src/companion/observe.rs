@@ -133,7 +133,7 @@ impl Companion {
             self.told.ready();
             self.session.choose();
         }
-        // Before the first heartbeat there is nobody to tell.
+        // Before the first heartbeat no operator reads it.
         if lacking.is_none() || self.session.system().is_some() {
             self.told.lacking(lacking, voice);
         }

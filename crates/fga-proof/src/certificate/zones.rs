@@ -72,7 +72,7 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or how deep it is entered.
+    /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or that it is below a floor.
     pub fn lower(
         &self,
         line: &Line,
