@@ -43,8 +43,8 @@ pub fn to_json(
         "clock_set_back": record.clock_set_back,
         "start_s": record.start_s,
         "command": maneuver(&decision.command),
-        "chosen": record.chosen.as_ref().map(candidate),
-        "alternative": record.alternative.as_ref().map(candidate),
+        "chosen": record.chosen.as_ref().map(|it| candidate(&decision.command, it)),
+        "alternative": record.alternative.as_ref().map(|(stages, it)| candidate(stages, it)),
         "tracked": record.work.tracked,
         "threats": record.work.threats,
         "candidates": record.work.candidates,
@@ -79,9 +79,9 @@ fn maneuver(maneuver: &Maneuver) -> Vec<Value> {
         .collect()
 }
 
-fn candidate(candidate: &Candidate) -> Value {
+fn candidate(stages: &Maneuver, candidate: &Candidate) -> Value {
     json!({
-        "maneuver": maneuver(&candidate.maneuver),
+        "maneuver": maneuver(stages),
         "margin_m": finite(candidate.margin_m),
         "cost": finite(candidate.cost),
         "verdict": match candidate.verdict {

@@ -126,17 +126,19 @@ pub fn decision_words(
     if let Some(latest_s) = record.latest_start_s {
         parts.push(format!("latest safe start in {latest_s:.1} s"));
     }
-    let candidate_words = |candidate: &Candidate| {
-        let words = maneuver_words(&candidate.maneuver, ownship);
+    let candidate_words = |maneuver: &Maneuver, candidate: &Candidate| {
+        let words = maneuver_words(maneuver, ownship);
         if candidate.margin_m.is_finite() {
             format!("{words}, least margin {:.1} m", candidate.margin_m)
         } else {
             words
         }
     };
-    parts.extend(record.chosen.as_ref().map(candidate_words));
-    if let Some(other) = &record.alternative {
-        parts.push(format!("to the other side: {}", candidate_words(other)));
+    let chosen = record.chosen.as_ref();
+    parts.extend(chosen.map(|chosen| candidate_words(&decision.command, chosen)));
+    if let Some((maneuver, other)) = &record.alternative {
+        let words = candidate_words(maneuver, other);
+        parts.push(format!("to the other side: {words}"));
     }
     if record.straight_aircraft > 0 {
         parts.push(format!(
@@ -257,7 +259,6 @@ mod tests {
                 }),
                 latest_start_s: Some(1.62),
                 chosen: Some(Candidate {
-                    maneuver,
                     margin_m: 4.2,
                     cost: 0.1,
                     verdict: Verdict::Chosen,

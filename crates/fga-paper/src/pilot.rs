@@ -180,7 +180,6 @@ impl PaperPilot {
         record.start_s = Some(plan.start_s - time_s);
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
         record.chosen = Some(Candidate {
-            maneuver: command,
             margin_m: plan.margin_m,
             cost: plan.cost,
             verdict: if plan.clears {

@@ -130,38 +130,38 @@ impl Threat {
 /// An examined manoeuvre.
 #[pyclass(frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Candidate(CoreCandidate);
+pub(crate) struct Candidate(Maneuver, CoreCandidate);
 
 #[pymethods]
 impl Candidate {
     /// Its commands.
     #[getter]
     fn stages(&self) -> Vec<Stage> {
-        stages(&self.0.maneuver)
+        stages(&self.0)
     }
 
     /// Certified lower bound of the separation beyond every volume, metres.
     #[getter]
     fn margin_m(&self) -> f64 {
-        self.0.margin_m
+        self.1.margin_m
     }
 
     /// Its cost.
     #[getter]
     fn cost(&self) -> f64 {
-        self.0.cost
+        self.1.cost
     }
 
     /// certified, rejected or chosen.
     #[getter]
     fn verdict(&self) -> &'static str {
-        verdict_word(self.0.verdict)
+        verdict_word(self.1.verdict)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CandidateParts)> {
-        let Self(candidate) = self;
+        let Self(maneuver, candidate) = self;
         let parts = (
-            command_parts(&candidate.maneuver),
+            command_parts(maneuver),
             candidate.margin_m,
             candidate.cost,
             self.verdict(),
@@ -172,9 +172,9 @@ impl Candidate {
     fn __repr__(&self) -> String {
         format!(
             "Candidate({} stages, margin_m={:?}, cost={:?}, verdict={:?})",
-            self.0.maneuver.stages().len(),
-            self.0.margin_m,
-            self.0.cost,
+            self.0.stages().len(),
+            self.1.margin_m,
+            self.1.cost,
             self.verdict()
         )
     }
@@ -349,13 +349,15 @@ impl Decision {
     /// The manoeuvre, flown or awaited.
     #[getter]
     fn chosen(&self) -> Option<Candidate> {
-        self.decision.record.chosen.map(Candidate)
+        let chosen = self.decision.record.chosen?;
+        Some(Candidate(self.decision.command, chosen))
     }
 
     /// The best manoeuvre to the other side, if there was a search for it.
     #[getter]
     fn alternative(&self) -> Option<Candidate> {
-        self.decision.record.alternative.map(Candidate)
+        let (maneuver, worth) = self.decision.record.alternative?;
+        Some(Candidate(maneuver, worth))
     }
 
     /// Share of the bounds of aircraft that the manoeuvre withstands.
@@ -422,10 +424,7 @@ impl Decision {
             reason_key(record.reason),
             command_parts(command),
             record.threat.map(Threat),
-            (
-                record.chosen.map(Candidate),
-                record.alternative.map(Candidate),
-            ),
+            (self.chosen(), self.alternative()),
             (record.latest_start_s, record.start_s, record.resilience),
             (record.in_need, record.clock_set_back, work.limit_met),
             (
@@ -535,12 +534,12 @@ pub(crate) fn _candidate(
                 "verdict is {verdict:?}, expected certified, rejected or chosen"
             ))
         })?;
-    Ok(Candidate(CoreCandidate {
-        maneuver: command_of(command)?,
+    let worth = CoreCandidate {
         margin_m,
         cost,
         verdict,
-    }))
+    };
+    Ok(Candidate(command_of(command)?, worth))
 }
 
 /// The decision that was pickled.
@@ -572,8 +571,8 @@ pub(crate) fn _decision(
         threat: threat.map(|threat| threat.0),
         latest_start_s: figures.0,
         start_s: figures.1,
-        chosen: candidates.0.map(|candidate| candidate.0),
-        alternative: candidates.1.map(|candidate| candidate.0),
+        chosen: candidates.0.map(|candidate| candidate.1),
+        alternative: candidates.1.map(|it| (it.0, it.1)),
         resilience: figures.2,
         in_need: flags.0,
         clock_set_back: flags.1,

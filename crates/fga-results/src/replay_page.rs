@@ -321,15 +321,9 @@ impl Drawer {
                 paths.len()
             ));
         }
-        if let Some(other) = &record.alternative {
-            let margin_m = finite(other.margin_m);
-            paths.push(self.drawn(
-                own,
-                &other.maneuver,
-                other.verdict.into(),
-                margin_m,
-                DRAWN_S,
-            ));
+        if let Some((maneuver, other)) = &record.alternative {
+            let (kind, margin_m) = (other.verdict.into(), finite(other.margin_m));
+            paths.push(self.drawn(own, maneuver, kind, margin_m, DRAWN_S));
         }
         if decision.state == State::Recovering {
             let kind = ReplayPathKind::WayBack;
@@ -338,9 +332,9 @@ impl Drawer {
         } else if let Some(chosen) = &record.chosen {
             let margin_m = finite(chosen.margin_m);
             let kind = ReplayPathKind::Chosen;
-            let last_s = chosen.maneuver.stages().last().map_or(0.0, |s| s.start_s);
+            let last_s = decision.command.stages().last().map_or(0.0, |s| s.start_s);
             let until_s = (last_s + DRAWN_S).min(WAY_BACK_S);
-            paths.push(self.drawn(own, &chosen.maneuver, kind, margin_m, until_s));
+            paths.push(self.drawn(own, &decision.command, kind, margin_m, until_s));
         }
         ReplayDecision {
             t_s: time_s,

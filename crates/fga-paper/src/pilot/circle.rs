@@ -104,7 +104,6 @@ impl PaperPilot {
         record.start_s = round.way.map(|way| way.start_s() - time_s);
         record.latest_start_s = record.start_s;
         record.chosen = round.way.map(|_| Candidate {
-            maneuver: *command,
             margin_m: self.settings.margin_m,
             cost: 0.0,
             verdict: Verdict::Chosen,

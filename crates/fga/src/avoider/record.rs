@@ -95,11 +95,9 @@ pub enum Verdict {
     Chosen,
 }
 
-/// An examined manoeuvre.
+/// What an examined manoeuvre is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Its commands.
-    pub maneuver: Maneuver,
     /// Certified lower bound of the separation beyond every volume, metres.
     pub margin_m: f64,
     /// Its cost (Alg. 2 line 20, or the objective's).
@@ -136,12 +134,12 @@ pub struct Record {
     pub latest_start_s: Option<f64>,
     /// Start of the chosen manoeuvre, seconds from now.
     pub start_s: Option<f64>,
-    /// The manoeuvre, flown or awaited.
+    /// The manoeuvre of the command, flown or awaited.
     pub chosen: Option<Candidate>,
     /// Its certificate; `None` for a manoeuvre without one.
     pub certified: Option<Certified>,
-    /// The best manoeuvre to the other side, if there was a search for it.
-    pub alternative: Option<Candidate>,
+    /// The best manoeuvre to the other side and what it is worth, if there was a search for it.
+    pub alternative: Option<(Maneuver, Candidate)>,
     /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
     /// to 1 (turns and changes of climb up to their bounds), as its certificate shows; `None` without a certified
     /// manoeuvre, on the way back, without an aircraft among the obstacles, and where some count as flying straight on.
@@ -224,9 +222,7 @@ mod tests {
 
     #[test]
     fn a_decision_in_the_place_of_another_one_has_nothing_of_it() {
-        let hold = Maneuver::hold();
         let chosen = Some(Candidate {
-            maneuver: hold,
             margin_m: 1.0,
             cost: 1.0,
             verdict: Verdict::Chosen,

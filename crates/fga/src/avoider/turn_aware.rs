@@ -447,7 +447,6 @@ impl Avoider<dyn Places + '_> {
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
         record.certified = plan.proof.certified();
         record.chosen = Some(Candidate {
-            maneuver: decision.command,
             margin_m: plan.margin_m,
             cost: plan.cost,
             verdict: if plan.proof.is_certified() {

@@ -1,7 +1,7 @@
 //! Lane changes: out and back to the mission's direction, where a single turn leads far away.
 
 use fga::Vec3;
-use fga::avoider::{Candidate, Start, State};
+use fga::avoider::{Decision, Start, State};
 use fga::prediction::{FlightPath, MotionState};
 use fga::situation::Obstacle;
 use fga::vehicle::{Response, Vehicle};
@@ -81,18 +81,20 @@ fn with_bank_lag_the_margin_is_that_of_both_turns() {
         let meets_s = 7.0 + 10.0 * part;
         let (u, v) = (14.0 + 4.0 * part, -24.0 + 6.0 * part);
         let obstacle = crossing((15.0 * meets_s - u * meets_s, -v * meets_s), (u, v), 0);
-        let record = flight.decide(&[obstacle]).record;
-        let is_change = |chosen: &Candidate| chosen.maneuver.stages().len() == 2;
-        let Some(chosen) = record
-            .chosen
-            .filter(|chosen| !record.reason.is_unproven() && is_change(chosen))
-        else {
+        let Decision {
+            command, record, ..
+        } = flight.decide(&[obstacle]);
+        let is_change = command.stages().len() == 2;
+        let Some(chosen) = record.chosen else {
             continue;
         };
+        if record.reason.is_unproven() || !is_change {
+            continue;
+        }
         changes += 1;
         let mut path = FlightPath::new();
         let start = MotionState::of(&flight.own);
-        path.predict(&flight.flyer, &start, &chosen.maneuver, 61.0);
+        path.predict(&flight.flyer, &start, &command, 61.0);
         let least_m = (0..6000)
             .map(|step| 0.01 * f64::from(step))
             .map(|at_s| {

@@ -78,12 +78,12 @@ fn alike(
     prop_assert_eq!(one.record.reason, other.record.reason);
     let id = |d: &Decision| d.record.threat.map(|threat| threat.id);
     prop_assert_eq!(id(one), id(other));
-    let is_single = |chosen: &Candidate| {
-        chosen.maneuver.stages().len() == 1 && chosen.verdict == Verdict::Chosen
+    let is_single = |decision: &Decision, chosen: &Candidate| {
+        decision.command.stages().len() == 1 && chosen.verdict == Verdict::Chosen
     };
     let exact = policy.weighs_exactly();
     match (one.record.chosen, other.record.chosen) {
-        (Some(a), Some(b)) if exact || (is_single(&a) && is_single(&b)) => {
+        (Some(a), Some(b)) if exact || (is_single(one, &a) && is_single(other, &b)) => {
             let (a, b) = (a.cost, b.cost);
             prop_assert!((a - b).abs() < tolerance, "{a} against {b}");
         }

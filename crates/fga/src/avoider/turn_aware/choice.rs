@@ -1,6 +1,7 @@
 //! Which manoeuvre, and when it begins.
 
 use crate::avoider::{Candidate, Start, Verdict};
+use crate::maneuver::Maneuver;
 use crate::search::{Found, Search};
 
 /// Share of a wait after which no manoeuvre is certified that is tried next.
@@ -12,7 +13,7 @@ pub(super) fn choose(
     search: &mut Search<'_>,
     start: Start,
     (entry_s, period_s): (f64, f64),
-    (latest_s, other): (&mut Option<f64>, &mut Option<Candidate>),
+    (latest_s, other): (&mut Option<f64>, &mut Option<(Maneuver, Candidate)>),
 ) -> Option<Found> {
     let score = match start {
         Start::AtDetection => return search.cheapest(0.0),
@@ -41,17 +42,17 @@ pub(super) fn choose(
 
 /// Puts a manoeuvre on record if it is certified.
 #[inline(never)]
-fn show(search: &mut Search<'_>, found: Option<Found>, on_record: &mut Option<Candidate>) {
-    *on_record = found
+fn show(search: &mut Search<'_>, found: Option<Found>, other: &mut Option<(Maneuver, Candidate)>) {
+    *other = found
         .filter(|found| search.prove(found).is_some())
         .map(|found| {
             search.keep(&found.turns);
-            Candidate {
-                maneuver: *search.maneuver(),
+            let worth = Candidate {
                 margin_m: found.margin_m,
                 cost: found.cost,
                 verdict: Verdict::Certified,
-            }
+            };
+            (*search.maneuver(), worth)
         });
 }
 
@@ -60,7 +61,6 @@ mod tests {
     use super::super::tests::{among, sphere};
     use super::*;
     use crate::avoider::demand::WANTED;
-    use crate::maneuver::Maneuver;
 
     /// The wait of the manoeuvre that is chosen past a sphere 400 m ahead, and the latest start, seconds.
     fn wait_s(start: Start) -> (f64, Option<f64>) {
