@@ -40,15 +40,17 @@ const LEAST_SHARE: f64 = 0.005;
 
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
-    pub(super) fn climb(&mut self, search: &mut Search<'_>, near: &mut Approaches, steps: u32) {
-        self.find_closest(search, near);
+    pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
+        if self.approaches.len < search.scene.around.rows.len() {
+            self.find_closest(search);
+        }
         // Certified margins are a little less than these.
         let enough_m = search.scene.target_m + LEAST_GAIN_M;
         for _ in 0..steps {
             if self.done || self.least_m() >= enough_m || search.limit_met() {
                 return;
             }
-            self.step(search, near);
+            self.step(search);
         }
     }
 
@@ -78,12 +80,12 @@ impl Ascent {
 
     /// One step uphill, in a box that shrinks until it goes up.
     #[inline(never)]
-    fn step(&mut self, search: &mut Search<'_>, near: &mut Approaches) {
+    fn step(&mut self, search: &mut Search<'_>) {
         let here_m = self.least_m();
         let bounds = bounds(search.scene.climb_limits_rad);
-        let slopes = self.slopes(search, near);
+        let slopes = self.slopes(search);
         loop {
-            let (step, lifted_m) = self.best_step(near, &slopes, &bounds, &search.meter);
+            let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
             let promised_m = lifted_m - here_m;
             let least_m = LEAST_GAIN_M.max(LEAST_SHARE * (search.scene.target_m - here_m));
             if promised_m < least_m || search.limit_met() {
@@ -94,12 +96,12 @@ impl Ascent {
             for ((x, step), scale) in tried.iter_mut().zip(step).zip(self.scales) {
                 *x += step * scale;
             }
-            let there = self.look(search, near, &tried);
+            let there = self.look(search, &tried);
             let gained_m = there.map_or(f64::MIN, |there| there.least_m() - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
             {
-                (self.at, self.margin_m, *near) = (tried, there.least_m(), there);
+                (self.at, self.approaches) = (tried, there);
                 if gained_m > 0.5 * promised_m {
                     self.size = (2.0 * self.size).min(LARGEST_BOX);
                 }
@@ -126,7 +128,7 @@ impl Ascent {
 
     /// Notes the closest obstacles now.
     #[inline(never)]
-    fn find_closest(&mut self, search: &mut Search<'_>, near: &mut Approaches) {
+    fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.around.rows;
         let mut closest = Approaches::NONE;
         if predict(search, &self.turns(&self.at)) {
@@ -143,27 +145,26 @@ impl Ascent {
             self.done = true;
         }
         let near_m = closest.least_m() + NEAR * search.scene.turn_radius_m();
-        *near = Approaches::NONE;
+        self.approaches = Approaches::NONE;
         for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
-            near.take(*approach);
-        }
-        if near.len > 0 {
-            self.margin_m = near.least_m();
+            self.approaches.take(*approach);
         }
     }
 
     /// The approaches of the noted obstacles with other parameters; `None` if the path is not predicted to its end.
     #[inline(never)]
-    fn look(&self, search: &mut Search<'_>, near: &Approaches, at: &Vector) -> Option<Approaches> {
+    fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
         search.evaluated += 1;
         if !predict(search, &self.turns(at)) {
             return None;
         }
         let hazards = search.scene.around.rows;
         let mut approaches = Approaches::NONE;
-        for known in near.iter() {
-            let hazard = hazards.get(known.place);
-            if let Some(approach) = hazard.and_then(|hazard| nearest(search, known.place, hazard)) {
+        for known in self.approaches.iter() {
+            if let Some(approach) = hazards
+                .get(known.place)
+                .and_then(|hazard| nearest(search, known.place, hazard))
+            {
                 approaches.take(approach);
             }
         }
@@ -172,22 +173,25 @@ impl Ascent {
 
     /// The slope of each margin in each parameter, per natural step: that of the distance at the closest approach.
     #[inline(never)]
-    fn slopes(&self, search: &Search<'_>, near: &Approaches) -> [Vector; CLOSEST] {
+    fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        if !search.meter.take(SLOPES_WORK + near.len) {
+        if !search.meter.take(SLOPES_WORK + self.approaches.len) {
             return slopes;
         }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
-        let last_s = near.iter().fold(0.0, |last: f64, a| last.max(a.at_s));
+        let last_s = self
+            .approaches
+            .iter()
+            .fold(0.0, |last: f64, a| last.max(a.at_s));
         moves(
             search.scene.flyer,
             &departure,
             &turns,
             last_s,
             |from_s, until_s, at| {
-                for (slope, known) in slopes.iter_mut().zip(near.iter()) {
+                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
                     if known.at_s < from_s || known.at_s > until_s {
                         continue;
                     }
@@ -215,7 +219,6 @@ impl Ascent {
     #[inline(never)]
     fn best_step(
         &self,
-        near: &Approaches,
         slopes: &[Vector; CLOSEST],
         bounds: &[(f64, f64); PARAMETERS],
         meter: &Meter,
@@ -227,17 +230,17 @@ impl Ascent {
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
-        if !meter.take(PROGRAM_WORK * near.len) {
+        if !meter.take(PROGRAM_WORK * self.approaches.len) {
             return ([0.0; PARAMETERS], self.least_m());
         }
         let mut margins = [Margin::NONE; CLOSEST];
-        for ((margin, known), slope) in margins.iter_mut().zip(near.iter()).zip(slopes) {
+        for ((margin, known), slope) in margins.iter_mut().zip(self.approaches.iter()).zip(slopes) {
             *margin = Margin {
                 now_m: known.margin_m,
                 slope: *slope,
             };
         }
-        lifted(margins.get(..near.len).unwrap_or(&[]), &room)
+        lifted(margins.get(..self.approaches.len).unwrap_or(&[]), &room)
     }
 }
 

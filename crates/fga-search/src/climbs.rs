@@ -19,7 +19,7 @@ pub(super) const PARAMETERS: usize = 6;
 const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
 
 /// Most obstacles of a step: the closest ones.
-pub(super) const CLOSEST: usize = 12;
+pub(super) const CLOSEST: usize = 8;
 
 /// Climbs that are this close have met, in units of the natural steps.
 const SAME: f64 = 0.2;
@@ -84,8 +84,7 @@ pub(super) struct Ascent {
     pub seed: Found,
     pub at: Vector,
     pub used: usize,
-    /// The least margin so far, metres, not yet certified.
-    pub margin_m: f64,
+    pub approaches: Approaches,
     /// Natural steps of the parameters.
     pub scales: Vector,
     /// Half the width of the box of the next step, in units of the natural steps.
@@ -98,7 +97,7 @@ impl Ascent {
         seed: Found::NONE,
         at: [0.0; PARAMETERS],
         used: 0,
-        margin_m: 0.0,
+        approaches: Approaches::NONE,
         scales: [0.0; PARAMETERS],
         size: 0.0,
         done: false,
@@ -118,7 +117,6 @@ impl Ascent {
             seed: *seed,
             at: to_vector(&seed.turns),
             used: if two { PARAMETERS } else { 3 },
-            margin_m: seed.margin_m,
             scales: [wait / rate, turn, climb, after / rate, turn2, climb2],
             size: 1.0,
             ..Self::NONE
@@ -127,10 +125,12 @@ impl Ascent {
 
     /// The least margin so far, metres, not yet certified; without a manoeuvre the least number.
     pub(super) fn least_m(&self) -> f64 {
-        if self.is_some() {
-            self.margin_m
-        } else {
+        if !self.is_some() {
             f64::MIN
+        } else if self.approaches.len == 0 {
+            self.seed.margin_m
+        } else {
+            self.approaches.least_m()
         }
     }
 
@@ -165,15 +165,12 @@ fn to_vector(turns: &Turns) -> Vector {
 pub(super) struct Climbs {
     seeds: [Found; SEEDS],
     pub climbers: [Ascent; CLIMBERS],
-    /// The closest approaches where the one that climbs is.
-    pub closest: Approaches,
 }
 
 impl Climbs {
     pub(super) const NONE: Self = Self {
         seeds: [Found::NONE; SEEDS],
         climbers: [Ascent::NONE; CLIMBERS],
-        closest: Approaches::NONE,
     };
 
     /// Forgets all from a place on.

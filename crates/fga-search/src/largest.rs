@@ -321,7 +321,7 @@ impl Search<'_> {
                 *slot = climber;
             }
         }
-        let (climbers, near) = (&mut climbs.climbers, &mut climbs.closest);
+        let climbers = &mut climbs.climbers;
         for (most, steps) in ROUNDS {
             let mut cheapest: Option<Found> = None;
             for climber in climbers.iter_mut().take(most) {
@@ -331,7 +331,7 @@ impl Search<'_> {
                 if self.limit_met() {
                     break;
                 }
-                climber.climb(self, near, steps);
+                climber.climb(self, steps);
                 if climber.least_m() >= self.scene.target_m {
                     let found = climber.certified(self);
                     if found.margin_m >= self.scene.target_m
