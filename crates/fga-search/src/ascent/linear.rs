@@ -157,7 +157,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_step_in_the_box_lifts_the_least_margin_higher(
-            margins in proptest::collection::vec((-5.0..5.0f64, proptest::array::uniform6(-8.0..8.0f64)), 1..13),
+            margins in proptest::collection::vec((-5.0..5.0f64, proptest::array::uniform6(-8.0..8.0f64)), 1..=CLOSEST),
             room in proptest::array::uniform6((-1.0..0.0f64, 0.0..1.0f64)),
             tried in proptest::collection::vec(proptest::array::uniform6(0.0..1.0f64), 300),
         ) {

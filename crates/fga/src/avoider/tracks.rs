@@ -62,6 +62,8 @@ pub struct Tracks<P: ?Sized = AllPlaces> {
     pub overflow: bool,
     /// Whether any has an uncertainty.
     pub uncertain: bool,
+    /// Whether any is new, or has another velocity than in the last step.
+    pub changed: bool,
     /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet; the hazards.
     places: P,
 }
@@ -138,6 +140,7 @@ impl<P: Places> Tracks<P> {
             inside: false,
             overflow: false,
             uncertain: false,
+            changed: false,
             places,
         }
     }
@@ -152,7 +155,8 @@ impl<P: Places + ?Sized> Tracks<P> {
         (self.count, self.aircraft, self.work) = (0, 0, 0);
         self.farthest = None;
         (self.seen, self.unusable) = (0, 0);
-        (self.inside, self.overflow, self.uncertain) = (false, false, false);
+        (self.inside, self.overflow) = (false, false);
+        (self.uncertain, self.changed) = (false, false);
     }
 
     /// Also forgets the obstacles of earlier steps.
@@ -470,14 +474,12 @@ impl<P: Places + ?Sized> Tracks<P> {
             until_s: f64::INFINITY,
         };
         let mut place = self.count;
-        let mut last = self
-            .all_known()
-            .iter()
-            .take(self.len)
-            .enumerate()
-            .skip(place);
+        let known_before = self.all_known().iter().take(self.len);
+        let mut last = known_before.enumerate().skip(place);
+        let mut changed = true;
         let from =
             if let Some((from, last)) = last.find(|(_, last)| last.obstacle.id == obstacle.id) {
+                changed = last.obstacle.velocity_mps != obstacle.velocity_mps;
                 known.trend = last.trend;
                 // What keeps its velocity has no turn to learn.
                 if obstacle.movement.bounds().is_some() {
@@ -502,6 +504,7 @@ impl<P: Places + ?Sized> Tracks<P> {
                 place = place.min(farthest);
                 farthest
             };
+        self.changed |= changed;
         let mut moved = known;
         for slot in self
             .places

@@ -53,7 +53,7 @@ fn limits_in_need_that_cannot_be_flown_are_refused() {
 }
 
 #[test]
-fn a_lost_maneuver_is_weighed_anew_once_a_second() {
+fn a_lost_maneuver_is_weighed_anew_once_a_second_and_where_an_obstacle_turns() {
     let avoider = Avoider::new(Settings::default(), planar()).unwrap();
     let mut flight = Flight::of(avoider, planar());
     let mut obstacles = [sphere(1, Vec3::X * 52.0, Vec3::ZERO, RADIUS_M)];
@@ -67,6 +67,9 @@ fn a_lost_maneuver_is_weighed_anew_once_a_second() {
     let later: Vec<_> = (0..5).map(|_| next(&mut obstacles)).collect();
     assert!(later.iter().all(|(margin_m, _)| *margin_m == lost_m));
     assert!(later.iter().skip(1).all(|(_, work)| *work < searched / 10));
+    obstacles[0].velocity_mps = Vec3::Y * 0.1;
+    let works = [(); 3].map(|()| next(&mut obstacles).1);
+    assert!(works[0] > searched / 2 && works[1] < searched / 10 && works[2] < searched / 10);
     obstacles[0].position_m.x += 3.0;
     let weighed = (0..10).map(|_| next(&mut obstacles));
     let weighed: Vec<_> = weighed.filter(|(_, work)| *work > searched / 2).collect();

@@ -20,7 +20,7 @@ impl Avoider<dyn Places + '_> {
         rest: &Maneuver,
         now: &Now<'_>,
     ) -> Option<usize> {
-        if plan.proof.is_certified() {
+        if plan.proof.is_certified() || self.tracks.changed {
             // Searches that found nothing may find something now.
             self.grids = 0;
         }
