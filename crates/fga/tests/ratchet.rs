@@ -50,7 +50,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::maneuver::StageList<40>,
         fga_proof::maneuver::Stage,
         fga_proof::meter::Meter,
-        fga_proof::prediction::ArcSteps,
         fga_proof::prediction::Bend,
         fga_proof::prediction::Exit,
         fga_proof::prediction::FlightPath,

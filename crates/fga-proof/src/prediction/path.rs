@@ -7,7 +7,7 @@ use crate::Vec3;
 use crate::limit::whole;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
-use crate::prediction::{ArcSteps, Flyer, MotionState, Piece, Target};
+use crate::prediction::{Flyer, MotionState, Piece, Target};
 
 /// Most nodes of a path.
 pub const MAX_NODES: usize = 320;
@@ -58,8 +58,7 @@ impl Node {
     }
 
     /// The node `after_s` seconds into a piece, at a state.
-    #[inline]
-    pub fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
+    fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
         let curve = piece.course_curve_radps3;
         let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
         Self {
@@ -74,7 +73,7 @@ impl Node {
 }
 
 /// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
-pub fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
+fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
     let bows = acceleration_mps2 * duration_s * duration_s / (8.0 * CHORD_BOW_M);
     if bows > 1.0 {
         whole(libm::sqrt(bows), most)
@@ -242,50 +241,27 @@ impl FlightPath {
         duration_s: f64,
         meter: &Meter,
     ) -> Option<MotionState> {
-        let mut node = Node::on(flyer, from, piece, 0.0);
-        let acceleration = node.acceleration_mps2;
+        let acceleration = flyer.acceleration_mps2(piece);
         let count = chords(acceleration, duration_s, MAX_NODES + 1);
         let work = count.min(MAX_NODES - self.len) * flyer.node_work();
         if !meter.take(work) {
             return None;
         }
         self.remainder_m += piece.remainder_m;
-        if count == 1 {
-            return self
-                .push(node)
-                .then(|| flyer.advance(from, piece, duration_s));
-        }
-        if piece.is_rolling() {
-            for step in 0..count {
-                let after_s = duration_s * step as f64 / count as f64;
-                let state = flyer.advance(from, piece, after_s);
-                if !self.push(Node::on(flyer, &state, piece, after_s)) {
-                    return None;
-                }
-            }
-            return Some(flyer.advance(from, piece, duration_s));
-        }
         // Where the nodes run out, those there are keep their distance.
         let step_s = if count > MAX_NODES {
             libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
         } else {
             duration_s / count as f64
         };
-        let mut steps = ArcSteps::new(flyer, from, piece, step_s);
-        for _ in 0..count {
-            node.state = *steps.state();
-            if !self.push(node) {
+        for step in 0..count {
+            let after_s = step_s * step as f64;
+            let state = flyer.advance(from, piece, after_s);
+            if !self.push(Node::on(flyer, &state, piece, after_s)) {
                 return None;
             }
-            steps.advance();
         }
-        let mut end = *steps.state();
-        end.course_rad = from.course_rad + piece.course_rate_radps * duration_s;
-        end.climb_rad = from.climb_rad + piece.climb_rate_radps * duration_s;
-        if duration_s >= piece.duration_s {
-            end.bank_rad = piece.bank_end_rad;
-        }
-        Some(end)
+        Some(flyer.advance(from, piece, duration_s))
     }
 
     /// Predicts the flight of `maneuver` from `start` up to `horizon_s` (Eq. 10–12 with the

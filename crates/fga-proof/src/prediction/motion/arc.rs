@@ -1,4 +1,4 @@
-//! Flight at constant rates: its chord exactly, and steps along it.
+//! Where a piece of flight leads: at constant rates exactly.
 
 use crate::Vec3;
 use crate::prediction::motion::{Flyer, MotionState, Piece};
@@ -22,12 +22,6 @@ pub(in crate::prediction) fn unit(angle_rad: f64) -> Complex {
     (cos, sin)
 }
 
-/// The mean of a unit complex number that turns by 2 · half, by a scale, from e^(i half).
-fn mean(half_rad: f64, half: Complex, scale: f64) -> Complex {
-    let chord = scale * sinc(half_rad);
-    (chord * half.0, chord * half.1)
-}
-
 /// sin(x) / x in x², whose next term is below 10⁻¹⁷ up to 1.
 const SINC: [f64; 9] = [
     1.0,
@@ -48,87 +42,6 @@ fn sinc(x: f64) -> f64 {
     }
     let square = x * x;
     SINC.iter().rev().fold(0.0, |sum, term| sum * square + term)
-}
-
-/// Steps of equal length along an arc of constant rates, without a transcendental call a step.
-///
-/// ψ+θ, ψ−θ and θ are unit complex numbers that turn by a constant angle each step.
-#[derive(Debug, Clone, Copy)]
-pub struct ArcSteps {
-    state: MotionState,
-    step_s: f64,
-    course_step_rad: f64,
-    climb_step_rad: f64,
-    airspeed_mps: f64,
-    sum: Complex,
-    difference: Complex,
-    climb: Complex,
-    turn: [Complex; 3],
-    shift: [Complex; 3],
-}
-
-impl ArcSteps {
-    /// Steps of `step_s` seconds along `piece` from `state`.
-    pub fn new(flyer: &Flyer, state: &MotionState, piece: &Piece, step_s: f64) -> Self {
-        let half_course = 0.5 * piece.course_rate_radps * step_s;
-        let half_climb = 0.5 * piece.climb_rate_radps * step_s;
-        let scale = flyer.airspeed_mps * step_s;
-        let (course, climb) = (unit(state.course_rad), unit(state.climb_rad));
-        let (course_half, climb_half) = (unit(half_course), unit(half_climb));
-        let sum_half = times(course_half, climb_half);
-        let difference_half = times(course_half, conjugate(climb_half));
-        Self {
-            state: *state,
-            step_s,
-            course_step_rad: 2.0 * half_course,
-            climb_step_rad: 2.0 * half_climb,
-            airspeed_mps: flyer.airspeed_mps,
-            sum: times(course, climb),
-            difference: times(course, conjugate(climb)),
-            climb,
-            turn: [
-                times(sum_half, sum_half),
-                times(difference_half, difference_half),
-                times(climb_half, climb_half),
-            ],
-            shift: [
-                mean(half_course + half_climb, sum_half, 0.5 * scale),
-                mean(half_course - half_climb, difference_half, 0.5 * scale),
-                mean(half_climb, climb_half, scale),
-            ],
-        }
-    }
-
-    /// The state now.
-    pub const fn state(&self) -> &MotionState {
-        &self.state
-    }
-
-    /// The velocity now, metres per second.
-    pub fn velocity_mps(&self) -> Vec3 {
-        let half = 0.5 * self.airspeed_mps;
-        Vec3::new(
-            half * (self.sum.0 + self.difference.0),
-            half * (self.sum.1 + self.difference.1),
-            self.airspeed_mps * self.climb.1,
-        )
-    }
-
-    /// Goes one step on.
-    pub fn advance(&mut self) {
-        let [sum_shift, difference_shift, climb_shift] = self.shift;
-        let sum = times(self.sum, sum_shift);
-        let difference = times(self.difference, difference_shift);
-        let climb = times(self.climb, climb_shift);
-        self.state.position_m += Vec3::new(sum.0 + difference.0, sum.1 + difference.1, climb.1);
-        let [sum_turn, difference_turn, climb_turn] = self.turn;
-        self.sum = times(self.sum, sum_turn);
-        self.difference = times(self.difference, difference_turn);
-        self.climb = times(self.climb, climb_turn);
-        self.state.time_s += self.step_s;
-        self.state.course_rad += self.course_step_rad;
-        self.state.climb_rad += self.climb_step_rad;
-    }
 }
 
 impl Flyer {
