@@ -63,7 +63,7 @@ impl Turns<'_> {
             .exit(self.route.flyer, side * by_rad)
             .unwrap_or_default();
         let (sin, cos) = libm::sincos(course_rad - self.leg.course_rad);
-        let (forward_m, aside_m) = exit.from_m;
+        let (forward_m, aside_m) = exit.from_m.into();
         let drift_mps = self.leg.cross_speed_mps(self.leg.course_rad);
         let left_m = forward_m * sin + side * aside_m * cos + drift_mps * exit.begins_s;
         (left_m, exit.begins_s)

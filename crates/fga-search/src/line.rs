@@ -138,7 +138,7 @@ impl Search<'_> {
         let inexact_m = Bend::inexact_m(flyer);
         let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(entry, way.climb_rad);
         let speed_mps = flyer.airspeed_mps();
-        let turned = (exit.turned.0, sign * exit.turned.1);
+        let turned = (exit.turned.x, sign * exit.turned.y);
         let end = (
             course.0 * turned.0 - course.1 * turned.1,
             course.1 * turned.0 + course.0 * turned.1,
@@ -147,7 +147,7 @@ impl Search<'_> {
         let straight_m = level * speed_mps * (after_s - exit.begins_s);
         // The course of the climb is unknown: half of it on either.
         let half_m = 0.5 * along_m;
-        let (ahead_m, left_m) = (level * exit.from_m.0 + half_m, level * sign * exit.from_m.1);
+        let (ahead_m, left_m) = (level * exit.from_m.x + half_m, level * sign * exit.from_m.y);
         let end_m = straight_m + half_m;
         let moved_m = Vec3::new(
             ahead_m * course.0 - left_m * course.1 + end_m * end.0,

@@ -14,7 +14,7 @@ const fn conjugate(a: Complex) -> Complex {
 }
 
 /// e^(i angle); free for level flight.
-pub(in crate::prediction) fn unit(angle_rad: f64) -> Complex {
+fn unit(angle_rad: f64) -> Complex {
     if angle_rad == 0.0 {
         return (1.0, 0.0);
     }

@@ -2,9 +2,10 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::limit::{Limit as _, whole};
-use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD, ROLL_OUTS, Target};
-use crate::prediction::roll::{Roll, roll_out, tan_share};
+use crate::Vec2;
+use crate::limit::Limit as _;
+use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD};
+use crate::prediction::roll::{GAUSS, Roll, roll_out, tan_share};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
@@ -21,16 +22,6 @@ const LEVEL_TURN: f64 = 0.1;
 /// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
 const USUAL_SCALE_M: f64 = 1.5;
 
-/// The widest bank with a tabulated roll-out, radians: a gust or another pilot may bank beyond the vehicle's largest. The roll-out
-/// of a wider one is taken for that of this one.
-const WIDEST_RAD: f64 = 1.25;
-
-/// A roll-out is over after this many time constants: thousandths of the bank are left.
-const SETTLED_AFTER: f64 = 6.0;
-
-/// Most pieces of a roll-out.
-const MOST_PIECES: usize = 64;
-
 impl Flyer {
     /// Computes what all rolls share.
     pub(super) fn prepare_rolls(&mut self) {
@@ -46,54 +37,21 @@ impl Flyer {
         self.begin_rolls_from(0.0);
     }
 
-    /// Computes the roll-outs from all banks of the table.
-    pub(super) fn roll_out_from_all(&mut self) {
-        let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
-        for place in 0..ROLL_OUTS {
-            let rolled_out_m = self.rolled_out_m(place as f64 * step_rad);
-            if let Some(slot) = self.roll_outs_m.get_mut(place) {
-                *slot = rolled_out_m;
-            }
-        }
-    }
-
-    /// Displacement of a roll-out from a bank, as in the table, from its pieces.
-    fn rolled_out_m(&self, bank_rad: f64) -> (f64, f64) {
-        let settled_s = SETTLED_AFTER * self.bank_time_constant_s;
-        let mut state = MotionState::ahead(bank_rad);
-        let target = Target {
-            course_rad: self.rollout_rad(bank_rad),
-            climb_rad: 0.0,
-            rate_share: 1.0,
+    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
+    ///
+    /// That is V τ ∫ (e^(−i r(s φ)) − 1) ds / s over what is left of the bank, a share s, with what rolling out from it turns by, r, turned by
+    /// r(φ).
+    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Vec2 {
+        let off = |share: f64| {
+            let (sin, cos) = libm::sincos(self.rollout_rad(share * bank_rad));
+            Vec2::new(cos - 1.0, -sin) / share
         };
-        for _ in 0..MOST_PIECES {
-            let left_s = settled_s - state.time_s;
-            let piece = self.next_piece_within(&state, &target, left_s);
-            let for_s = piece.duration_s.min(left_s);
-            state = self.advance(&state, &piece, for_s);
-            if for_s == left_s {
-                break;
-            }
-        }
-        (state.position_m.x, state.position_m.y)
-    }
-
-    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
-    /// course at its start, metres, to decimetres.
-    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> (f64, f64) {
-        let most = (ROLL_OUTS - 1) as f64;
-        let place = (bank_rad.abs() / WIDEST_RAD * most).min(most);
-        let above = whole(place, ROLL_OUTS - 1);
-        let share = place - (above - 1) as f64;
-        let at = |place: usize| self.roll_outs_m.get(place).copied().unwrap_or_default();
-        let (low, high) = (at(above - 1), at(above));
-        let left = low.1 + share * (high.1 - low.1);
+        let moved: Vec2 = GAUSS
+            .iter()
+            .map(|(at, weight)| (off(*at) + off(1.0 - at)) * *weight)
+            .sum();
         let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
-        let straight_m = self.airspeed_mps * SETTLED_AFTER * self.bank_time_constant_s;
-        (
-            low.0 + share * (high.0 - low.0) - straight_m * cos,
-            libm::copysign(1.0, bank_rad) * left - straight_m * sin,
-        )
+        Vec2::new(cos, sin).rotate(moved) * self.airspeed_mps * self.bank_time_constant_s
     }
 
     /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
