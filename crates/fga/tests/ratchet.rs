@@ -36,7 +36,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::certificate::Asked,
         fga_proof::certificate::Certificate,
         fga_proof::certificate::Certified,
-        fga_proof::certificate::Chord,
         fga_proof::certificate::Fixed,
         fga_proof::certificate::Hazard,
         fga_proof::certificate::Hazards,
