@@ -107,7 +107,7 @@ impl Roll {
         // What is left of the roll at the abscissas, and so at the end.
         let [(first, outer), (second, inner)] = GAUSS;
         let left = decays([first, second, 1.0 - second, 1.0 - first].map(|at| lasts * at));
-        let [a, b, c, d] = tans(left.map(|left| command_rad + off_rad * left));
+        let [a, b, c, d] = left.map(|left| tan(command_rad + off_rad * left));
         let to_rad = command_rad + off_rad * (left[0] * left[3]);
         // The course rate in Legendre's polynomials over the piece.
         let (even, odd) = (
@@ -216,13 +216,7 @@ fn tan(bank_rad: f64) -> f64 {
     bank_rad * tan_share(bank_rad)
 }
 
-/// The tangents of four banks. A function of its own is compiled to vectors.
-#[inline(never)]
-fn tans(banks_rad: [f64; 4]) -> [f64; 4] {
-    banks_rad.map(tan)
-}
-
-/// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. Compiled to vectors as well.
+/// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. A function of its own is compiled to vectors.
 #[inline(never)]
 fn decays(x: [f64; 4]) -> [f64; 4] {
     x.map(|x| {
@@ -232,37 +226,12 @@ fn decays(x: [f64; 4]) -> [f64; 4] {
     })
 }
 
-/// Up to this bank a polynomial tells the turn of a roll-out, radians.
-const MODERATE_RAD: f64 = 0.9;
-
-/// The polynomial in u² of ∫ tan(u)/u du, by u: it meets it at twelve Chebyshev points, good to 10⁻¹³.
-const MODERATE: [f64; 12] = [
-    0.999_999_999_999_950_9,
-    0.111_111_111_128_527_9,
-    0.026_666_665_647_242_96,
-    0.007_709_773_825_228_495,
-    0.002_429_670_506_494_86,
-    0.000_807_622_214_240_716_7,
-    0.000_268_226_982_066_033_25,
-    0.000_119_777_916_348_911_17,
-    -7.089_337_432_458_716e-06,
-    6.182_451_941_441_808e-05,
-    -3.000_825_693_091_690_2e-05,
-    1.365_245_090_697_023e-05,
-];
-
 /// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
-/// Beyond moderate banks, tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
+/// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
 pub(super) fn roll_out(bank_rad: f64) -> f64 {
     let square = bank_rad * bank_rad;
-    if bank_rad.abs() <= MODERATE_RAD {
-        // By pairs: half as many steps wait for the one before.
-        let fourth = square * square;
-        let pairs = MODERATE.as_chunks::<2>().0.iter().rev();
-        return bank_rad * pairs.fold(0.0, |sum, [a, b]| sum * fourth + (a + b * square));
-    }
     let series = SERIES
         .iter()
         .rev()
@@ -306,7 +275,8 @@ mod tests {
                 assert!((decay * x.exp() - 1.0).abs() < 1e-14, "{x}: {decay}");
             }
             let banks_rad = [1.4, -1.4, 0.3, -0.01].map(|bank_rad| bank_rad * part);
-            for (tan, bank_rad) in tans(banks_rad).into_iter().zip(banks_rad) {
+            for bank_rad in banks_rad {
+                let tan = tan(bank_rad);
                 assert!((tan - bank_rad.tan()).abs() < 1e-10, "{bank_rad}: {tan}");
             }
         }
