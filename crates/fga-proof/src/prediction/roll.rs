@@ -201,19 +201,15 @@ const SERIES: [f64; 9] = [
     8.959_523_479_911_502e-14,
 ];
 
-/// tan(u)/u by the same series, good to 10⁻¹¹ for banks up to 80°.
-pub(super) fn tan_share(bank_rad: f64) -> f64 {
+/// The tangent by the same series, good to 10⁻¹¹ for banks up to 80°.
+fn tan(bank_rad: f64) -> f64 {
     let square = bank_rad * bank_rad;
     let (mut series, mut degree) = (0.0, 2.0 * SERIES.len() as f64 - 1.0);
     for coefficient in SERIES.iter().rev() {
         series = series * square + degree * coefficient;
         degree -= 2.0;
     }
-    8.0 / (PI * PI - 4.0 * square) + series
-}
-
-fn tan(bank_rad: f64) -> f64 {
-    bank_rad * tan_share(bank_rad)
+    bank_rad * (8.0 / (PI * PI - 4.0 * square) + series)
 }
 
 /// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. A function of its own is compiled to vectors.

@@ -3,18 +3,15 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec2;
-use crate::limit::Limit as _;
+use crate::limit::{Limit as _, root};
 use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD};
-use crate::prediction::roll::{GAUSS, Roll, roll_out, tan_share};
+use crate::prediction::roll::{GAUSS, Roll, roll_out};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
 
 /// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
-
-/// Iterations for the start of the roll-out.
-const STEPS_TO_ROLL_OUT: u32 = 12;
 
 /// A remaining turn with the wings level takes this share of the time constant.
 const LEVEL_TURN: f64 = 0.1;
@@ -148,42 +145,17 @@ impl Flyer {
     }
 
     /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
-    /// roll-out's, which is `at_b` at its end.
-    ///
-    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: a cubic with that rate at both ends, then
-    /// Newton's steps, kept between the ends.
-    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_b: f64) -> Roll {
-        let (mut a, mut b) = (0.0, roll.lasts);
-        let at_a = turn_left - self.rollout_rad(roll.from_rad);
-        let gain = self.gain_radps * self.bank_time_constant_s;
-        let falls = |bank_rad: f64| -gain * roll.command_rad * tan_share(bank_rad);
-        let span = at_b - at_a;
-        let share = -at_a / span;
-        let (first, last) = (span / falls(roll.from_rad), span / falls(roll.to_rad));
-        let rest = 1.0 - share;
-        let cubic =
-            share * share * (3.0 - 2.0 * share) * b + share * rest * (rest * first - share * last);
-        let mut at = cubic.limited(a, b);
-        let mut part = *roll;
-        for _ in 0..STEPS_TO_ROLL_OUT {
-            part = Roll::part(roll.from_rad, roll.command_rad, at);
-            let left = self.left_after(&part, turn_left) - self.rollout_rad(part.to_rad);
-            if left.abs() < 0.1 * ROLL_OUT_BEGINS_RAD {
-                break;
-            }
-            if left * at_b < 0.0 {
-                a = at;
-            } else {
-                b = at;
-            }
-            let next = at - left / falls(part.to_rad);
-            at = if next > a && next < b {
-                next
-            } else {
-                0.5 * (a + b)
-            };
-        }
-        part
+    /// roll-out's, which is `at_end` at its end.
+    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_end: f64) -> Roll {
+        let part = |lasts: f64| Roll::part(roll.from_rad, roll.command_rad, lasts);
+        let beyond = |part: &Roll| self.left_after(part, turn_left) - self.rollout_rad(part.to_rad);
+        let begins = (0.0, turn_left - self.rollout_rad(roll.from_rad));
+        let near_rad = 0.1 * ROLL_OUT_BEGINS_RAD;
+        part(root(
+            |lasts| beyond(&part(lasts)),
+            [begins, (roll.lasts, at_end)],
+            near_rad,
+        ))
     }
 
     /// The bank between two states of one piece, radians: what is left of a decay is the same share in equal times.
