@@ -5,6 +5,7 @@
 //! a table has those.
 
 use crate::Vec2;
+use crate::prediction::motion::arc::unit;
 use crate::prediction::motion::{Bend, End, Flyer, MotionState, Target};
 
 /// A roll-out is nearly over after this many time constants.
@@ -24,11 +25,6 @@ pub struct Exit {
     pub from_m: Vec2,
     /// Cosine and sine of the turn.
     pub turned: Vec2,
-}
-
-fn unit(angle_rad: f64) -> Vec2 {
-    let (sin, cos) = libm::sincos(angle_rad);
-    Vec2::new(cos, sin)
 }
 
 impl Bend {

@@ -4,6 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec2;
 use crate::limit::{Limit as _, root};
+use crate::prediction::motion::arc::unit;
 use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD};
 use crate::prediction::roll::{GAUSS, Roll, roll_out};
 
@@ -37,15 +38,15 @@ impl Flyer {
     /// r(φ).
     pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Vec2 {
         let off = |share: f64| {
-            let (sin, cos) = libm::sincos(self.rollout_rad(share * bank_rad));
-            Vec2::new(cos - 1.0, -sin) / share
+            let turned = unit(-self.rollout_rad(share * bank_rad));
+            (turned - Vec2::X) / share
         };
         let moved: Vec2 = GAUSS
             .iter()
             .map(|(at, weight)| (off(*at) + off(1.0 - at)) * *weight)
             .sum();
-        let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
-        Vec2::new(cos, sin).rotate(moved) * self.airspeed_mps * self.bank_time_constant_s
+        let turned = unit(self.rollout_rad(bank_rad));
+        turned.rotate(moved) * self.airspeed_mps * self.bank_time_constant_s
     }
 
     /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
