@@ -13,36 +13,6 @@ const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len
 /// mission's direction.
 pub(super) const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
 
-/// Where a turn begins.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
-    pub from: MotionState,
-    /// Cosine and sine of the course and of the climb angle.
-    pub course: (f64, f64),
-    pub climb: (f64, f64),
-}
-
-impl Entry {
-    pub(super) const NONE: Self = Self {
-        from: MotionState::ahead(0.0),
-        course: (0.0, 0.0),
-        climb: (0.0, 0.0),
-    };
-
-    /// The state at which turns begin.
-    pub(super) fn at(from: &MotionState) -> Self {
-        let unit = |angle_rad| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            (cos, sin)
-        };
-        Self {
-            from: *from,
-            course: unit(from.course_rad),
-            climb: unit(from.climb_rad),
-        }
-    }
-}
-
 /// The side of turns and the climb target taken up during them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
@@ -59,14 +29,14 @@ pub(super) struct Prefix {
     /// First turn and climb, radians, if the last turn is the second one.
     pub first: Option<(f64, f64)>,
     /// Where the last turn begins.
-    pub entry: Entry,
+    pub entry: MotionState,
 }
 
 impl Prefix {
     pub(super) const NONE: Self = Self {
         leaves: MotionState::ahead(0.0),
         first: None,
-        entry: Entry::NONE,
+        entry: MotionState::ahead(0.0),
     };
 
     /// The member of a row with this last turn, radians towards its side.
@@ -76,7 +46,7 @@ impl Prefix {
             first,
             entry,
         } = self;
-        let to_rad = entry.from.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
+        let to_rad = entry.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
         let climb_rad = way.climb_rad;
         let wait_s = leaves.time_s;
         let Some((first_rad, first_climb)) = *first else {
@@ -92,7 +62,7 @@ impl Prefix {
             turn_rad: first_rad,
             climb_rad: first_climb,
             second: Some(SecondTurn {
-                after_s: entry.from.time_s - wait_s,
+                after_s: entry.time_s - wait_s,
                 turn_rad: to_rad - first_rad,
                 climb_rad,
             }),
