@@ -11,7 +11,9 @@ use fga_proof::certificate::{Hazard, Line};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::MotionState;
 
-use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Vector};
+use super::climbs::{
+    Approach, Approaches, Ascent, CLOSEST, NO_APPROACHES, PARAMETERS, Vector, closest_m, note,
+};
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
@@ -41,7 +43,7 @@ const LEAST_SHARE: f64 = 0.005;
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        if self.approaches.len < search.scene.around.rows.len() {
+        if self.approaches.len() < search.scene.around.rows.len() {
             self.find_closest(search);
         }
         // Certified margins are a little less than these.
@@ -97,7 +99,7 @@ impl Ascent {
                 *x += step * scale;
             }
             let there = self.look(search, &tried);
-            let gained_m = there.map_or(f64::MIN, |there| there.least_m() - here_m);
+            let gained_m = there.map_or(f64::MIN, |there| closest_m(&there) - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
             {
@@ -130,7 +132,7 @@ impl Ascent {
     #[inline(never)]
     fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.around.rows;
-        let mut closest = Approaches::NONE;
+        let mut closest = NO_APPROACHES;
         if predict(search, &self.turns(&self.at)) {
             for (place, hazard) in hazards.iter().enumerate() {
                 if search.limit_met() {
@@ -138,16 +140,16 @@ impl Ascent {
                     break;
                 }
                 if let Some(approach) = nearest(search, place, hazard) {
-                    closest.take(approach);
+                    note(&mut closest, approach);
                 }
             }
         } else {
             self.done = true;
         }
-        let near_m = closest.least_m() + NEAR * search.scene.turn_radius_m();
-        self.approaches = Approaches::NONE;
+        let near_m = closest_m(&closest) + NEAR * search.scene.turn_radius_m();
+        self.approaches = NO_APPROACHES;
         for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
-            self.approaches.take(*approach);
+            note(&mut self.approaches, *approach);
         }
     }
 
@@ -159,13 +161,13 @@ impl Ascent {
             return None;
         }
         let hazards = search.scene.around.rows;
-        let mut approaches = Approaches::NONE;
+        let mut approaches = NO_APPROACHES;
         for known in self.approaches.iter() {
             if let Some(approach) = hazards
                 .get(known.place)
                 .and_then(|hazard| nearest(search, known.place, hazard))
             {
-                approaches.take(approach);
+                note(&mut approaches, approach);
             }
         }
         Some(approaches)
@@ -176,7 +178,7 @@ impl Ascent {
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        if !search.meter.take(SLOPES_WORK + self.approaches.len) {
+        if !search.meter.take(SLOPES_WORK + self.approaches.len()) {
             return slopes;
         }
         let turns = self.turns(&self.at);
@@ -230,7 +232,7 @@ impl Ascent {
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
-        if !meter.take(PROGRAM_WORK * self.approaches.len) {
+        if !meter.take(PROGRAM_WORK * self.approaches.len()) {
             return ([0.0; PARAMETERS], self.least_m());
         }
         let mut margins = [Margin::NONE; CLOSEST];
@@ -240,7 +242,7 @@ impl Ascent {
                 slope: *slope,
             };
         }
-        lifted(margins.get(..self.approaches.len).unwrap_or(&[]), &room)
+        lifted(margins.get(..self.approaches.len()).unwrap_or(&[]), &room)
     }
 }
 

@@ -235,8 +235,7 @@ impl Search<'_> {
         let mut until = u32::MAX;
         if aim == Aim::LeastDeparture {
             // The cost of a single turn is known by its line alone.
-            let rows = lattice.rows.iter_mut().take(lattice.row_count);
-            for row in rows {
+            for row in lattice.rows.iter_mut() {
                 if let Some(prefix) = lattice.prefixes.get(row.prefix)
                     && prefix.first.is_none()
                 {

@@ -1,6 +1,7 @@
 //! The rows of a search, their prefixes, and which row is next.
 
 use fga_proof::angle::Side;
+use fga_proof::list::List;
 use fga_proof::prediction::MotionState;
 
 use super::tuned::{ASIDE_RAD, CLIMBS, LEVEL_AFTER, STARTS};
@@ -133,46 +134,37 @@ impl Row {
 /// Rows and their prefixes.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
-    pub prefixes: [Prefix; PREFIXES],
-    prefix_count: usize,
-    pub rows: [Row; ROWS],
-    pub row_count: usize,
+    pub prefixes: List<Prefix, PREFIXES>,
+    pub rows: List<Row, ROWS>,
 }
 
 impl Lattice {
     pub(super) const NONE: Self = Self {
-        prefixes: [Prefix::NONE; PREFIXES],
-        prefix_count: 0,
-        rows: [Row::NONE; ROWS],
-        row_count: 0,
+        prefixes: List::new(Prefix::NONE),
+        rows: List::new(Row::NONE),
     };
 
     /// Forgets all rows.
     pub(super) const fn clear(&mut self) {
-        (self.prefix_count, self.row_count) = (0, 0);
+        self.prefixes.clear();
+        self.rows.clear();
     }
 
     /// Adds a prefix; its rows follow.
     pub(super) fn begin(&mut self, prefix: &Prefix) {
-        if let Some(slot) = self.prefixes.get_mut(self.prefix_count) {
-            *slot = *prefix;
-            self.prefix_count += 1;
-        }
+        self.prefixes.push(*prefix);
     }
 
     /// Adds a row of the last prefix.
     pub(super) fn put(&mut self, row: &Row) {
-        if let Some(slot) = self.rows.get_mut(self.row_count) {
-            let prefix = self.prefix_count.saturating_sub(1);
-            *slot = Row { prefix, ..*row };
-            self.row_count += 1;
-        }
+        let prefix = self.prefixes.len().saturating_sub(1);
+        self.rows.push(Row { prefix, ..*row });
     }
 
     /// The row that may cost least, and that cost.
     pub(super) fn next(&self) -> Option<(usize, f64)> {
         let mut least = (0, f64::INFINITY);
-        for (place, row) in self.rows.iter().take(self.row_count).enumerate() {
+        for (place, row) in self.rows.iter().enumerate() {
             if row.cost < least.1 {
                 least = (place, row.cost);
             }
@@ -182,7 +174,7 @@ impl Lattice {
 
     /// Removes all rows of a prefix.
     pub(super) fn close(&mut self, prefix: usize) {
-        for row in self.rows.iter_mut().take(self.row_count) {
+        for row in self.rows.iter_mut() {
             if row.prefix == prefix {
                 row.close();
             }

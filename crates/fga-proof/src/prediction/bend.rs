@@ -32,16 +32,18 @@ impl Bend {
     #[inline(never)]
     pub fn set(&mut self, flyer: &Flyer, bank_rad: f64) {
         self.bank_rad = bank_rad;
-        self.len = 0;
+        self.ends.clear();
         let mut state = MotionState::ahead(bank_rad);
-        for slot in &mut self.ends {
+        loop {
             let (at_m, course) = (state.position_m.truncate(), unit(state.course_rad));
-            *slot = End {
+            let end = End {
                 turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
                 begins_s: state.time_s,
                 from_m: at_m + course.rotate(flyer.roll_out_m(state.bank_rad)),
             };
-            self.len += 1;
+            if self.ends.push(end).is_none() {
+                break;
+            }
             self.center_m = at_m + course.perp() * flyer.turn_radius_m();
             let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
             if !piece.is_rolling() {
@@ -49,7 +51,7 @@ impl Bend {
             }
             state = flyer.advance(&state, &piece, piece.duration_s);
         }
-        for end in self.ends.iter_mut().take(self.len) {
+        for end in self.ends.iter_mut() {
             let back = unit(-end.turn_rad);
             end.from_m = back.rotate(end.from_m - self.center_m);
         }
@@ -57,22 +59,18 @@ impl Bend {
 
     /// Has no turns any more.
     pub const fn clear(&mut self) {
-        self.len = 0;
+        self.ends.clear();
     }
 
     /// Whether it holds for a bank.
     pub fn is_from(&self, bank_rad: f64) -> bool {
-        self.bank_rad == bank_rad && self.len > 0
-    }
-
-    fn ends(&self) -> &[End] {
-        self.ends.get(..self.len).unwrap_or(&[])
+        self.bank_rad == bank_rad && !self.ends.is_empty()
     }
 
     /// The least turn: rolling out at once, radians.
     #[inline]
     pub fn least_rad(&self) -> f64 {
-        self.ends().first().map_or(0.0, |end| end.turn_rad)
+        self.ends.first().map_or(0.0, |end| end.turn_rad)
     }
 
     /// How far its lines may be from the true ones, metres.
@@ -88,10 +86,10 @@ impl Bend {
     /// The line on which a turn ends, at least the least one.
     pub fn exit(&self, flyer: &Flyer, turn_rad: f64) -> Option<Exit> {
         let turn_rad = turn_rad.max(self.least_rad());
-        let next = self.ends().partition_point(|end| end.turn_rad <= turn_rad);
-        let before = self.ends().get(next.checked_sub(1)?)?;
+        let next = self.ends.partition_point(|end| end.turn_rad <= turn_rad);
+        let before = self.ends.get(next.checked_sub(1)?)?;
         let beyond_rad = turn_rad - before.turn_rad;
-        let (begins_s, from_m) = if let Some(after) = self.ends().get(next) {
+        let (begins_s, from_m) = if let Some(after) = self.ends.get(next) {
             let share = beyond_rad / (after.turn_rad - before.turn_rad);
             (
                 before.begins_s + share * (after.begins_s - before.begins_s),
@@ -116,6 +114,7 @@ mod tests {
     use super::*;
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
+    use crate::prediction::motion::ENDS;
     use crate::vehicle::Vehicle;
 
     fn bend(flyer: &Flyer, bank_rad: f64) -> Bend {
@@ -137,9 +136,9 @@ mod tests {
                 });
                 let bend = bend(&flyer, -flyer.full_bank_rad());
                 assert!(
-                    bend.len < bend.ends.len(),
+                    bend.ends.len() < ENDS,
                     "lag {lag_s}, {speed_mps} m/s: {}",
-                    bend.len
+                    bend.ends.len()
                 );
             }
         }

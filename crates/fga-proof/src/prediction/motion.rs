@@ -10,6 +10,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use crate::angle::direction;
 use crate::limit::Limit as _;
+use crate::list::List;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -25,7 +26,7 @@ const REACHED_RAD: f64 = 1e-11;
 const LEVEL_BANK_RAD: f64 = 1e-3;
 
 /// Most turns of a [`Bend`] that end while the aircraft rolls in. A longer roll-in counts as over after them.
-const ENDS: usize = 22;
+pub(super) const ENDS: usize = 22;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,9 +165,8 @@ pub(super) struct End {
 pub struct Bend {
     /// Bank at the beginning, radians, positive towards the side of the turn.
     pub(super) bank_rad: f64,
-    /// Those that end while the aircraft still rolls in, least first, and how many there are.
-    pub(super) ends: [End; ENDS],
-    pub(super) len: usize,
+    /// Those that end while the aircraft still rolls in, least first.
+    pub(super) ends: List<End, ENDS>,
     /// The centre of the circle once it has rolled in, forward and to the side of the turn, metres.
     pub(super) center_m: Vec2,
 }
@@ -175,12 +175,11 @@ impl Bend {
     /// No turns: zeros, which are written without a copy.
     pub const NONE: Self = Self {
         bank_rad: 0.0,
-        ends: [End {
+        ends: List::new(End {
             turn_rad: 0.0,
             begins_s: 0.0,
             from_m: Vec2::ZERO,
-        }; ENDS],
-        len: 0,
+        }),
         center_m: Vec2::ZERO,
     };
 }

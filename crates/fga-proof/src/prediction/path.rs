@@ -5,6 +5,7 @@ use core::slice::Iter;
 
 use crate::Vec3;
 use crate::limit::whole;
+use crate::list::List;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
 use crate::prediction::{Flyer, MotionState, Piece, Target};
@@ -152,8 +153,7 @@ pub fn flown(
 /// A predicted flight: nodes in time, then straight on from the last one.
 #[derive(Debug, Clone)]
 pub struct FlightPath {
-    nodes: [Node; MAX_NODES],
-    len: usize,
+    nodes: List<Node, MAX_NODES>,
     end_velocity_mps: Vec3,
     complete: bool,
     remainder_m: f64,
@@ -167,14 +167,9 @@ impl Default for FlightPath {
 
 impl FlightPath {
     /// A path without nodes, for [`Self::predict`]. It is large: keep and reuse it.
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
     pub const fn new() -> Self {
         Self {
-            nodes: [Node::straight(MotionState::ahead(0.0)); MAX_NODES],
-            len: 0,
+            nodes: List::new(Node::straight(MotionState::ahead(0.0))),
             end_velocity_mps: Vec3::ZERO,
             complete: false,
             remainder_m: 0.0,
@@ -184,7 +179,7 @@ impl FlightPath {
     /// The nodes, first to last; the aircraft flies straight on from the last one.
     #[inline]
     pub fn nodes(&self) -> &[Node] {
-        self.nodes.get(..self.len).unwrap_or(&[])
+        &self.nodes
     }
 
     /// Velocity after the last node, metres per second.
@@ -206,30 +201,6 @@ impl FlightPath {
         self.remainder_m
     }
 
-    /// Forgets all nodes.
-    pub(crate) fn clear(&mut self) {
-        self.len = 0;
-        self.complete = false;
-        self.remainder_m = 0.0;
-    }
-
-    /// Ends the path at a state from which the aircraft flies straight on.
-    pub(crate) fn finish(&mut self, flyer: &Flyer, state: &MotionState) {
-        self.end_velocity_mps = flyer.velocity_mps(state);
-        self.complete = self.push(Node::straight(*state));
-    }
-
-    pub(crate) fn push(&mut self, node: Node) -> bool {
-        match self.nodes.get_mut(self.len) {
-            Some(slot) => {
-                *slot = node;
-                self.len += 1;
-                true
-            }
-            None => false,
-        }
-    }
-
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
     /// `None` if the nodes ran out, or the meter refuses them.
     #[inline(never)]
@@ -243,7 +214,7 @@ impl FlightPath {
     ) -> Option<MotionState> {
         let acceleration = flyer.acceleration_mps2(piece);
         let count = chords(acceleration, duration_s, MAX_NODES + 1);
-        let work = count.min(MAX_NODES - self.len) * flyer.node_work();
+        let work = count.min(MAX_NODES - self.nodes.len()) * flyer.node_work();
         if !meter.take(work) {
             return None;
         }
@@ -257,9 +228,7 @@ impl FlightPath {
         for step in 0..count {
             let after_s = step_s * step as f64;
             let state = flyer.advance(from, piece, after_s);
-            if !self.push(Node::on(flyer, &state, piece, after_s)) {
-                return None;
-            }
+            self.nodes.push(Node::on(flyer, &state, piece, after_s))?;
         }
         Some(flyer.advance(from, piece, duration_s))
     }
@@ -286,7 +255,8 @@ impl FlightPath {
         horizon_s: f64,
         meter: &Meter,
     ) {
-        self.clear();
+        self.nodes.clear();
+        (self.complete, self.remainder_m) = (false, 0.0);
         // The last node comes on top of those of the pieces.
         if !meter.take(SETUP + flyer.node_work()) {
             return;
@@ -306,7 +276,8 @@ impl FlightPath {
             }
             state = end;
         }
-        self.finish(flyer, &state);
+        self.end_velocity_mps = flyer.velocity_mps(&state);
+        self.complete = self.nodes.push(Node::straight(state)).is_some();
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
         self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
         self.complete &= maneuver.is_whole() && !meter.is_spent();
