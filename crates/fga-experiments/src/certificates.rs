@@ -6,7 +6,7 @@
 
 use clap::Args;
 use fga::Vec3;
-use fga::certificate::{Hazard, Status, certify};
+use fga::certificate::{Hazard, Status, certify_all};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
@@ -222,7 +222,7 @@ impl Case {
         let hazard = Hazard::new(0, &obstacle, self.wind_mps, 1.0);
         let start = MotionState::of(&self.own);
         path.predict(&flyer, &start, &self.maneuver, self.horizon_s);
-        let certificate = certify(&flyer, path, &hazard, self.horizon_s, f64::MIN, WORK);
+        let certificate = certify_all(&flyer, path, &[hazard], self.horizon_s, f64::MIN, WORK);
         let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
         let (mut off_m, mut flown_m) = (0.0_f64, f64::INFINITY);
         for k in 1..=4 {

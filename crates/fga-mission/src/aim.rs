@@ -5,7 +5,7 @@
 use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
 use fga_proof::angle::wrap_pi;
-use fga_proof::limit::Limit as _;
+use fga_proof::limit::{Limit as _, root};
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::{BEND, SETUP};
 use fga_proof::prediction::{Bend, MotionState};
@@ -63,7 +63,7 @@ impl Turns<'_> {
             .exit(self.route.flyer, side * by_rad)
             .unwrap_or_default();
         let (sin, cos) = libm::sincos(course_rad - self.leg.course_rad);
-        let (forward_m, aside_m) = exit.from_m;
+        let (forward_m, aside_m) = exit.from_m.into();
         let drift_mps = self.leg.cross_speed_mps(self.leg.course_rad);
         let left_m = forward_m * sin + side * aside_m * cos + drift_mps * exit.begins_s;
         (left_m, exit.begins_s)
@@ -128,7 +128,7 @@ impl Turns<'_> {
         let off_rad = |versine: f64| side * 2.0 * libm::asin(libm::sqrt(0.5 * versine));
         let near_m = |versine: f64| cross_m(off_rad(versine), onto_rad + off_rad(versine));
         let steepest = (1.0 - libm::cos(steepest_rad), left_m);
-        let off_rad = off_rad(root(near_m, (0.0, direct_m), steepest));
+        let off_rad = off_rad(root(near_m, [(0.0, direct_m), steepest], NEAR_M));
         (off_rad, onto_rad + off_rad, 0.0)
     }
 }
@@ -234,27 +234,6 @@ fn climb_back(
     (climb_rad, (ramp_s + hold_s).max(0.0))
 }
 
-/// Where a function with opposite signs at two points is near zero (the Illinois method).
-fn root(mut function: impl FnMut(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
-    let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
-    // Six trials are usual.
-    for _ in 0..f64::MANTISSA_DIGITS {
-        let step = at_b - at_a;
-        if at_b.abs() < NEAR_M || step == 0.0 {
-            break;
-        }
-        let c = b - at_b * (b - a) / step;
-        let at_c = function(c);
-        if at_c * at_b < 0.0 {
-            (a, at_a) = (b, at_b);
-        } else {
-            at_a *= 0.5;
-        }
-        (b, at_b) = (c, at_c);
-    }
-    b
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -312,12 +291,5 @@ mod tests {
         assert!((steep.climb_rad - core::f64::consts::PI / 12.0).abs() < 1e-9);
         assert!(steep.level_at_s > 100.0 / 15.0);
         assert!(aimed(0.0, 100.0, FRAC_PI_2).climb_rad < 0.0);
-    }
-
-    #[test]
-    fn a_root_lies_between_opposite_signs() {
-        let function = |x: f64| x * x * x - 2.0;
-        let found = root(function, (0.0, -2.0), (2.0, 6.0));
-        assert!(function(found).abs() < NEAR_M, "{found}");
     }
 }

@@ -127,7 +127,7 @@ fn tangent_m(legs: &Legs<'_>, leg: &Leg, next: &Leg) -> f64 {
     let side = libm::copysign(1.0, air_turn_rad);
     let exit = route.exit(air_turn_rad.abs());
     // On the line on which the turn ends, in the frame of the leg: forward and left.
-    let (ahead_m, aside_m) = (exit.from_m.0, side * exit.from_m.1);
+    let (ahead_m, aside_m) = (exit.from_m.x, side * exit.from_m.y);
     let (air_sin, air_cos) = libm::sincos(leg.air_course_rad - leg.course_rad);
     let drift = leg.position(leg.from_m, exit.begins_s);
     let forward_m = air_cos * ahead_m - air_sin * aside_m + drift.along_m;

@@ -92,7 +92,7 @@ impl Route<'_> {
             return 0.0;
         }
         let quarter = self.exit(core::f64::consts::FRAC_PI_2);
-        let late_m = (quarter.from_m.0 - self.radius_m()).max(0.0);
+        let late_m = (quarter.from_m.x - self.radius_m()).max(0.0);
         self.radius_m() + SETTLING * late_m
     }
 }

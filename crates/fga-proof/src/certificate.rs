@@ -141,19 +141,6 @@ pub fn prove(
     })
 }
 
-/// Bounds the separation from one hazard along a path up to `horizon_s`: [`certify_all`] of one.
-pub fn certify(
-    flyer: &Flyer,
-    path: &FlightPath,
-    hazard: &Hazard,
-    horizon_s: f64,
-    floor_m: f64,
-    enough_m: f64,
-) -> Certificate {
-    let one = core::slice::from_ref(hazard);
-    certify_all(flyer, path, one, horizon_s, floor_m, enough_m)
-}
-
 /// Bounds the separation from every hazard along a path up to `horizon_s`, seconds.
 ///
 /// Stops early below `floor_m`; margins are capped at `enough_m`.
@@ -252,26 +239,15 @@ fn bounded_from<H: HazardSet + ?Sized>(
                 worst.margin_m >= floor_m
             })
     });
-    // Then the unsplit chords: only those whose margin less the bow is below what is known so far may decide, so the first and
-    // the last of them bound what is split. Without a gap between floor and ceiling all may.
-    let one_mark = floor_m >= enough_m;
-    let mut deciding_s = if one_mark {
-        (f64::NEG_INFINITY, f64::INFINITY)
-    } else {
-        (f64::INFINITY, f64::NEG_INFINITY)
-    };
+    // Then the unsplit chords: no margin is larger than the least of one and its bow, so only chords that are nearer may decide.
     let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
-    let nodes = path.nodes();
     let above = above
-        && (one_mark
-            || each_near(scene, nodes, &mut worst, |chord, hazard, least, worst| {
-                deciding_s = (deciding_s.0.min(chord.line.at_s), chord.line.at_s);
-                lower(worst, least.0 + chord.bow_m, least.1, hazard);
-            }));
+        && each_near(scene, path, &mut worst, |chord, hazard, least, worst| {
+            lower(worst, least.0 + chord.bow_m, least.1, hazard);
+        });
     // Those are split until the bow no longer matters.
-    let nodes = chords_begun(path, deciding_s);
     let above = above
-        && each_near(scene, nodes, &mut worst, |chord, hazard, _, worst| {
+        && each_near(scene, path, &mut worst, |chord, hazard, _, worst| {
             chord.split(flyer, hazard, (floor_m, most_splits), worst, meter);
         });
     let below_floor = worst.margin_m < floor_m;
@@ -312,7 +288,7 @@ pub fn mark_close(
     let below_m = below_m + path.remainder_m();
     let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
     let clear = &mut Certificate::clear(below_m);
-    let goes_on = each_near(scene, path.nodes(), clear, |_, hazard, _, _| {
+    let goes_on = each_near(scene, path, clear, |_, hazard, _, _| {
         mark(hazard);
     });
     if goes_on && let Some(mut line) = end_line(path, horizon_s) {
@@ -329,19 +305,18 @@ pub fn mark_close(
 
 /// The straight line between two moments of a flight, at constant speed.
 #[derive(Debug, Clone, Copy)]
-pub struct Chord<'a> {
+struct Chord<'a> {
     node: &'a Node,
     end_m: Vec3,
-    /// The line.
-    pub line: Line,
+    line: Line,
     /// Largest bow of the flight from it, metres.
-    pub bow_m: f64,
+    bow_m: f64,
 }
 
 impl<'a> Chord<'a> {
     /// From a node to a later moment on its piece; `None` without a duration.
     #[inline]
-    pub fn new(node: &'a Node, end_m: Vec3, end_s: f64) -> Option<Self> {
+    fn new(node: &'a Node, end_m: Vec3, end_s: f64) -> Option<Self> {
         let duration_s = end_s - node.state.time_s;
         (duration_s > 0.0).then(|| Self {
             node,
@@ -456,28 +431,6 @@ impl<'a> Chord<'a> {
         }
         bow_m
     }
-
-    /// A bound of the margin, just fine enough to decide whether it is at least `floor_m`:
-    /// lowers `worst` to it.
-    #[inline]
-    pub fn bound(
-        &self,
-        flyer: &Flyer,
-        hazard: &Hazard,
-        floor_m: f64,
-        worst: &mut Certificate,
-        meter: &Meter,
-    ) {
-        let below_m = worst.margin_m + self.bow_m;
-        let Some((margin, at_s)) = hazard.least_on_line(&self.line, below_m, meter) else {
-            return;
-        };
-        if margin - self.bow_m < floor_m && margin + self.bow_m >= floor_m {
-            self.split(flyer, hazard, (floor_m, SPLITS), worst, meter);
-        } else {
-            lower(worst, margin - self.bow_m, at_s, hazard);
-        }
-    }
 }
 
 /// The straight line from the last node of a path to `horizon_s`; its duration is negative where the path ends later.
@@ -492,26 +445,18 @@ fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
     })
 }
 
-/// The nodes of the chords of a path that begin within two moments, seconds.
-#[inline]
-fn chords_begun(path: &FlightPath, (from_s, until_s): (f64, f64)) -> &[Node] {
-    let nodes = path.nodes();
-    let first = nodes.partition_point(|node| node.state.time_s < from_s);
-    let end = nodes.partition_point(|node| node.state.time_s <= until_s) + 1;
-    nodes.get(first..end.min(nodes.len())).unwrap_or(&[])
-}
-
 /// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
 /// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
 /// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
 #[inline]
 fn each_near<H: HazardSet + ?Sized>(
     (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
-    nodes: &[Node],
+    path: &FlightPath,
     worst: &mut Certificate,
     mut look: impl FnMut(&Chord<'_>, &H::Each, (f64, f64), &mut Certificate),
 ) -> bool {
-    let (mut rest, mut count) = (nodes, nodes.len());
+    let mut rest = path.nodes();
+    let mut count = rest.len();
     while let [node, _, ..] = rest
         && node.state.time_s < horizon_s
     {
@@ -602,7 +547,7 @@ mod tests {
         // Beside the middle of the turn, and far from all chords over more than a part of it.
         for beside_m in [-10.0, -2.0, 0.0, 2.0, 10.0] {
             let apex_m = Vec3::new(RADIUS_M + RADIUS_M + beside_m, RADIUS_M, 0.0);
-            let found = certify(&flyer, &path, &sphere(0, apex_m), 60.0, f64::MIN, 50.0);
+            let found = certify_all(&flyer, &path, &[sphere(0, apex_m)], 60.0, f64::MIN, 50.0);
             assert!((found.margin_m - (beside_m.abs() - 1.0)).abs() < 0.01);
         }
     }

@@ -1,4 +1,4 @@
-//! Limits a number without a panic, and describes a value out of range.
+//! Limits a number without a panic, finds one between limits, and describes a value out of range.
 
 /// Largest accepted magnitude of a coordinate (metres) or a velocity (metres per second):
 /// far beyond any flight, and small enough that no product of four overflows.
@@ -27,6 +27,27 @@ impl Limit for f64 {
 #[inline]
 pub fn whole(steps: f64, most: usize) -> usize {
     libm::ceil(steps).limited(1.0, most as f64) as usize
+}
+
+/// Where a function is nearer to zero than a value, from two points and its values there of opposite signs (the Illinois method).
+pub fn root(mut function: impl FnMut(f64) -> f64, [low, high]: [(f64, f64); 2], near: f64) -> f64 {
+    let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
+    // Six trials are usual.
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let step = at_b - at_a;
+        if at_b.abs() < near || step == 0.0 {
+            break;
+        }
+        let c = b - at_b * (b - a) / step;
+        let at_c = function(c);
+        if at_c * at_b < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        (b, at_b) = (c, at_c);
+    }
+    b
 }
 
 /// An unusable setting.
@@ -77,6 +98,13 @@ impl SettingsError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_root_lies_between_opposite_signs() {
+        let function = |x: f64| x * x * x - 2.0;
+        let found = root(function, [(0.0, -2.0), (2.0, 6.0)], 1e-3);
+        assert!(function(found).abs() < 1e-3, "{found}");
+    }
 
     #[test]
     fn limits_hold_and_nothing_panics() {

@@ -1,7 +1,7 @@
 //! A list of fixed capacity.
 
-/// At most `N` items in order; a slice reads them.
-#[derive(Debug, Clone)]
+/// At most `N` items in order: a slice of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct List<T, const N: usize> {
     all: [T; N],
     len: usize,
@@ -42,5 +42,12 @@ impl<T, const N: usize> core::ops::Deref for List<T, N> {
     #[inline]
     fn deref(&self) -> &[T] {
         self.all.get(..self.len).unwrap_or(&[])
+    }
+}
+
+impl<T, const N: usize> core::ops::DerefMut for List<T, N> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [T] {
+        self.all.get_mut(..self.len).unwrap_or(&mut [])
     }
 }

@@ -12,6 +12,5 @@ mod roll;
 
 pub use crate::limit::whole;
 pub use bend::Exit;
-pub use motion::arc::ArcSteps;
-pub use motion::{Bend, Flyer, MotionState, Piece, RollOuts, Target};
-pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, chords, flown};
+pub use motion::{Bend, Flyer, MotionState, Piece, Target};
+pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, flown};

@@ -11,7 +11,9 @@ use fga_proof::certificate::{Hazard, Line};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::MotionState;
 
-use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Vector};
+use super::climbs::{
+    Approach, Approaches, Ascent, CLOSEST, NO_APPROACHES, PARAMETERS, Vector, closest_m, note,
+};
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
@@ -26,8 +28,8 @@ const DIFFERENCE: f64 = 1e-4;
 /// The work of the linear program, for each obstacle.
 const PROGRAM_WORK: usize = 8;
 
-/// The work of the slopes, beyond one unit for each obstacle.
-const SLOPES_WORK: usize = 30;
+/// The work of the slopes, for each obstacle.
+const SLOPES_WORK: usize = 25;
 
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
@@ -41,8 +43,11 @@ const LEAST_SHARE: f64 = 0.005;
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        if self.approaches.len < search.scene.around.rows.len() {
+        // The path is that of another one.
+        if self.approaches.len() < search.scene.around.rows.len() {
             self.find_closest(search);
+        } else {
+            self.done |= !predict(search, &self.turns(&self.at));
         }
         // Certified margins are a little less than these.
         let enough_m = search.scene.target_m + LEAST_GAIN_M;
@@ -97,7 +102,7 @@ impl Ascent {
                 *x += step * scale;
             }
             let there = self.look(search, &tried);
-            let gained_m = there.map_or(f64::MIN, |there| there.least_m() - here_m);
+            let gained_m = there.map_or(f64::MIN, |there| closest_m(&there) - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
             {
@@ -130,7 +135,7 @@ impl Ascent {
     #[inline(never)]
     fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.around.rows;
-        let mut closest = Approaches::NONE;
+        let mut closest = NO_APPROACHES;
         if predict(search, &self.turns(&self.at)) {
             for (place, hazard) in hazards.iter().enumerate() {
                 if search.limit_met() {
@@ -138,16 +143,16 @@ impl Ascent {
                     break;
                 }
                 if let Some(approach) = nearest(search, place, hazard) {
-                    closest.take(approach);
+                    note(&mut closest, approach);
                 }
             }
         } else {
             self.done = true;
         }
-        let near_m = closest.least_m() + NEAR * search.scene.turn_radius_m();
-        self.approaches = Approaches::NONE;
+        let near_m = closest_m(&closest) + NEAR * search.scene.turn_radius_m();
+        self.approaches = NO_APPROACHES;
         for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
-            self.approaches.take(*approach);
+            note(&mut self.approaches, *approach);
         }
     }
 
@@ -159,13 +164,13 @@ impl Ascent {
             return None;
         }
         let hazards = search.scene.around.rows;
-        let mut approaches = Approaches::NONE;
+        let mut approaches = NO_APPROACHES;
         for known in self.approaches.iter() {
             if let Some(approach) = hazards
                 .get(known.place)
                 .and_then(|hazard| nearest(search, known.place, hazard))
             {
-                approaches.take(approach);
+                note(&mut approaches, approach);
             }
         }
         Some(approaches)
@@ -176,37 +181,23 @@ impl Ascent {
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        if !search.meter.take(SLOPES_WORK + self.approaches.len) {
+        if !search.meter.take(SLOPES_WORK * self.approaches.len()) {
             return slopes;
         }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
-        let last_s = self
-            .approaches
-            .iter()
-            .fold(0.0, |last: f64, a| last.max(a.at_s));
-        moves(
-            search.scene.flyer,
-            &departure,
-            &turns,
-            last_s,
-            |from_s, until_s, at| {
-                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
-                    if known.at_s < from_s || known.at_s > until_s {
-                        continue;
-                    }
-                    let Some(hazard) = hazards.get(known.place) else {
-                        continue;
-                    };
-                    let moves = at(known.at_s - from_s);
-                    for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
-                        let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
-                        let margin_m = hazard.margin_m(moved_m, known.at_s);
-                        *slope = (margin_m - known.margin_m) / DIFFERENCE;
-                    }
-                }
-            },
-        );
+        let (flyer, path) = (search.scene.flyer, &*search.path);
+        for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+            let Some(hazard) = hazards.get(known.place) else {
+                continue;
+            };
+            let moves = moves(flyer, path, (&departure, &turns), known.at_s);
+            for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
+                let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
+                let margin_m = hazard.margin_m(moved_m, known.at_s);
+                *slope = (margin_m - known.margin_m) / DIFFERENCE;
+            }
+        }
         for slope in &mut slopes {
             for unused in slope.iter_mut().skip(self.used) {
                 *unused = 0.0;
@@ -230,7 +221,7 @@ impl Ascent {
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
-        if !meter.take(PROGRAM_WORK * self.approaches.len) {
+        if !meter.take(PROGRAM_WORK * self.approaches.len()) {
             return ([0.0; PARAMETERS], self.least_m());
         }
         let mut margins = [Margin::NONE; CLOSEST];
@@ -240,7 +231,7 @@ impl Ascent {
                 slope: *slope,
             };
         }
-        lifted(margins.get(..self.approaches.len).unwrap_or(&[]), &room)
+        lifted(margins.get(..self.approaches.len()).unwrap_or(&[]), &room)
     }
 }
 

@@ -134,7 +134,7 @@ impl Search<'_> {
                     continue;
                 };
                 let (least_rad, to_rad) = (row.at_rad, row.to_rad.min(max_turn_rad));
-                let ahead_rad = self.ahead_rad(&prefix.entry.from, side);
+                let ahead_rad = self.ahead_rad(&prefix.entry, side);
                 let from_rad = ahead_rad.max(least_rad);
                 let mut put = |at_rad, to_rad| {
                     let mut row = Row {
@@ -174,7 +174,7 @@ impl Search<'_> {
             for side in Side::BOTH {
                 let turn_rad = side.sign() * first_rad;
                 let prefix = self.after_first((turn_rad, level_rad), first_rad / rate_radps);
-                let back_rad = self.ahead_rad(&prefix.entry.from, side.other());
+                let back_rad = self.ahead_rad(&prefix.entry, side.other());
                 let row = self.row(&prefix, level_rad, side.other());
                 if let Some(row) = row.filter(|row| row.at_rad <= back_rad) {
                     lattice.begin(&prefix);
@@ -235,8 +235,7 @@ impl Search<'_> {
         let mut until = u32::MAX;
         if aim == Aim::LeastDeparture {
             // The cost of a single turn is known by its line alone.
-            let rows = lattice.rows.iter_mut().take(lattice.row_count);
-            for row in rows {
+            for row in lattice.rows.iter_mut() {
                 if let Some(prefix) = lattice.prefixes.get(row.prefix)
                     && prefix.first.is_none()
                 {
@@ -326,7 +325,7 @@ impl Search<'_> {
                 cost,
             });
         }
-        *prefix_fails = certificate.at_s < prefix.entry.from.time_s;
+        *prefix_fails = certificate.at_s < prefix.entry.time_s;
         let tangent = self.line(prefix, row)?;
         let left_s = certificate.at_s - tangent.parts_s;
         if margin_m == f64::NEG_INFINITY || left_s <= 0.0 && row.direction() > 0.0 {

@@ -1,6 +1,7 @@
 //! What climbs towards the largest margin, and from which seeds.
 
 use fga_proof::Vec3;
+use fga_proof::list::List;
 use fga_proof::prediction::Flyer;
 
 use super::terms::{ENOUGH_M, Found, SecondTurn, Turns};
@@ -36,45 +37,28 @@ pub(super) struct Approach {
 }
 
 /// The closest approaches to the closest obstacles, in no order.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Approaches {
-    all: [Approach; CLOSEST],
-    pub len: usize,
+pub(super) type Approaches = List<Approach, CLOSEST>;
+
+pub(super) const NO_APPROACHES: Approaches = List::new(Approach {
+    place: 0,
+    position_m: Vec3::ZERO,
+    margin_m: 0.0,
+    at_s: 0.0,
+});
+
+/// The least margin of some, metres.
+pub(super) fn closest_m(approaches: &Approaches) -> f64 {
+    (approaches.iter()).fold(ENOUGH_M, |least, a| least.min(a.margin_m))
 }
 
-impl Approaches {
-    pub(super) const NONE: Self = Self {
-        all: [Approach {
-            place: 0,
-            position_m: Vec3::ZERO,
-            margin_m: 0.0,
-            at_s: 0.0,
-        }; CLOSEST],
-        len: 0,
-    };
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Approach> {
-        self.all.iter().take(self.len)
+/// Adds one, or replaces the farthest if full.
+pub(super) fn note(approaches: &mut Approaches, new: Approach) {
+    if approaches.push(new).is_some() {
+        return;
     }
-
-    pub(super) fn least_m(&self) -> f64 {
-        self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
-    }
-
-    /// Adds one, or replaces the farthest if full.
-    pub(super) fn take(&mut self, new: Approach) {
-        if let Some(slot) = self.all.get_mut(self.len) {
-            *slot = new;
-            self.len += 1;
-            return;
-        }
-        let farthest = self
-            .all
-            .iter_mut()
-            .max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
-        if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
-            *farthest = new;
-        }
+    let farthest = (approaches.iter_mut()).max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+    if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
+        *farthest = new;
     }
 }
 
@@ -97,7 +81,7 @@ impl Ascent {
         seed: Found::NONE,
         at: [0.0; PARAMETERS],
         used: 0,
-        approaches: Approaches::NONE,
+        approaches: NO_APPROACHES,
         scales: [0.0; PARAMETERS],
         size: 0.0,
         done: false,
@@ -127,10 +111,10 @@ impl Ascent {
     pub(super) fn least_m(&self) -> f64 {
         if !self.is_some() {
             f64::MIN
-        } else if self.approaches.len == 0 {
+        } else if self.approaches.is_empty() {
             self.seed.margin_m
         } else {
-            self.approaches.least_m()
+            closest_m(&self.approaches)
         }
     }
 

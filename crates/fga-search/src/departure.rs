@@ -52,10 +52,10 @@ impl Search<'_> {
         self.find_conflicts();
         let conflicts = &*self.conflicts;
         let mut until_s = wait_s;
-        if !self.meter.take(conflicts.count.div_ceil(PASSED)) {
+        if !self.meter.take(conflicts.all.len().div_ceil(PASSED)) {
             return until_s;
         }
-        for (place, closest_s) in conflicts.all.iter().take(conflicts.count) {
+        for (place, closest_s) in conflicts.all.iter() {
             let Some(hazard) = self.scene.around.rows.get(*place) else {
                 continue;
             };
@@ -99,11 +99,8 @@ impl Search<'_> {
             }
             let one = core::slice::from_ref(hazard);
             let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
-            if closest.margin_m < scene.target_m
-                && let Some(slot) = conflicts.all.get_mut(conflicts.count)
-            {
-                *slot = (place, closest.at_s);
-                conflicts.count += 1;
+            if closest.margin_m < scene.target_m {
+                conflicts.all.push((place, closest.at_s));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The rows of a search, their prefixes, and which row is next.
 
 use fga_proof::angle::Side;
+use fga_proof::list::List;
 use fga_proof::prediction::MotionState;
 
 use super::tuned::{ASIDE_RAD, CLIMBS, LEVEL_AFTER, STARTS};
@@ -12,36 +13,6 @@ const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len
 /// Most rows: a start has one for each side and climb target, twice where turns may also lead less far than back to the
 /// mission's direction.
 pub(super) const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
-
-/// Where a turn begins.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
-    pub from: MotionState,
-    /// Cosine and sine of the course and of the climb angle.
-    pub course: (f64, f64),
-    pub climb: (f64, f64),
-}
-
-impl Entry {
-    pub(super) const NONE: Self = Self {
-        from: MotionState::ahead(0.0),
-        course: (0.0, 0.0),
-        climb: (0.0, 0.0),
-    };
-
-    /// The state at which turns begin.
-    pub(super) fn at(from: &MotionState) -> Self {
-        let unit = |angle_rad| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            (cos, sin)
-        };
-        Self {
-            from: *from,
-            course: unit(from.course_rad),
-            climb: unit(from.climb_rad),
-        }
-    }
-}
 
 /// The side of turns and the climb target taken up during them.
 #[derive(Debug, Clone, Copy)]
@@ -59,14 +30,14 @@ pub(super) struct Prefix {
     /// First turn and climb, radians, if the last turn is the second one.
     pub first: Option<(f64, f64)>,
     /// Where the last turn begins.
-    pub entry: Entry,
+    pub entry: MotionState,
 }
 
 impl Prefix {
     pub(super) const NONE: Self = Self {
         leaves: MotionState::ahead(0.0),
         first: None,
-        entry: Entry::NONE,
+        entry: MotionState::ahead(0.0),
     };
 
     /// The member of a row with this last turn, radians towards its side.
@@ -76,7 +47,7 @@ impl Prefix {
             first,
             entry,
         } = self;
-        let to_rad = entry.from.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
+        let to_rad = entry.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
         let climb_rad = way.climb_rad;
         let wait_s = leaves.time_s;
         let Some((first_rad, first_climb)) = *first else {
@@ -92,7 +63,7 @@ impl Prefix {
             turn_rad: first_rad,
             climb_rad: first_climb,
             second: Some(SecondTurn {
-                after_s: entry.from.time_s - wait_s,
+                after_s: entry.time_s - wait_s,
                 turn_rad: to_rad - first_rad,
                 climb_rad,
             }),
@@ -163,46 +134,37 @@ impl Row {
 /// Rows and their prefixes.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
-    pub prefixes: [Prefix; PREFIXES],
-    prefix_count: usize,
-    pub rows: [Row; ROWS],
-    pub row_count: usize,
+    pub prefixes: List<Prefix, PREFIXES>,
+    pub rows: List<Row, ROWS>,
 }
 
 impl Lattice {
     pub(super) const NONE: Self = Self {
-        prefixes: [Prefix::NONE; PREFIXES],
-        prefix_count: 0,
-        rows: [Row::NONE; ROWS],
-        row_count: 0,
+        prefixes: List::new(Prefix::NONE),
+        rows: List::new(Row::NONE),
     };
 
     /// Forgets all rows.
     pub(super) const fn clear(&mut self) {
-        (self.prefix_count, self.row_count) = (0, 0);
+        self.prefixes.clear();
+        self.rows.clear();
     }
 
     /// Adds a prefix; its rows follow.
     pub(super) fn begin(&mut self, prefix: &Prefix) {
-        if let Some(slot) = self.prefixes.get_mut(self.prefix_count) {
-            *slot = *prefix;
-            self.prefix_count += 1;
-        }
+        self.prefixes.push(*prefix);
     }
 
     /// Adds a row of the last prefix.
     pub(super) fn put(&mut self, row: &Row) {
-        if let Some(slot) = self.rows.get_mut(self.row_count) {
-            let prefix = self.prefix_count.saturating_sub(1);
-            *slot = Row { prefix, ..*row };
-            self.row_count += 1;
-        }
+        let prefix = self.prefixes.len().saturating_sub(1);
+        self.rows.push(Row { prefix, ..*row });
     }
 
     /// The row that may cost least, and that cost.
     pub(super) fn next(&self) -> Option<(usize, f64)> {
         let mut least = (0, f64::INFINITY);
-        for (place, row) in self.rows.iter().take(self.row_count).enumerate() {
+        for (place, row) in self.rows.iter().enumerate() {
             if row.cost < least.1 {
                 least = (place, row.cost);
             }
@@ -212,7 +174,7 @@ impl Lattice {
 
     /// Removes all rows of a prefix.
     pub(super) fn close(&mut self, prefix: usize) {
-        for row in self.rows.iter_mut().take(self.row_count) {
+        for row in self.rows.iter_mut() {
             if row.prefix == prefix {
                 row.close();
             }

@@ -39,6 +39,7 @@ use fga_proof::certificate::{
     Around, Asked, Certificate, Certified, MAX_HAZARDS, certify_set, prove,
 };
 use fga_proof::limit::Limit as _;
+use fga_proof::list::List;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
@@ -117,16 +118,14 @@ impl Scene<'_> {
 /// The hazards that come too close on the mission, and when each is closest, seconds.
 #[derive(Debug, Clone)]
 struct Conflicts {
-    all: [(usize, f64); MAX_HAZARDS],
-    count: usize,
+    all: List<(usize, f64), MAX_HAZARDS>,
     is_known: bool,
 }
 
 impl Conflicts {
     /// Nothing known yet.
     const UNKNOWN: Self = Self {
-        all: [(0, 0.0); MAX_HAZARDS],
-        count: 0,
+        all: List::new((0, 0.0)),
         is_known: false,
     };
 }
@@ -226,7 +225,8 @@ impl<'a> Search<'a> {
             answer,
         } = tables;
         bends.iter_mut().for_each(Bend::clear);
-        (conflicts.count, conflicts.is_known) = (0, false);
+        conflicts.all.clear();
+        conflicts.is_known = false;
         Self {
             scene,
             path,

@@ -3,15 +3,15 @@
 //! The line is a necessary condition: a turn whose line comes too close does so itself. A turn that fails comes too close at a
 //! moment τ after the turns part; a turn longer by Δψ has moved the aircraft by V (Δψ τ − Δψ² / 2ω) at most by then.
 
-use fga_proof::Vec3;
 use fga_proof::angle::Side;
 use fga_proof::certificate::{HazardSet as _, Line};
 use fga_proof::limit::Limit as _;
 use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};
+use fga_proof::{Vec2, Vec3};
 
 use super::Search;
-use super::lattice::{Entry, Way};
+use super::lattice::Way;
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -126,43 +126,42 @@ impl Search<'_> {
     }
 
     /// The line on which a turn to a side at a climb target ends.
-    pub(super) fn tangent(&mut self, entry: &Entry, way: &Way, turn_rad: f64) -> Option<Tangent> {
+    pub(super) fn tangent(
+        &mut self,
+        from: &MotionState,
+        way: &Way,
+        turn_rad: f64,
+    ) -> Option<Tangent> {
         if !self.meter.take(LINE) {
             return None;
         }
-        let Entry { from, course, .. } = entry;
         let (sign, flyer) = (way.side.sign(), self.scene.flyer);
         let bend = self.bend(sign * from.bank_rad, way.side)?;
         let turn_rad = turn_rad.max(bend.least_rad());
         let exit = bend.exit(flyer, turn_rad)?;
         let inexact_m = Bend::inexact_m(flyer);
-        let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(entry, way.climb_rad);
+        let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(from.climb_rad, way.climb_rad);
         let speed_mps = flyer.airspeed_mps();
-        let turned = (exit.turned.0, sign * exit.turned.1);
-        let end = (
-            course.0 * turned.0 - course.1 * turned.1,
-            course.1 * turned.0 + course.0 * turned.1,
-        );
+        let (sin, cos) = libm::sincos(from.course_rad);
+        let course = Vec2::new(cos, sin);
+        let to_side = Vec2::new(1.0, sign);
+        let end = course.rotate(to_side * exit.turned);
         let after_s = exit.over_s.max(climbs_s);
         let straight_m = level * speed_mps * (after_s - exit.begins_s);
         // The course of the climb is unknown: half of it on either.
         let half_m = 0.5 * along_m;
-        let (ahead_m, left_m) = (level * exit.from_m.0 + half_m, level * sign * exit.from_m.1);
-        let end_m = straight_m + half_m;
-        let moved_m = Vec3::new(
-            ahead_m * course.0 - left_m * course.1 + end_m * end.0,
-            ahead_m * course.1 + left_m * course.0 + end_m * end.1,
-            up * speed_mps * after_s + up_m,
-        );
+        let begin_m = course.rotate(level * to_side * exit.from_m + Vec2::X * half_m);
+        let moved_m = begin_m + end * (straight_m + half_m);
+        let up_m = up * speed_mps * after_s + up_m;
         Some(Tangent {
             state: MotionState {
                 time_s: from.time_s + after_s,
-                position_m: from.position_m + moved_m,
+                position_m: from.position_m + moved_m.extend(up_m),
                 course_rad: from.course_rad + sign * turn_rad,
                 climb_rad: way.climb_rad,
                 bank_rad: 0.0,
             },
-            velocity_mps: Vec3::new(level * end.0, level * end.1, up) * speed_mps,
+            velocity_mps: (level * end).extend(up) * speed_mps,
             parts_s: from.time_s + exit.begins_s,
             inexact_m: inexact_m + along_m.abs(),
         })
@@ -170,12 +169,12 @@ impl Search<'_> {
 
     /// Sine and cosine of a climb target, how long the change to it takes, seconds, and what the change moves the aircraft by along
     /// the course and up, metres, beyond flying at the target at once: by the means of cos θ and sin θ while θ changes.
-    fn climbed(&self, entry: &Entry, climb_rad: f64) -> ((f64, f64), f64, (f64, f64)) {
+    fn climbed(&self, from_rad: f64, climb_rad: f64) -> ((f64, f64), f64, (f64, f64)) {
         let flyer = self.scene.flyer;
         let (low, high) = self.scene.climb_limits_rad;
         let climb_rad = climb_rad.limited(low, high);
-        let change_rad = climb_rad - entry.from.climb_rad;
-        let (level_now, up_now) = entry.climb;
+        let change_rad = climb_rad - from_rad;
+        let (up_now, level_now) = libm::sincos(from_rad);
         if change_rad.abs() <= 1e-9 || flyer.climb_rate_radps() <= 0.0 {
             return ((up_now, level_now), 0.0, (0.0, 0.0));
         }

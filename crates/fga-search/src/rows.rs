@@ -9,7 +9,7 @@ use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::prediction::flown;
 
-use super::lattice::{Entry, Prefix, Row, Way};
+use super::lattice::{Prefix, Row, Way};
 use super::line::Tangent;
 use super::tuned::{STEP_RAD, USUAL};
 use super::{MAX_TURN_RAD, Search};
@@ -29,7 +29,7 @@ impl Search<'_> {
         let leaves = self.departure(wait_s);
         Prefix {
             leaves,
-            entry: Entry::at(&leaves),
+            entry: leaves,
             ..Prefix::NONE
         }
     }
@@ -43,13 +43,13 @@ impl Search<'_> {
         Prefix {
             leaves,
             first: Some((turn_rad, climb_rad)),
-            entry: Entry::at(&from),
+            entry: from,
         }
     }
 
     /// The row of turns to a side from rolling out at once on.
     pub(super) fn row(&mut self, prefix: &Prefix, climb_rad: f64, side: Side) -> Option<Row> {
-        let bank_rad = side.sign() * prefix.entry.from.bank_rad;
+        let bank_rad = side.sign() * prefix.entry.bank_rad;
         Some(Row {
             first: prefix
                 .first

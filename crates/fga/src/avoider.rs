@@ -31,7 +31,7 @@ use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
-use crate::prediction::{FlightPath, Flyer, MotionState, RollOuts, flown};
+use crate::prediction::{FlightPath, Flyer, MotionState, flown};
 use crate::search::{Proof, Tables};
 use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
@@ -127,7 +127,7 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     /// The limits of its vehicle.
     made_for: Vehicle,
     /// The limits for cases without a certified manoeuvre under the normal ones.
-    in_need: Option<(Vehicle, RollOuts)>,
+    in_need: Option<Vehicle>,
     flyer: Flyer,
     state: State,
     progress: Progress,
@@ -234,10 +234,7 @@ impl<P: ?Sized> Avoider<P> {
 
     /// The limits in need, if there are any.
     pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
-        match &self.in_need {
-            Some((vehicle, _)) => Some(vehicle),
-            None => None,
-        }
+        self.in_need.as_ref()
     }
 }
 
@@ -290,15 +287,7 @@ impl Avoider<dyn Places + '_> {
         if let Some(vehicle) = &vehicle {
             vehicle.check()?;
         }
-        if self.vehicle_in_need() != vehicle.as_ref() {
-            let mut known_m = *self.flyer.roll_outs_m();
-            self.in_need = vehicle.map(|vehicle| {
-                self.flyer.set(&vehicle);
-                let in_need_m = *self.flyer.roll_outs_m();
-                self.flyer.exchange(&self.vehicle, &mut known_m);
-                (vehicle, in_need_m)
-            });
-        }
+        self.in_need = vehicle;
         Ok(())
     }
 

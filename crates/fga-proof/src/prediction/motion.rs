@@ -8,13 +8,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
+use crate::list::List;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
-use crate::prediction::roll::{Roll, Rolls};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use crate::{Vec2, Vec3};
 
 pub(super) mod arc;
 mod lagged;
@@ -25,17 +25,8 @@ const REACHED_RAD: f64 = 1e-11;
 /// A smaller bank counts as wings level for callers, radians.
 const LEVEL_BANK_RAD: f64 = 1e-3;
 
-/// Banks with a tabulated roll-out, from level to the widest.
-const ROLL_OUTS: usize = 65;
-
-/// Most pieces of a roll-in that are tabulated. A longer roll-in counts as over after them: less than 1e-5 rad of bank is left.
-pub(super) const NODES: usize = 48;
-
-/// Most of them from beyond the largest banks.
-pub(super) const FIRST: usize = 8;
-
-/// Rolls whose first pieces are kept.
-const BEGUN: usize = 5;
+/// Most turns of a [`Bend`] that end while the aircraft rolls in. A longer roll-in counts as over after them.
+pub(super) const ENDS: usize = 22;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,45 +148,16 @@ impl Piece {
     }
 }
 
-/// A turn whose roll-out begins at a moment.
+/// A turn that begins to roll out at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct End {
     /// The turn once rolled out, radians.
     pub(super) turn_rad: f64,
     /// When the roll-out begins, seconds.
-    pub(super) time_s: f64,
-    /// Where the aircraft is then in the frame of the course at the beginning, metres forward and to the turn's side.
-    pub(super) at_m: (f64, f64),
-    /// From where it seems to have flown straight since then, once it has rolled out.
-    pub(super) from_m: (f64, f64),
-    /// Its bank then, radians, positive towards the side of the turn.
-    pub(super) bank_rad: f64,
-}
-
-impl End {
-    pub(super) const NONE: Self = Self {
-        turn_rad: 0.0,
-        time_s: 0.0,
-        at_m: (0.0, 0.0),
-        from_m: (0.0, 0.0),
-        bank_rad: 0.0,
-    };
-}
-
-/// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ends<const MOST: usize> {
-    pub(super) kept: [End; MOST],
-    pub(super) len: usize,
-    pub(super) rolled_in: MotionState,
-}
-
-impl<const MOST: usize> Ends<MOST> {
-    pub(super) const NONE: Self = Self {
-        kept: [End::NONE; MOST],
-        len: 0,
-        rolled_in: MotionState::ahead(0.0),
-    };
+    pub(super) begins_s: f64,
+    /// From where it seems to have flown straight since then, once it has rolled out: from the centre of the circle, turned back by the turn,
+    /// metres.
+    pub(super) from_m: Vec2,
 }
 
 /// Turns to one side from a bank, in level flight.
@@ -203,24 +165,24 @@ impl<const MOST: usize> Ends<MOST> {
 pub struct Bend {
     /// Bank at the beginning, radians, positive towards the side of the turn.
     pub(super) bank_rad: f64,
-    /// Its first ends. Where it has come to a bank between the largest ones, the others are those of the flyer's roll-in.
-    pub(super) first: Ends<FIRST>,
-    /// The place of the next one there.
-    pub(super) next: usize,
-    /// The aircraft at that bank, there and here, each with the cosine and sine of its course.
-    pub(super) joins: [(MotionState, (f64, f64)); 2],
-    pub(super) last: End,
-    /// Cosine and sine of the course at the end of the roll-in.
-    pub(super) rolled_in: (f64, f64),
-    /// Cosine and sine of the turn that ends there.
-    pub(super) least_full: (f64, f64),
-    /// What rolling out from the bank of the end moves the aircraft by, forward and to the side, metres.
-    pub(super) roll_out_m: (f64, f64),
+    /// Those that end while the aircraft still rolls in, least first.
+    pub(super) ends: List<End, ENDS>,
+    /// The centre of the circle once it has rolled in, forward and to the side of the turn, metres.
+    pub(super) center_m: Vec2,
 }
 
-/// Displacements of roll-outs from banks: forward and left of the course at their start, metres. Most of the work of taking the motion
-/// of a vehicle is for these.
-pub type RollOuts = [(f64, f64); ROLL_OUTS];
+impl Bend {
+    /// No turns: zeros, which are written without a copy.
+    pub const NONE: Self = Self {
+        bank_rad: 0.0,
+        ends: List::new(End {
+            turn_rad: 0.0,
+            begins_s: 0.0,
+            from_m: Vec2::ZERO,
+        }),
+        center_m: Vec2::ZERO,
+    };
+}
 
 /// The vehicle's motion under commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,14 +201,6 @@ pub struct Flyer {
     full_roll_out_rad: f64,
     /// Stretches the pieces of a roll.
     pace: f64,
-    /// Rolls from the largest bank to that of the other side, and to level.
-    rolling_over: Rolls,
-    rolling_out: Rolls,
-    /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
-    begun: [Roll; BEGUN],
-    roll_outs_m: RollOuts,
-    /// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
-    pub(super) roll_in: Ends<NODES>,
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Bend; 3],
 }
@@ -272,31 +226,11 @@ impl Flyer {
         full_bank_rad: 0.0,
         full_roll_out_rad: 0.0,
         pace: 0.0,
-        rolling_over: Rolls::NONE,
-        rolling_out: Rolls::NONE,
-        begun: [Roll::NONE; BEGUN],
-        roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
-        roll_in: Ends::NONE,
         bends: [Bend::NONE, Bend::NONE, Bend::NONE],
     };
 
     /// Takes the motion of a vehicle.
     pub fn set(&mut self, vehicle: &Vehicle) {
-        self.take(vehicle, false);
-    }
-
-    /// Takes the motion of a vehicle, and its roll-outs in exchange for those of the one before.
-    pub fn exchange(&mut self, vehicle: &Vehicle, roll_outs_m: &mut RollOuts) {
-        core::mem::swap(roll_outs_m, &mut self.roll_outs_m);
-        self.take(vehicle, true);
-    }
-
-    /// The roll-outs of its vehicle.
-    pub const fn roll_outs_m(&self) -> &RollOuts {
-        &self.roll_outs_m
-    }
-
-    fn take(&mut self, vehicle: &Vehicle, has_roll_outs: bool) {
         let response = vehicle.response;
         self.airspeed_mps = vehicle.airspeed_mps;
         self.course_rate_radps = vehicle.course_rate_radps();
@@ -307,14 +241,9 @@ impl Flyer {
         self.turn_rate_factor = response.turn_rate_factor;
         self.gain_radps = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps;
         (self.full_bank_rad, self.full_roll_out_rad) = (0.0, 0.0);
-        self.begun = [Roll::NONE; BEGUN];
         self.bends.iter_mut().for_each(Bend::clear);
         if !self.is_ideal() {
             self.prepare_rolls();
-            if !has_roll_outs {
-                self.roll_out_from_all();
-            }
-            self.keep_roll_in();
         }
         self.keep_bend(0, 0.0);
     }

@@ -5,9 +5,10 @@ use core::slice::Iter;
 
 use crate::Vec3;
 use crate::limit::whole;
+use crate::list::List;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
-use crate::prediction::{ArcSteps, Flyer, MotionState, Piece, Target};
+use crate::prediction::{Flyer, MotionState, Piece, Target};
 
 /// Most nodes of a path: a slow turn round and its rolls, twice over. A flight that needs more is not proven.
 pub const MAX_NODES: usize = 192;
@@ -58,8 +59,7 @@ impl Node {
     }
 
     /// The node `after_s` seconds into a piece, at a state.
-    #[inline]
-    pub fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
+    fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
         let curve = piece.course_curve_radps3;
         let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
         Self {
@@ -74,7 +74,7 @@ impl Node {
 }
 
 /// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
-pub fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
+fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
     let bows = acceleration_mps2 * duration_s * duration_s / (8.0 * CHORD_BOW_M);
     if bows > 1.0 {
         whole(libm::sqrt(bows), most)
@@ -153,8 +153,7 @@ pub fn flown(
 /// A predicted flight: nodes in time, then straight on from the last one.
 #[derive(Debug, Clone)]
 pub struct FlightPath {
-    nodes: [Node; MAX_NODES],
-    len: usize,
+    nodes: List<Node, MAX_NODES>,
     end_velocity_mps: Vec3,
     complete: bool,
     remainder_m: f64,
@@ -168,14 +167,9 @@ impl Default for FlightPath {
 
 impl FlightPath {
     /// A path without nodes, for [`Self::predict`]. It is large: keep and reuse it.
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
     pub const fn new() -> Self {
         Self {
-            nodes: [Node::straight(MotionState::ahead(0.0)); MAX_NODES],
-            len: 0,
+            nodes: List::new(Node::straight(MotionState::ahead(0.0))),
             end_velocity_mps: Vec3::ZERO,
             complete: false,
             remainder_m: 0.0,
@@ -185,7 +179,7 @@ impl FlightPath {
     /// The nodes, first to last; the aircraft flies straight on from the last one.
     #[inline]
     pub fn nodes(&self) -> &[Node] {
-        self.nodes.get(..self.len).unwrap_or(&[])
+        &self.nodes
     }
 
     /// Velocity after the last node, metres per second.
@@ -207,30 +201,6 @@ impl FlightPath {
         self.remainder_m
     }
 
-    /// Forgets all nodes.
-    pub(crate) fn clear(&mut self) {
-        self.len = 0;
-        self.complete = false;
-        self.remainder_m = 0.0;
-    }
-
-    /// Ends the path at a state from which the aircraft flies straight on.
-    pub(crate) fn finish(&mut self, flyer: &Flyer, state: &MotionState) {
-        self.end_velocity_mps = flyer.velocity_mps(state);
-        self.complete = self.push(Node::straight(*state));
-    }
-
-    pub(crate) fn push(&mut self, node: Node) -> bool {
-        match self.nodes.get_mut(self.len) {
-            Some(slot) => {
-                *slot = node;
-                self.len += 1;
-                true
-            }
-            None => false,
-        }
-    }
-
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
     /// `None` if the nodes ran out, or the meter refuses them.
     #[inline(never)]
@@ -242,50 +212,25 @@ impl FlightPath {
         duration_s: f64,
         meter: &Meter,
     ) -> Option<MotionState> {
-        let mut node = Node::on(flyer, from, piece, 0.0);
-        let acceleration = node.acceleration_mps2;
+        let acceleration = flyer.acceleration_mps2(piece);
         let count = chords(acceleration, duration_s, MAX_NODES + 1);
-        let work = count.min(MAX_NODES - self.len) * flyer.node_work();
+        let work = count.min(MAX_NODES - self.nodes.len()) * flyer.node_work();
         if !meter.take(work) {
             return None;
         }
         self.remainder_m += piece.remainder_m;
-        if count == 1 {
-            return self
-                .push(node)
-                .then(|| flyer.advance(from, piece, duration_s));
-        }
-        if piece.is_rolling() {
-            for step in 0..count {
-                let after_s = duration_s * step as f64 / count as f64;
-                let state = flyer.advance(from, piece, after_s);
-                if !self.push(Node::on(flyer, &state, piece, after_s)) {
-                    return None;
-                }
-            }
-            return Some(flyer.advance(from, piece, duration_s));
-        }
         // Where the nodes run out, those there are keep their distance.
         let step_s = if count > MAX_NODES {
             libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
         } else {
             duration_s / count as f64
         };
-        let mut steps = ArcSteps::new(flyer, from, piece, step_s);
-        for _ in 0..count {
-            node.state = *steps.state();
-            if !self.push(node) {
-                return None;
-            }
-            steps.advance();
+        for step in 0..count {
+            let after_s = step_s * step as f64;
+            let state = flyer.advance(from, piece, after_s);
+            self.nodes.push(Node::on(flyer, &state, piece, after_s))?;
         }
-        let mut end = *steps.state();
-        end.course_rad = from.course_rad + piece.course_rate_radps * duration_s;
-        end.climb_rad = from.climb_rad + piece.climb_rate_radps * duration_s;
-        if duration_s >= piece.duration_s {
-            end.bank_rad = piece.bank_end_rad;
-        }
-        Some(end)
+        Some(flyer.advance(from, piece, duration_s))
     }
 
     /// Predicts the flight of `maneuver` from `start` up to `horizon_s` (Eq. 10–12 with the
@@ -310,7 +255,8 @@ impl FlightPath {
         horizon_s: f64,
         meter: &Meter,
     ) {
-        self.clear();
+        self.nodes.clear();
+        (self.complete, self.remainder_m) = (false, 0.0);
         // The last node comes on top of those of the pieces.
         if !meter.take(SETUP + flyer.node_work()) {
             return;
@@ -330,7 +276,8 @@ impl FlightPath {
             }
             state = end;
         }
-        self.finish(flyer, &state);
+        self.end_velocity_mps = flyer.velocity_mps(&state);
+        self.complete = self.nodes.push(Node::straight(state)).is_some();
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
         self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
         self.complete &= maneuver.is_whole() && !meter.is_spent();

@@ -7,7 +7,7 @@
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 /// Abscissas and weights of Gauss's rule with four points on [0, 1]; the other two lie symmetric to the middle.
-const GAUSS: [(f64, f64); 2] = [
+pub(super) const GAUSS: [(f64, f64); 2] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_9),
     (0.330_009_478_207_571_9, 0.326_072_577_431_273_1),
 ];
@@ -35,12 +35,6 @@ const SHORTEST_GROWTH: f64 = 1e-9;
 
 /// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
-
-/// Most pieces of a roll that is kept.
-const KEPT_ROLLS: usize = 24;
-
-/// A first piece of a roll to a kept bank is at least this long, time constants.
-const SHORTEST: f64 = 0.02;
 
 /// A piece of a roll, with time in units of the time constant and course in units of the turn at a bank of
 /// 45° in one.
@@ -113,7 +107,7 @@ impl Roll {
         // What is left of the roll at the abscissas, and so at the end.
         let [(first, outer), (second, inner)] = GAUSS;
         let left = decays([first, second, 1.0 - second, 1.0 - first].map(|at| lasts * at));
-        let [a, b, c, d] = tans(left.map(|left| command_rad + off_rad * left));
+        let [a, b, c, d] = left.map(|left| tan(command_rad + off_rad * left));
         let to_rad = command_rad + off_rad * (left[0] * left[3]);
         // The course rate in Legendre's polynomials over the piece.
         let (even, odd) = (
@@ -207,28 +201,18 @@ const SERIES: [f64; 9] = [
     8.959_523_479_911_502e-14,
 ];
 
-/// tan(u)/u by the same series, good to 10⁻¹¹ for banks up to 80°.
-pub(super) fn tan_share(bank_rad: f64) -> f64 {
+/// The tangent by the same series, good to 10⁻¹¹ for banks up to 80°.
+fn tan(bank_rad: f64) -> f64 {
     let square = bank_rad * bank_rad;
     let (mut series, mut degree) = (0.0, 2.0 * SERIES.len() as f64 - 1.0);
     for coefficient in SERIES.iter().rev() {
         series = series * square + degree * coefficient;
         degree -= 2.0;
     }
-    8.0 / (PI * PI - 4.0 * square) + series
+    bank_rad * (8.0 / (PI * PI - 4.0 * square) + series)
 }
 
-fn tan(bank_rad: f64) -> f64 {
-    bank_rad * tan_share(bank_rad)
-}
-
-/// The tangents of four banks. A function of its own is compiled to vectors.
-#[inline(never)]
-fn tans(banks_rad: [f64; 4]) -> [f64; 4] {
-    banks_rad.map(tan)
-}
-
-/// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. Compiled to vectors as well.
+/// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. A function of its own is compiled to vectors.
 #[inline(never)]
 fn decays(x: [f64; 4]) -> [f64; 4] {
     x.map(|x| {
@@ -238,112 +222,18 @@ fn decays(x: [f64; 4]) -> [f64; 4] {
     })
 }
 
-/// Up to this bank a polynomial tells the turn of a roll-out, radians.
-const MODERATE_RAD: f64 = 0.9;
-
-/// The polynomial in u² of ∫ tan(u)/u du, by u: it meets it at twelve Chebyshev points, good to 10⁻¹³.
-const MODERATE: [f64; 12] = [
-    0.999_999_999_999_950_9,
-    0.111_111_111_128_527_9,
-    0.026_666_665_647_242_96,
-    0.007_709_773_825_228_495,
-    0.002_429_670_506_494_86,
-    0.000_807_622_214_240_716_7,
-    0.000_268_226_982_066_033_25,
-    0.000_119_777_916_348_911_17,
-    -7.089_337_432_458_716e-06,
-    6.182_451_941_441_808e-05,
-    -3.000_825_693_091_690_2e-05,
-    1.365_245_090_697_023e-05,
-];
-
 /// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
-/// Beyond moderate banks, tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
+/// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
 pub(super) fn roll_out(bank_rad: f64) -> f64 {
     let square = bank_rad * bank_rad;
-    if bank_rad.abs() <= MODERATE_RAD {
-        // By pairs: half as many steps wait for the one before.
-        let fourth = square * square;
-        let pairs = MODERATE.as_chunks::<2>().0.iter().rev();
-        return bank_rad * pairs.fold(0.0, |sum, [a, b]| sum * fourth + (a + b * square));
-    }
     let series = SERIES
         .iter()
         .rev()
         .fold(0.0, |sum, coefficient| sum * square + coefficient);
     let twice = 2.0 * bank_rad;
     FRAC_2_PI * libm::log((PI + twice) / (PI - twice)) + bank_rad * series
-}
-
-/// The pieces of a common roll.
-///
-/// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rolls {
-    pieces: [Roll; KEPT_ROLLS],
-    len: usize,
-}
-
-impl Rolls {
-    pub(super) const NONE: Self = Self {
-        pieces: [Roll::NONE; KEPT_ROLLS],
-        len: 0,
-    };
-
-    /// Becomes the pieces of a roll from one bank to another.
-    pub(super) fn set(&mut self, from_rad: f64, to_rad: f64, pace: f64) {
-        let mut bank_rad = from_rad;
-        self.len = 0;
-        for slot in &mut self.pieces {
-            if bank_rad == to_rad {
-                break;
-            }
-            *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
-            bank_rad = slot.to_rad;
-            self.len += 1;
-        }
-    }
-
-    /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
-    /// outside of the roll.
-    pub(super) fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
-        let first = self.pieces.first()?;
-        let command_rad = first.command_rad;
-        let off_rad = bank_rad - command_rad;
-        if off_rad * (first.from_rad - command_rad) <= 0.0 {
-            return None;
-        }
-        let off_rad = off_rad.abs();
-        // How far its bank at the beginning is from the command, radians.
-        let kept_rad = |piece: &Roll| (piece.from_rad - command_rad).abs();
-        let kept = self.pieces.get(..self.len)?;
-        let next = kept.iter().position(|piece| kept_rad(piece) <= off_rad)?;
-        let piece = kept.get(next)?;
-        if piece.from_rad == bank_rad {
-            return Some(if piece.lasts <= most {
-                *piece
-            } else {
-                Roll::part(bank_rad, command_rad, most)
-            });
-        }
-        if next == 0 {
-            return None;
-        }
-        let (to_rad, lasts) = kept.get(next..)?.iter().find_map(|to| {
-            let lasts = libm::log(off_rad / kept_rad(to));
-            (lasts >= SHORTEST).then_some((to.from_rad, lasts))
-        })?;
-        Some(if lasts <= most {
-            Roll {
-                to_rad,
-                ..Roll::part(bank_rad, command_rad, lasts)
-            }
-        } else {
-            Roll::part(bank_rad, command_rad, most)
-        })
-    }
 }
 
 #[cfg(test)]
@@ -381,7 +271,8 @@ mod tests {
                 assert!((decay * x.exp() - 1.0).abs() < 1e-14, "{x}: {decay}");
             }
             let banks_rad = [1.4, -1.4, 0.3, -0.01].map(|bank_rad| bank_rad * part);
-            for (tan, bank_rad) in tans(banks_rad).into_iter().zip(banks_rad) {
+            for bank_rad in banks_rad {
+                let tan = tan(bank_rad);
                 assert!((tan - bank_rad.tan()).abs() < 1e-10, "{bank_rad}: {tan}");
             }
         }

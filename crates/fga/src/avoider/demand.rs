@@ -140,9 +140,9 @@ impl Avoider<dyn Places + '_> {
 
     /// Takes the limits in need in place of the normal ones, or back again.
     pub(super) fn change_limits(&mut self) {
-        if let Some((vehicle, roll_outs_m)) = &mut self.in_need {
+        if let Some(vehicle) = &mut self.in_need {
             core::mem::swap(vehicle, &mut self.vehicle);
-            self.flyer.exchange(&self.vehicle, roll_outs_m);
+            self.flyer.set(&self.vehicle);
         }
     }
 }

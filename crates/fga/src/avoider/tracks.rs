@@ -155,8 +155,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         (self.count, self.aircraft, self.work) = (0, 0, 0);
         self.farthest = None;
         (self.seen, self.unusable) = (0, 0);
-        (self.inside, self.overflow) = (false, false);
-        (self.uncertain, self.changed) = (false, false);
+        (self.inside, self.overflow, self.uncertain, self.changed) = (false, false, false, false);
     }
 
     /// Also forgets the obstacles of earlier steps.

@@ -2,9 +2,11 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::limit::{Limit as _, whole};
-use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD, ROLL_OUTS, Target};
-use crate::prediction::roll::{Roll, roll_out, tan_share};
+use crate::Vec2;
+use crate::limit::{Limit as _, root};
+use crate::prediction::motion::arc::unit;
+use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD};
+use crate::prediction::roll::{GAUSS, Roll, roll_out};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
@@ -12,24 +14,11 @@ const ROLLED_OUT_RAD: f64 = 1e-9;
 /// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
 
-/// Iterations for the start of the roll-out.
-const STEPS_TO_ROLL_OUT: u32 = 12;
-
 /// A remaining turn with the wings level takes this share of the time constant.
 const LEVEL_TURN: f64 = 0.1;
 
 /// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
 const USUAL_SCALE_M: f64 = 1.5;
-
-/// The widest bank with a tabulated roll-out, radians: a gust or another pilot may bank beyond the vehicle's largest. The roll-out
-/// of a wider one is taken for that of this one.
-const WIDEST_RAD: f64 = 1.25;
-
-/// A roll-out is over after this many time constants: thousandths of the bank are left.
-const SETTLED_AFTER: f64 = 6.0;
-
-/// Most pieces of a roll-out.
-const MOST_PIECES: usize = 64;
 
 impl Flyer {
     /// Computes what all rolls share.
@@ -41,59 +30,23 @@ impl Flyer {
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
         self.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
-        self.rolling_over.set(-full_rad, full_rad, self.pace);
-        self.rolling_out.set(full_rad, 0.0, self.pace);
-        self.begin_rolls_from(0.0);
     }
 
-    /// Computes the roll-outs from all banks of the table.
-    pub(super) fn roll_out_from_all(&mut self) {
-        let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
-        for place in 0..ROLL_OUTS {
-            let rolled_out_m = self.rolled_out_m(place as f64 * step_rad);
-            if let Some(slot) = self.roll_outs_m.get_mut(place) {
-                *slot = rolled_out_m;
-            }
-        }
-    }
-
-    /// Displacement of a roll-out from a bank, as in the table, from its pieces.
-    fn rolled_out_m(&self, bank_rad: f64) -> (f64, f64) {
-        let settled_s = SETTLED_AFTER * self.bank_time_constant_s;
-        let mut state = MotionState::ahead(bank_rad);
-        let target = Target {
-            course_rad: self.rollout_rad(bank_rad),
-            climb_rad: 0.0,
-            rate_share: 1.0,
+    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
+    ///
+    /// That is V τ ∫ (e^(−i r(s φ)) − 1) ds / s over what is left of the bank, a share s, with what rolling out from it turns by, r, turned by
+    /// r(φ).
+    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Vec2 {
+        let off = |share: f64| {
+            let turned = unit(-self.rollout_rad(share * bank_rad));
+            (turned - Vec2::X) / share
         };
-        for _ in 0..MOST_PIECES {
-            let left_s = settled_s - state.time_s;
-            let piece = self.next_piece_within(&state, &target, left_s);
-            let for_s = piece.duration_s.min(left_s);
-            state = self.advance(&state, &piece, for_s);
-            if for_s == left_s {
-                break;
-            }
-        }
-        (state.position_m.x, state.position_m.y)
-    }
-
-    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
-    /// course at its start, metres, to decimetres.
-    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> (f64, f64) {
-        let most = (ROLL_OUTS - 1) as f64;
-        let place = (bank_rad.abs() / WIDEST_RAD * most).min(most);
-        let above = whole(place, ROLL_OUTS - 1);
-        let share = place - (above - 1) as f64;
-        let at = |place: usize| self.roll_outs_m.get(place).copied().unwrap_or_default();
-        let (low, high) = (at(above - 1), at(above));
-        let left = low.1 + share * (high.1 - low.1);
-        let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
-        let straight_m = self.airspeed_mps * SETTLED_AFTER * self.bank_time_constant_s;
-        (
-            low.0 + share * (high.0 - low.0) - straight_m * cos,
-            libm::copysign(1.0, bank_rad) * left - straight_m * sin,
-        )
+        let moved: Vec2 = GAUSS
+            .iter()
+            .map(|(at, weight)| (off(*at) + off(1.0 - at)) * *weight)
+            .sum();
+        let turned = unit(self.rollout_rad(bank_rad));
+        turned.rotate(moved) * self.airspeed_mps * self.bank_time_constant_s
     }
 
     /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
@@ -125,7 +78,7 @@ impl Flyer {
                 let turn_s = (turn_left - self.rollout_rad(command)) / rate;
                 return Piece::steady(climb_s.min(turn_s), rate, climb_rate, command);
             }
-            let roll = self.roll(state.bank_rad, command, most);
+            let roll = Roll::new(state.bank_rad, command, most, self.pace);
             let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
             let roll = if left * beyond > 0.0 {
                 roll
@@ -135,7 +88,7 @@ impl Flyer {
             return self.piece_of(&roll, climb_rate);
         }
         if state.bank_rad.abs() > ROLLED_OUT_RAD {
-            let mut roll = self.roll(state.bank_rad, 0.0, most);
+            let mut roll = Roll::new(state.bank_rad, 0.0, most, self.pace);
             if roll.to_rad == 0.0 && full > 0.0 {
                 // Rounding leaves a rest: it ends on its course.
                 let turn = turn_left / (self.gain_radps * tau);
@@ -150,20 +103,10 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
-    /// Whether it keeps the rolls from a bank.
-    pub fn keeps_rolls_from(&self, bank_rad: f64) -> bool {
-        self.is_ideal()
-            || bank_rad == 0.0
-            || self.begun.iter().any(|roll| roll.from_rad == bank_rad)
-    }
-
-    /// Keeps the rolls from a bank at which many predictions are about to begin.
-    pub fn keep_rolls_from(&mut self, bank_rad: f64) {
-        if !self.keeps_rolls_from(bank_rad) {
-            self.begin_rolls_from(bank_rad);
-            self.keep_bend(1, bank_rad);
-            self.keep_bend(2, -bank_rad);
-        }
+    /// Keeps the turns from a bank at which many predictions are about to begin.
+    pub fn keep_bends_from(&mut self, bank_rad: f64) {
+        self.keep_bend(1, bank_rad);
+        self.keep_bend(2, -bank_rad);
     }
 
     /// Keeps the turns from a bank in a place.
@@ -172,24 +115,6 @@ impl Flyer {
         bend.set(self, bank_rad);
         if let Some(slot) = self.bends.get_mut(place) {
             *slot = bend;
-        }
-    }
-
-    /// Keeps the first pieces of the rolls from a bank, and from level flight.
-    fn begin_rolls_from(&mut self, bank_rad: f64) {
-        let full_rad = self.full_bank_rad;
-        let rolls = [
-            (0.0, full_rad),
-            (0.0, -full_rad),
-            (bank_rad, full_rad),
-            (bank_rad, -full_rad),
-            (bank_rad, 0.0),
-        ];
-        for (place, (from_rad, to_rad)) in rolls.into_iter().enumerate() {
-            let roll = self.roll(from_rad, to_rad, f64::INFINITY);
-            if let Some(slot) = self.begun.get_mut(place) {
-                *slot = roll;
-            }
         }
     }
 
@@ -202,35 +127,6 @@ impl Flyer {
     /// The bank of the largest course rate, radians.
     pub const fn full_bank_rad(&self) -> f64 {
         self.full_bank_rad
-    }
-
-    /// The next piece of a roll, at most `most` time constants long.
-    fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
-        let is_begun = |roll: &&Roll| roll.from_rad == from_rad && roll.command_rad == command_rad;
-        let mut begun = self.begun.iter();
-        if let Some(roll) = begun.find(is_begun).filter(|roll| roll.lasts <= most) {
-            return *roll;
-        }
-        let (kept, side) = if command_rad == 0.0 {
-            (&self.rolling_out, from_rad)
-        } else {
-            (&self.rolling_over, command_rad)
-        };
-        let sign = libm::copysign(1.0, side);
-        let is_kept = command_rad == 0.0 || command_rad.abs() == self.full_bank_rad;
-        match kept.from(sign * from_rad, most).filter(|_| is_kept) {
-            Some(roll) => Roll {
-                from_rad,
-                command_rad,
-                turn: sign * roll.turn,
-                rate: sign * roll.rate,
-                growth: sign * roll.growth,
-                curve: sign * roll.curve,
-                to_rad: sign * roll.to_rad,
-                ..roll
-            },
-            None => Roll::new(from_rad, command_rad, most, self.pace),
-        }
     }
 
     /// The remaining turn after a piece of a roll, radians.
@@ -250,42 +146,17 @@ impl Flyer {
     }
 
     /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
-    /// roll-out's, which is `at_b` at its end.
-    ///
-    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: a cubic with that rate at both ends, then
-    /// Newton's steps, kept between the ends.
-    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_b: f64) -> Roll {
-        let (mut a, mut b) = (0.0, roll.lasts);
-        let at_a = turn_left - self.rollout_rad(roll.from_rad);
-        let gain = self.gain_radps * self.bank_time_constant_s;
-        let falls = |bank_rad: f64| -gain * roll.command_rad * tan_share(bank_rad);
-        let span = at_b - at_a;
-        let share = -at_a / span;
-        let (first, last) = (span / falls(roll.from_rad), span / falls(roll.to_rad));
-        let rest = 1.0 - share;
-        let cubic =
-            share * share * (3.0 - 2.0 * share) * b + share * rest * (rest * first - share * last);
-        let mut at = cubic.limited(a, b);
-        let mut part = *roll;
-        for _ in 0..STEPS_TO_ROLL_OUT {
-            part = Roll::part(roll.from_rad, roll.command_rad, at);
-            let left = self.left_after(&part, turn_left) - self.rollout_rad(part.to_rad);
-            if left.abs() < 0.1 * ROLL_OUT_BEGINS_RAD {
-                break;
-            }
-            if left * at_b < 0.0 {
-                a = at;
-            } else {
-                b = at;
-            }
-            let next = at - left / falls(part.to_rad);
-            at = if next > a && next < b {
-                next
-            } else {
-                0.5 * (a + b)
-            };
-        }
-        part
+    /// roll-out's, which is `at_end` at its end.
+    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_end: f64) -> Roll {
+        let part = |lasts: f64| Roll::part(roll.from_rad, roll.command_rad, lasts);
+        let beyond = |part: &Roll| self.left_after(part, turn_left) - self.rollout_rad(part.to_rad);
+        let begins = (0.0, turn_left - self.rollout_rad(roll.from_rad));
+        let near_rad = 0.1 * ROLL_OUT_BEGINS_RAD;
+        part(root(
+            |lasts| beyond(&part(lasts)),
+            [begins, (roll.lasts, at_end)],
+            near_rad,
+        ))
     }
 
     /// The bank between two states of one piece, radians: what is left of a decay is the same share in equal times.
