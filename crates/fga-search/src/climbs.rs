@@ -5,10 +5,7 @@ use fga_proof::list::List;
 use fga_proof::prediction::Flyer;
 
 use super::terms::{ENOUGH_M, Found, SecondTurn, Turns};
-use super::tuned::ROUNDS;
-
-/// Most seeds of a search for the largest margin.
-pub(super) const SEEDS: usize = 64;
+use super::tuned::{ROUNDS, SEEDS};
 
 /// Most seeds that climb.
 pub(super) const CLIMBERS: usize = ROUNDS[0].0;

@@ -8,9 +8,9 @@ use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
-use super::climbs::{Ascent, CLIMBERS, Climbs, SEEDS};
+use super::climbs::{Ascent, CLIMBERS, Climbs};
 use super::lattice::{Prefix, Row};
-use super::tuned::{FAR, FLOWN, GAPS, LEVEL_AFTER, PARTS, ROUNDS, STEP_RAD, WORTH_A_CLIMB};
+use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
 use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
 
 /// The work of filling the seeds.
@@ -297,7 +297,7 @@ impl Search<'_> {
     fn fly_best(&mut self, climbs: &mut Climbs) {
         let far_m = self.far_m();
         let (mut best_m, mut flown) = (f64::MIN, 0);
-        for _ in 0..FLOWN {
+        for _ in 0..SEEDS {
             let is_given = !self.limit_met() && self.meter.take(SEEDS / COMPARED);
             let Some(seed) = is_given.then(|| climbs.best_at(flown)).flatten() else {
                 break;

@@ -45,8 +45,8 @@ pub const PARTS: u32 = 4;
 /// Seeds that climb in each round, and the steps of each (`lost`).
 pub(super) const ROUNDS: [(usize, u32); 4] = [(16, 2), (8, 4), (3, 8), (1, 16)];
 
-/// Seeds that are flown before the best of them climb: lines do not show the arc of a last turn (`lost`).
-pub(super) const FLOWN: usize = 48;
+/// Most seeds: they are flown before the best of them climb, as lines do not show the arc of a last turn (`lost`).
+pub(super) const SEEDS: usize = 48;
 
 /// Seeds this far below the best one are not worth a climb, turn radii (`lost`).
 pub(super) const WORTH_A_CLIMB: f64 = 0.27;
