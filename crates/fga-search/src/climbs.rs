@@ -19,9 +19,6 @@ const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
 /// Most obstacles of a step: the closest ones.
 pub(super) const CLOSEST: usize = 8;
 
-/// Climbs that are this close have met, in units of the natural steps.
-const SAME: f64 = 0.2;
-
 pub(super) type Vector = [f64; PARAMETERS];
 
 /// The closest approach to an obstacle.
@@ -113,15 +110,6 @@ impl Ascent {
         } else {
             closest_m(&self.approaches)
         }
-    }
-
-    /// Whether another climb has come to the same manoeuvre.
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        let places = self.at.iter().zip(&other.at).zip(&self.scales);
-        self.used == other.used
-            && places
-                .take(self.used)
-                .all(|((a, b), scale)| (a - b).abs() < SAME * scale)
     }
 }
 

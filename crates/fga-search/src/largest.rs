@@ -346,9 +346,6 @@ impl Search<'_> {
                 return;
             }
             climbers.sort_unstable_by(|a, b| b.least_m().total_cmp(&a.least_m()));
-            if self.meter.take(CLIMBERS * CLIMBERS / COMPARED) {
-                leave_one_of_each(climbers);
-            }
         }
         if self.limit_met() {
             if best.is_some() {
@@ -361,17 +358,6 @@ impl Search<'_> {
             if best.is_none_or(|best| found.margin_m > best.margin_m) {
                 *best = Some(found);
             }
-        }
-    }
-}
-
-/// Removes climbers that have come to where a higher one is.
-fn leave_one_of_each(climbers: &mut [Ascent; CLIMBERS]) {
-    for place in 1..CLIMBERS {
-        let (higher, rest) = climbers.split_at_mut(place);
-        let Some(slot) = rest.first_mut() else { return };
-        if higher.iter().any(|one| one.is_some() && one.meets(slot)) {
-            *slot = Ascent::NONE;
         }
     }
 }
