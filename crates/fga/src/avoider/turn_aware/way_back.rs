@@ -123,7 +123,7 @@ impl Avoider<dyn Places + '_> {
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = given_up > 2;
+        let is_long = waited_s * self.flyer.course_rate_radps() > 2.0 * PI;
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), now.state));
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
@@ -155,8 +155,8 @@ impl Avoider<dyn Places + '_> {
             return None;
         }
         let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
-        // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
-        // clear of the expected motion.
+        // Two that flee from each other side by side would never return: after the time of a full circle, what keeps a way back
+        // suffices, and then what is clear of the expected motion.
         let is_robust = |avoider: &mut Self| {
             let back = &{ avoider.back };
             avoider.is_robust_back(back, now, demand.margin_m)
@@ -207,7 +207,6 @@ impl Avoider<dyn Places + '_> {
             rung,
             cost: 0.0,
             next_start_s: None,
-            is_small: false,
             ..*plan
         };
         self.predict(&maneuver, now, far.horizon_s);
@@ -334,15 +333,14 @@ impl Avoider<dyn Places + '_> {
         }
         let own_m = now.position_m;
         let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
-        let first_rad = back.stages().first().map(|stage| stage.course_rad);
+        let first = back.stages().first();
+        let first_rad = first.map_or(now.course_rad, |stage| stage.course_rad);
         // An aircraft moves away if it does so now, on the way back and on the mission.
-        let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
-            let course_rad = course_rad.unwrap_or(now.course_rad);
-            self.flyer.velocity_mps(&MotionState {
-                course_rad,
-                ..now.state
-            })
+        let ours = [now.course_rad, first_rad, mission_rad].map(|course_rad| MotionState {
+            course_rad,
+            ..now.state
         });
+        let ours_mps = ours.map(|state| self.flyer.velocity_mps(&state));
         let leaves = |hazard: &Hazard| {
             let offset_m = hazard.position_m - own_m;
             // What is above or below is clear by its height alone, and may change that.
