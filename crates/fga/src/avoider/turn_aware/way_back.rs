@@ -123,7 +123,7 @@ impl Avoider<dyn Places + '_> {
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = waited_s * self.flyer.course_rate_radps() > 2.0 * PI;
+        let is_long = given_up > 2;
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), now.state));
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
