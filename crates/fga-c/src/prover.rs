@@ -20,7 +20,7 @@ use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, size
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 61_952;
+pub const FGA_PROVER_BYTES: usize = 61_440;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -272,7 +272,7 @@ pub unsafe extern "C" fn fga_prover_init(
         let construct = |proving: *mut Proving| -> Result<(), Refused> {
             // SAFETY: there is room for a `Proving`; all of its fields are written.
             unsafe {
-                (&raw mut (*proving).flyer).write(Flyer::blank(&vehicle));
+                (&raw mut (*proving).flyer).write(Flyer::NONE);
                 (*proving).flyer.set(&vehicle);
                 (&raw mut (*proving).path).write(const { FlightPath::new() });
                 (&raw mut (*proving).hazards).write(const { Hazards::new() });
@@ -401,7 +401,7 @@ pub unsafe extern "C" fn fga_predict(
             let state = flown(
                 flyer,
                 &MotionState::of(&own),
-                &maneuver,
+                maneuver.stages(),
                 after_s,
                 &within(u32::MAX),
             );

@@ -156,7 +156,12 @@ impl Emulator {
     )]
     pub(crate) fn state_message(&self, message_id: u32) -> Option<MavMessage> {
         let time_boot_ms = self.boot_ms();
-        let velocity = self.plant.velocity_mps();
+        // Disarmed, it stands.
+        let (velocity, airspeed_mps) = if self.armed {
+            (self.plant.velocity_mps(), self.plant.airspeed_mps())
+        } else {
+            ([0.0; 3], 0.0)
+        };
         let degrees = self.plant.heading_rad().to_degrees().rem_euclid(360.0);
         Some(match message_id {
             SYS_STATUS => self.status(),
@@ -230,7 +235,7 @@ impl Emulator {
                 })
             }
             VFR_HUD => MavMessage::VFR_HUD(VFR_HUD_DATA {
-                airspeed: self.plant.airspeed_mps() as f32,
+                airspeed: airspeed_mps as f32,
                 groundspeed: libm::hypot(velocity[0], velocity[1]) as f32,
                 alt: (self.plant.position_m()[2] + self.settings.home.altitude_m) as f32,
                 climb: velocity[2] as f32,

@@ -4,74 +4,86 @@
 //! [`Companion::take_report`] a report of traffic, [`Companion::tick`] advances the time,
 //! [`Companion::outbox`] holds the messages to send and [`Companion::take_log`] the log. The
 //! program, the replay of a recording and the tests in scaled time all drive the same code.
+//!
+//! Each part has its own file and hides its fields from the others:
+//!
+//! | part | question |
+//! |---|---|
+//! | `Session` | which vehicle is this, and what did an earlier run leave with it? |
+//! | `Lists`, `Boundary` | what does the vehicle intend, and what of its fence binds? |
+//! | `Route`, `Passing` | which way would it fly by itself, and what of its mission has a manoeuvre passed? |
+//! | `Lead` | when does a command act, and how is the aircraft then? |
+//! | `Around`, `OverGround`, `Feeds` | who and what is around, how high is the ground, and who reports traffic? |
+//! | `Handover`, `Gap`, `Told` | when is control wanted and given back, and what has the operator read of it? |
+//! | `Voice` | what is said: messages, texts, lines of the log? |
+//!
+//! A decision goes from `observe.rs` by `decide.rs` and `authorize.rs` to the targets in `send.rs`.
 
 mod alerts;
 mod around;
+mod authorize;
+mod boundary;
 mod decide;
 mod decider;
 mod feeds;
 mod gap;
-mod mission_watch;
+mod handover;
+mod lacking;
+mod lead;
+mod lists;
 mod neighbors;
+mod observe;
 mod over_ground;
+mod passing;
 mod picture;
 mod rally;
-mod readiness;
 mod receive;
 mod requests;
+mod route;
 mod send;
+mod session;
+mod target;
 mod traffic;
 mod trips;
-mod way;
+mod voice;
+mod watched;
 mod words;
 
-pub(crate) use receive::beat_of_plane;
-
 use fga::avoider::Decision;
-use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMissionType};
+use mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA;
 use serde_json::{Value, json};
 
-use crate::authority::{
-    Action, Authority, Fault, HandBack, Hearing, Keeper, Owed, Severity, reaction,
-};
-use crate::commanded::Commanded;
+use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severity, reaction};
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
-use crate::mission::{Download, Way};
 use crate::mode::Mode;
-use crate::outgoing::{Outbox, Outgoing};
+use crate::outgoing::Outgoing;
 use crate::ownship::{OwnshipEstimate, State};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
-use crate::response::ResponseEstimate;
 use crate::restart::Note;
-use crate::traffic::fence::Fence;
-use crate::traffic::{Defect, Defects, Report, TrackTable};
+use crate::traffic::{Defect, Defects, TrackTable};
 
-pub(crate) use gap::round_trip_of;
+use around::Around;
+use boundary::Boundary;
+use handover::Handover;
+use lacking::Told;
+use lead::Lead;
+use lists::Lists;
+use passing::Passing;
 pub use picture::Picture;
+use route::Route;
+use session::Session;
+pub(crate) use trips::round_trip_of;
+use voice::Voice;
 
 /// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
 pub const LONGEST_END_S: f64 = 60.0;
 /// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
-/// Assumed duration of the bank before a manoeuvre, seconds.
-const KEPT_BEFORE_S: f64 = 2.0;
-
-/// The vehicle according to its heartbeats.
-#[derive(Debug, Clone, Copy)]
-struct Heard {
-    system_id: u8,
-    mode: Mode,
-    armed: bool,
-    /// Its first heartbeat and its last one, seconds.
-    since_s: f64,
-    heartbeat_s: f64,
-}
 
 /// When things are due again, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
@@ -83,9 +95,6 @@ struct Due {
     tidy_s: f64,
     values_s: f64,
     collision_s: f64,
-    fence_s: f64,
-    contradiction_s: f64,
-    round_trip_s: f64,
 }
 
 /// The last decision and its context.
@@ -113,60 +122,23 @@ pub struct Counts {
 pub struct Companion {
     config: Config,
     take_over: Vec<Mode>,
-    dry_run: bool,
     recorded: bool,
-    outbox: Outbox,
-    log: Vec<Value>,
-    heard: Option<Heard>,
-    /// Decides whether the companion may command a mode.
-    hearing: Hearing,
-    /// The debt of an earlier run of the program.
-    notes: Vec<Note>,
-    /// The vehicle's clock when the mode was taken.
-    noted_boot_ms: Option<u32>,
-    /// Since when it flies on a manoeuvre of an earlier run, or from before a lost link, without a threat known yet,
-    /// seconds.
-    resumed_s: Option<f64>,
+    voice: Voice,
+    session: Session,
     /// Since when the program is to end, seconds.
     ending_s: Option<f64>,
-    /// Since when it waits for a vehicle with a note, seconds.
-    noted_wait_s: Option<f64>,
-    /// The item to go on with, where the vehicle begins its mission again with each change to AUTO.
-    item_to_resume: Option<u16>,
-    /// What a manoeuvre has passed of the mission.
-    passing: way::Passing,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
-    told: readiness::Told,
-    neighbors: neighbors::Neighbors,
-    senders: neighbors::Senders,
+    told: Told,
     rates: Rates,
     gap: gap::Gap,
-    trips: trips::Trips,
-    /// The dead time that the link adds to the vehicle's, seconds.
-    link_dead_time_s: f64,
     commands: Commands,
     parameters: VehicleParameters,
-    mission: Download,
-    fence_download: Download,
-    fence: Fence,
-    /// Whether the vehicle's status says that its fence is enabled.
-    fence_enabled: Option<bool>,
-    /// The mission and the fence of the report that one crosses the other.
-    told_crossing: Option<(u32, u32)>,
-    /// The number of the fence download in the local frame.
-    fence_laid: u32,
-    /// The number of the mission download behind the way.
-    mission_laid: u32,
-    rally: rally::Rally,
-    watch: mission_watch::MissionWatch,
-    mission_item: Option<u16>,
-    mission_total: Option<u16>,
+    lists: Lists,
+    boundary: Boundary,
     ownship: OwnshipEstimate,
-    response: ResponseEstimate,
-    /// The same for banks steeper than the normal one.
-    steep_response: ResponseEstimate,
-    tracks: TrackTable,
+    lead: Lead,
+    around: Around,
     feeds: feeds::Feeds,
     defects: Defects,
     over: over_ground::OverGround,
@@ -174,33 +146,14 @@ pub struct Companion {
     held_reports: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
     /// The last trouble of the surrounding program.
     trouble: String,
-    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     decider: Option<decider::Decider>,
     alerts: Option<alerts::Watch>,
     hand: Box<dyn Hand>,
-    way: Way,
-    way_mode: Option<Mode>,
-    /// The vehicle's mission item when the way was laid.
-    way_item: Option<u16>,
-    /// The number of the mission download behind the way; `None` if it leads to the vehicle's own
-    /// target.
-    way_mission: Option<u32>,
-    obstacles: Vec<Obstacle>,
+    route: Route,
+    passing: Passing,
     decided: Option<Decided>,
-    /// The last commanded bank, radians.
-    commanded_rad: f64,
-    commanded_lately: Commanded,
-    /// How far ahead of the clock decisions are, seconds, and the time of that setting.
-    ahead_s: f64,
-    ahead_at_s: f64,
-    following_since_s: Option<f64>,
-    on_way_since_s: Option<f64>,
-    /// Since when nothing threatens in a manoeuvre, seconds.
-    cruises_since_s: Option<f64>,
-    refusals: u32,
-    pause_until_s: f64,
-    boot_ms: u32,
+    handover: Handover,
     due: Due,
     last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
     counts: Counts,
@@ -226,77 +179,43 @@ impl Companion {
             )));
         }
         let never = f64::NEG_INFINITY;
-        let mut outbox = Outbox::default();
-        outbox.set_own_system(match config.vehicle.system_id {
+        let mut voice = Voice::default();
+        voice.speak_to(match config.vehicle.system_id {
             0 => FIRST_SYSTEM,
             system_id => system_id,
         });
         Ok(Self {
-            take_over,
-            dry_run,
             recorded: false,
-            outbox,
-            log: Vec::new(),
-            heard: None,
-            hearing: Hearing::default(),
-            notes: Vec::new(),
-            noted_boot_ms: None,
-            resumed_s: None,
+            voice,
+            session: Session::new(config.vehicle.system_id, dry_run),
             ending_s: None,
-            noted_wait_s: None,
-            item_to_resume: None,
-            passing: way::Passing::default(),
             undecided_s: Some(never),
-            told: readiness::Told::NOTHING,
-            neighbors: neighbors::Neighbors::default(),
-            senders: neighbors::Senders::default(),
+            told: Told::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
-            trips: trips::Trips::default(),
-            link_dead_time_s: 0.0,
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
-            mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
-            fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
-            fence: Fence::default(),
-            fence_enabled: None,
-            told_crossing: None,
-            fence_laid: 0,
-            mission_laid: 0,
-            rally: rally::Rally::default(),
-            watch: mission_watch::MissionWatch::default(),
-            mission_item: None,
-            mission_total: None,
+            lists: Lists::new(config.safety.use_fence, take_over.contains(&Mode::RTL)),
+            boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
-            response: ResponseEstimate::new(&config.response),
-            steep_response: ResponseEstimate::new(&config.response),
-            tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            lead: Lead::new(&config.response),
+            around: Around::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
-            over: over_ground::OverGround::new(config.terrain.source.is_some()),
+            over: over_ground::OverGround::new(
+                config.terrain.source.is_some(),
+                config.terrain.clearance_m.unwrap_or(0.0),
+            ),
             held_reports: Vec::new(),
             trouble: String::new(),
-            virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
             alerts: alerts::Watch::new(&config.alerts),
             hand,
-            way: Way::default(),
-            way_mode: None,
-            way_item: None,
-            way_mission: None,
-            obstacles: Vec::new(),
+            route: Route::default(),
+            passing: Passing::default(),
             decided: None,
-            commanded_rad: 0.0,
-            commanded_lately: Commanded::default(),
-            ahead_s: config.response.dead_time_s,
-            ahead_at_s: 0.0,
-            following_since_s: None,
-            on_way_since_s: None,
-            cruises_since_s: None,
-            refusals: 0,
-            pause_until_s: never,
-            boot_ms: 0,
+            handover: Handover::default(),
             due: Due {
                 heartbeat_s: never,
                 decision_s: never,
@@ -304,12 +223,10 @@ impl Companion {
                 tidy_s: never,
                 values_s: never,
                 collision_s: never,
-                fence_s: never,
-                contradiction_s: never,
-                round_trip_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
+            take_over,
             config,
         })
     }
@@ -322,12 +239,12 @@ impl Companion {
 
     /// The messages to send, oldest first.
     pub fn outbox(&mut self) -> Vec<Outgoing> {
-        self.outbox.take()
+        self.voice.take_messages()
     }
 
     /// Lines of the decision log since the last call.
     pub fn take_log(&mut self) -> Vec<Value> {
-        core::mem::take(&mut self.log)
+        self.voice.take_log()
     }
 
     /// The state of the authority.
@@ -337,12 +254,15 @@ impl Companion {
 
     /// Counters.
     pub const fn counts(&self) -> Counts {
-        self.counts
+        Counts {
+            texts: self.voice.texts(),
+            ..self.counts
+        }
     }
 
     /// Tracks of other aircraft.
     pub const fn tracks(&self) -> &TrackTable {
-        &self.tracks
+        self.around.tracks()
     }
 
     /// The vehicle's planned limits.
@@ -352,7 +272,7 @@ impl Companion {
 
     /// How the vehicle follows, as estimated so far.
     pub fn response(&self) -> fga::vehicle::Response {
-        self.link_response()
+        self.lead.response()
     }
 
     /// The last decision.
@@ -362,7 +282,7 @@ impl Companion {
 
     /// System id of the vehicle, once heard.
     pub fn vehicle_system(&self) -> Option<u8> {
-        self.heard.map(|heard| heard.system_id)
+        self.session.system()
     }
 
     /// Mode to restore if this program stops now; `None` without a manoeuvre.
@@ -373,7 +293,7 @@ impl Companion {
     /// The mode to restore, and the vehicle, if this program stops now.
     pub fn owed(&self) -> Option<Owed> {
         Some(Owed {
-            system_id: self.vehicle_system().filter(|_| !self.dry_run)?,
+            system_id: self.session.commanded_system()?,
             owned: self.keeper.target(),
             previous: self.keeper.owed()?,
         })
@@ -381,37 +301,29 @@ impl Companion {
 
     /// Passes the debt of an earlier run of this program, before any message.
     pub fn set_notes(&mut self, notes: Vec<Note>) {
-        self.notes = notes;
+        self.session.set_notes(notes);
     }
 
     /// The note for a later run, if this one stops now.
     pub fn restart_note(&self, now_s: f64) -> Option<Note> {
-        if let Some(note) = self.notes.last() {
-            // A note of another vehicle is another program's.
-            return Some(*note).filter(|_| self.heard.is_some() && !self.dry_run);
-        }
-        let boot_ms = self.noted_boot_ms.unwrap_or(self.boot_ms);
-        if let Some(owed) = self.owed() {
-            return Some(Note {
-                item: self.item_asked_for(),
-                ..Note::new(owed, boot_ms)
-            });
-        }
         let owned = self.keeper.target();
-        let heard = self.heard.as_ref().filter(|_| !self.dry_run)?;
-        let requested = Owed {
-            system_id: heard.system_id,
+        self.session.restart_note(
+            self.keeper.owed(),
+            self.passing.asked(),
             owned,
-            previous: heard.mode,
-        };
-        self.keeper.may_arrive(owned, now_s).then(|| Note {
-            given_up: true,
-            ..Note::new(requested, boot_ms)
-        })
+            self.keeper.may_arrive(owned, now_s),
+        )
+    }
+
+    /// The link carries MAVLink 1 frames of a system, which nobody here reads.
+    pub fn hear_version1(&mut self, system: u8, now_s: f64) {
+        self.voice.at(now_s);
+        self.session.hear_version1(system, &mut self.voice);
     }
 
     /// The operator's switch.
     pub fn set_enabled(&mut self, enabled: bool, now_s: f64) {
+        self.voice.at(now_s);
         let actions = self.keeper.set_enabled(enabled, now_s);
         self.perform(&actions, now_s);
     }
@@ -419,10 +331,12 @@ impl Companion {
     /// The program is to end. A manoeuvre goes on until the mode can be restored without a collision, for
     /// [`LONGEST_END_S`] at most; then, or without a manoeuvre at once, nothing is owed any more.
     pub fn shut_down(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         if self.keeper.commands() {
             self.ending_s = Some(now_s);
-            let words = format!("fga: program ends when clear, {LONGEST_END_S} s at most");
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&format!(
+                "fga: program ends when clear, {LONGEST_END_S} s at most"
+            ));
             return;
         }
         self.shut_down_at_once(now_s);
@@ -430,10 +344,11 @@ impl Companion {
 
     /// Restores the mode in an orderly way before the program ends, whatever threatens.
     pub fn shut_down_at_once(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
-        } else if self.heard.is_some() {
-            self.tell(Severity::Notice, "fga: program ends", now_s);
+        } else if self.vehicle_system().is_some() {
+            self.voice.tell(Severity::Notice, "fga: program ends");
         }
         let counts = Defect::ALL.map(|defect| {
             let count = json!({
@@ -442,12 +357,9 @@ impl Companion {
             });
             (defect.name().to_owned(), count)
         });
-        self.note(
-            now_s,
-            "defects",
-            Value::Object(counts.into_iter().collect()),
-        );
-        self.note_ground_heard(now_s);
+        self.voice
+            .note("defects", Value::Object(counts.into_iter().collect()));
+        self.over.note_heard(&mut self.voice);
         self.send_commands(now_s);
     }
 
@@ -458,12 +370,14 @@ impl Companion {
 
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
+        self.voice.at(now_s);
         words.clone_into(&mut self.trouble);
-        self.tell(Severity::Warning, words, now_s);
+        self.voice.warn(words);
     }
 
     /// Advances the time: sends due messages and decides if no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
+        self.voice.at(now_s);
         self.watch_link(now_s);
         self.take_held_reports(now_s);
         if !self.is_silent(now_s) {
@@ -473,11 +387,13 @@ impl Companion {
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
-            self.tell_feeds(now_s);
+            if self.vehicle_system().is_some() {
+                self.feeds.tell(&mut self.voice);
+            }
             let own = self
                 .decided
                 .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
-            self.tracks.tidy(now_s, own);
+            self.around.tracks_mut().tidy(now_s, own);
         }
         // Telemetry prompts decisions and commands; the clock stands in where it pauses.
         let slack_s = self.config.command.decision_period_s;
@@ -497,7 +413,9 @@ impl Companion {
     }
 
     fn watch_link(&mut self, now_s: f64) {
-        let Some(heard) = self.heard else { return };
+        let Some(silent_s) = self.session.silent_s(now_s) else {
+            return;
+        };
         // While it requests the return nothing flies, and a restarted program must wait: only the
         // heartbeat matters.
         let flies = matches!(
@@ -505,7 +423,7 @@ impl Companion {
             Authority::Taking { .. } | Authority::InCommand { .. }
         );
         let flies_blind = self.flies_blind(now_s);
-        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s && !flies_blind {
+        if silent_s > self.config.safety.link_lost_s && !flies_blind {
             self.fault(Fault::LinkLost, now_s);
         } else if flies && self.is_blind(now_s) && !flies_blind {
             self.end_gap(now_s);
@@ -532,38 +450,38 @@ impl Companion {
             match *action {
                 Action::SetMode { to, from } => {
                     self.ask_for_mode(to, from, now_s);
-                    self.note(now_s, "set-mode", json!({ "mode": to.name() }));
+                    self.voice.note("set-mode", json!({ "mode": to.name() }));
                 }
                 Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
-                Action::Tell(severity, words) => self.tell(severity, words, now_s),
+                Action::Tell(severity, words) => self.voice.tell(severity, words),
                 Action::Resumed => {
                     self.counts.maneuvers += 1;
-                    self.resumed_s = Some(now_s);
-                    self.start_commanding(now_s);
+                    self.start_commanding(true, now_s);
                 }
                 Action::Began => {
                     self.counts.maneuvers += 1;
-                    self.noted_boot_ms = Some(self.boot_ms);
-                    self.item_to_resume = self.mission_item.filter(|_| self.restarts_mission());
-                    self.begin_passing();
-                    self.start_commanding(now_s);
-                    self.tell_threat(now_s);
+                    self.session.date_note();
+                    let item = self.lists.item();
+                    self.passing
+                        .begin_maneuver(&self.route, item, &self.parameters);
+                    self.start_commanding(false, now_s);
+                    self.tell_threat();
                 }
                 Action::Returned => {
-                    self.refusals = 0;
+                    self.handover.succeeded();
                     self.let_go(now_s);
-                    self.tell(Severity::Info, "fga: clear, mode restored", now_s);
+                    self.voice.tell(Severity::Info, "fga: clear, mode restored");
                     self.forget_plan();
                 }
                 Action::Ended(fault) => {
-                    self.note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
+                    self.voice
+                        .note("released", json!({ "fault": format!("{fault:?}") }));
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if reaction(fault).hand_back == HandBack::LeaveAlone {
-                        self.item_to_resume = None;
+                        self.passing.leave_alone();
                     }
                     if fault == Fault::TakeOverRefused {
-                        self.refusals += 1;
-                        self.pause_until_s = now_s + 5.0;
+                        self.handover.refused(now_s);
                     }
                     self.let_go(now_s);
                     self.forget_plan();
@@ -572,28 +490,20 @@ impl Companion {
         }
     }
 
-    fn start_commanding(&mut self, now_s: f64) {
+    fn start_commanding(&mut self, resumed: bool, now_s: f64) {
         self.hand.begin();
-        self.begin_commanding(now_s);
-        self.following_since_s = None;
-        self.on_way_since_s = None;
-        self.told.need = false;
+        self.lead.begin(self.ownship.bank_rad(), now_s);
+        self.handover.begin(resumed, now_s);
+        self.told.begin();
         self.due.command_s = f64::NEG_INFINITY;
-    }
-
-    /// Until the first command takes effect, the aircraft keeps its bank.
-    fn begin_commanding(&mut self, now_s: f64) {
-        self.commanded_lately.clear();
-        if let Some(bank_rad) = self.ownship.bank_rad() {
-            self.commanded_lately.push(now_s - KEPT_BEFORE_S, bank_rad);
-        }
     }
 
     /// The next decision makes a new plan and a new way.
     fn forget_plan(&mut self) {
         self.decider = None;
+        self.route.fly_leg(0);
         self.decided = None;
-        self.resumed_s = None;
-        self.commanded_lately.clear();
+        self.handover.forget();
+        self.lead.end();
     }
 }

@@ -9,7 +9,7 @@ mod asked;
 use alloc::sync::Arc;
 
 use fga::{Vec2, Vec3};
-use fga_formats::geodesy::LocalFrame;
+use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::dialects::ardupilotmega::MavFrame;
 
@@ -109,8 +109,8 @@ pub struct MadeGround {
     pub(crate) ground: Result<LocalGround, String>,
     /// The items at the end of legs that are lower than it takes to clear the ground, with the least height above it, metres.
     pub(crate) low: Vec<(u16, f64)>,
-    /// The items at the end of legs over unknown ground.
-    pub(crate) unknown: Vec<u16>,
+    /// The items at the end of legs over unknown ground, with the first unknown place.
+    pub(crate) unknown: Vec<(u16, Geodetic)>,
 }
 
 impl GroundOrder {
@@ -141,7 +141,7 @@ impl GroundOrder {
             let lowest_m = found.lowest.map(|lowest| lowest.clearance_m);
             let lowest_m = lowest_m.filter(|above_m| *above_m < needed_m);
             low.extend(lowest_m.map(|above_m| (leg.item, above_m)));
-            unknown.extend(found.unknown_at.map(|_| leg.item));
+            unknown.extend(found.unknown_at.map(|place| (leg.item, place)));
         }
         MadeGround {
             square: self.square,

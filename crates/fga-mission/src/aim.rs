@@ -6,7 +6,7 @@ use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
 use fga_proof::angle::wrap_pi;
 use fga_proof::limit::Limit as _;
-use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::maneuver::Stage;
 use fga_proof::meter::{BEND, SETUP};
 use fga_proof::prediction::{Bend, MotionState};
 
@@ -26,27 +26,19 @@ pub(crate) struct Shot {
 
 impl Shot {
     /// Its commands from a moment on, seconds.
-    pub(crate) fn maneuver(&self, start_s: f64) -> Maneuver {
-        let mut maneuver = Maneuver::hold();
+    pub(crate) fn stages(&self, start_s: f64) -> impl Iterator<Item = Stage> {
         let (turn_s, level_s) = (self.turn_at_s, self.level_at_s);
+        let turns = (turn_s, self.intercept_course_rad, self.course_rad);
+        let levels = (level_s, self.climb_rad, self.final_climb_rad);
         let mut before_s = f64::NEG_INFINITY;
-        for at_s in [start_s, turn_s.min(level_s), turn_s.max(level_s)] {
-            if at_s <= before_s {
-                continue;
-            }
-            let turns = (turn_s, self.intercept_course_rad, self.course_rad);
-            let levels = (level_s, self.climb_rad, self.final_climb_rad);
+        let moments_s = [start_s, turn_s.min(level_s), turn_s.max(level_s)];
+        moments_s.into_iter().filter_map(move |at_s| {
+            let is_later = at_s > before_s;
+            before_s = before_s.max(at_s);
             let [course_rad, climb_rad] = [turns, levels]
                 .map(|(from_s, before, after)| if at_s < from_s { before } else { after });
-            maneuver.push(Stage {
-                start_s: at_s,
-                course_rad,
-                climb_rad,
-                rate_share: 1.0,
-            });
-            before_s = at_s;
-        }
-        maneuver
+            is_later.then(|| Stage::turn(at_s, course_rad, climb_rad))
+        })
     }
 }
 
@@ -148,14 +140,17 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
     let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
     let kept = [bank_rad, -bank_rad].map(|bank_rad| (bank_rad, flyer.bend_from(bank_rad)));
     let work = kept.map(|(_, bend)| if bend.is_some() { 0 } else { BEND });
-    let made = if route.meter.take(SETUP + work.iter().sum::<usize>()) {
-        kept.map(|(bank_rad, bend)| bend.is_none().then(|| Bend::new(flyer, bank_rad)))
-    } else {
-        [None, None]
-    };
-    let [left, right] = [0, 1].map(|side: usize| {
-        let kept = kept.get(side).and_then(|(_, bend)| *bend);
-        kept.or_else(|| made.get(side)?.as_ref())
+    let mut made = [Bend::NONE; 2];
+    if route.meter.take(SETUP + work.iter().sum::<usize>()) {
+        for (made, (bank_rad, kept)) in made.iter_mut().zip(kept) {
+            if kept.is_none() {
+                made.set(flyer, bank_rad);
+            }
+        }
+    }
+    let [left, right] = kept.map(|(bank_rad, kept)| {
+        let mut made = made.iter();
+        kept.or_else(|| made.find(|bend| bend.is_from(bank_rad)))
     });
     let final_climb_rad = route.climb_rad(leg);
     let mut shot = Shot {

@@ -143,7 +143,8 @@ fn arc(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg, lead_m: f64) -> Opt
         return None;
     }
     let mut join = Join::new(index + 1, lead_m);
-    join.push(legs.route.stage(0.0, leg.air_course_rad + turn_rad, next));
+    join.stages
+        .push(legs.route.stage(0.0, leg.air_course_rad + turn_rad, next));
     join.joined_s = turn_rad.abs() / legs.route.flyer.course_rate_radps();
     Some(Corner {
         lead_m,
@@ -186,6 +187,7 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner
 
 /// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
 /// follows as closely as it can.
+#[inline(never)]
 fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
     let route = legs.route;
     let skipped = join.index - first;
@@ -203,11 +205,11 @@ fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Joi
     if (first..=join.index).all(turns_gently) {
         return true;
     }
-    let (mut state, maneuver) = (*from, join.maneuver());
+    let mut state = *from;
     let places_m = [(); PLACES + 1].map(|()| {
         let at_m = state.position_m + route.wind_mps * state.time_s;
         let next_s = state.time_s + join.joined_s / PLACES as f64;
-        state = flown(route.flyer, &state, &maneuver, next_s, route.meter);
+        state = flown(route.flyer, &state, join.stages(), next_s, route.meter);
         at_m
     });
     let is_near = |waypoint_m: &fga_proof::Vec3| {
@@ -342,8 +344,8 @@ mod tests {
                         let corner = first(route);
                         assert_eq!(corner.join.stages().len(), 1);
                         let from = exit(&legs, &leg, corner.lead_m);
-                        let maneuver = corner.join.maneuver();
-                        let end = flown(route.flyer, &from, &maneuver, f64::INFINITY, route.meter);
+                        let stages = corner.join.stages();
+                        let end = flown(route.flyer, &from, stages, f64::INFINITY, route.meter);
                         let off_m = next.position(end.position_m, end.time_s).cross_m;
                         assert!(off_m.abs() < 0.01 * route.radius_m(), "{off_m} m off");
                     });

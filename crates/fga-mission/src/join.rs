@@ -7,7 +7,7 @@
 use crate::aim::aim;
 use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
-use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::maneuver::{Stage, StageList};
 use fga_proof::prediction::{MotionState, flown};
 
 /// Most stages of a join: three turns, and the climb angle of the leg.
@@ -27,8 +27,8 @@ const CORRECTIONS: u32 = 3;
 pub struct Join {
     /// Index of the waypoint at the start of the leg.
     pub index: usize,
-    stages: [Stage; MOST_STAGES],
-    len: usize,
+    /// Its commands.
+    pub stages: StageList<MOST_STAGES>,
     /// Arrival on the leg, seconds from the decision.
     pub joined_s: f64,
     /// Distance along the leg at that time, metres.
@@ -40,42 +40,18 @@ pub struct Join {
 impl Join {
     /// On a leg already, at a distance along it, metres.
     pub(crate) const fn new(index: usize, along_m: f64) -> Self {
-        let stage = Stage {
-            start_s: 0.0,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            rate_share: 1.0,
-        };
         Self {
             index,
-            stages: [stage; MOST_STAGES],
-            len: 0,
+            stages: StageList::hold(),
             joined_s: 0.0,
             along_m,
             cross_m: 0.0,
         }
     }
 
-    /// Appends a stage.
-    pub(crate) fn push(&mut self, stage: Stage) {
-        if let Some(slot) = self.stages.get_mut(self.len) {
-            *slot = stage;
-            self.len += 1;
-        }
-    }
-
     /// Its commands, first to last.
     pub fn stages(&self) -> &[Stage] {
-        self.stages.get(..self.len).unwrap_or(&[])
-    }
-
-    /// Its commands as a manoeuvre.
-    pub fn maneuver(&self) -> Maneuver {
-        let mut maneuver = Maneuver::hold();
-        for stage in self.stages() {
-            maneuver.push(*stage);
-        }
-        maneuver
+        self.stages.stages()
     }
 
     /// Whether it ends on the leg: in strong wind the corrections of a turn of half a circle may fail.
@@ -106,17 +82,11 @@ pub(crate) fn join(
     let mut shot = aim(route, leg, state, intercept_rad);
     let mut joined = Join::new(index, 0.0);
     for correction in 0..=CORRECTIONS {
-        let maneuver = shot.maneuver(state.time_s);
-        let end = flown(route.flyer, state, &maneuver, f64::INFINITY, route.meter);
+        joined.stages.set(shot.stages(state.time_s));
+        let stages = joined.stages();
+        let end = flown(route.flyer, state, stages, f64::INFINITY, route.meter);
         let at = leg.position(end.position_m, end.time_s);
-        joined = Join {
-            joined_s: end.time_s,
-            cross_m: at.cross_m,
-            ..Join::new(index, at.along_m)
-        };
-        for stage in maneuver.stages() {
-            joined.push(*stage);
-        }
+        (joined.joined_s, joined.along_m, joined.cross_m) = (end.time_s, at.along_m, at.cross_m);
         if at.cross_m.abs().max(at.above_m.abs()) < NEAR_M || correction == CORRECTIONS {
             break;
         }
@@ -171,8 +141,8 @@ mod tests {
                 };
                 let leg = Leg::endless(Vec3::ZERO, 0.0, route.air());
                 let joined = join(route, (3, &leg), &state, intercept_rad);
-                let maneuver = joined.maneuver();
-                let end = flown(route.flyer, &state, &maneuver, f64::INFINITY, route.meter);
+                let stages = joined.stages();
+                let end = flown(route.flyer, &state, stages, f64::INFINITY, route.meter);
                 let at = leg.position(end.position_m, end.time_s);
                 prop_assert_eq!(joined.index, 3);
                 prop_assert_eq!((joined.along_m, joined.cross_m), (at.along_m, at.cross_m));

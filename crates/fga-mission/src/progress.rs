@@ -122,6 +122,7 @@ impl Progress {
     }
 
     /// Advances to the leg for a state at a time on the situation's clock, seconds.
+    #[inline(never)]
     pub fn update(&mut self, route: &Route<'_>, state: &MotionState, time_s: f64) {
         let passed_s = time_s - self.time_s;
         self.time_s = time_s;
@@ -216,8 +217,8 @@ impl Progress {
             self.is_unentered = false;
         } else if let Some(turn) = self.turn {
             let since_s = self.time_s - turn.begun_s;
-            let maneuver = turn.join.maneuver();
-            let there = flown(route.flyer, &turn.from, &maneuver, since_s, route.meter);
+            let stages = turn.join.stages();
+            let there = flown(route.flyer, &turn.from, stages, since_s, route.meter);
             if route.meter.is_spent() {
                 return;
             }
@@ -255,18 +256,20 @@ impl Progress {
             .then(|| state.course_rad + leg.turn_onto_rad(state))
     }
 
-    /// The guidance along the mission from a state: onto the leg, and round the corners up to
-    /// `horizon_s`, with the moment from which it is straight.
+    /// Sets a command to the guidance along the mission from a state: onto the leg, and round the corners up to
+    /// `horizon_s`. Returns the moment from which it is straight.
+    #[inline(never)]
     pub fn guidance(
         &mut self,
         route: &Route<'_>,
         state: &MotionState,
         horizon_s: f64,
-    ) -> (Maneuver, f64) {
+        command: &mut Maneuver,
+    ) -> f64 {
         let onto = self.capture(route, state);
-        let mut maneuver = onto.maneuver();
-        let straight_s = self.round_corners(route, horizon_s, &mut maneuver, &onto);
-        (maneuver, straight_s.unwrap_or(onto.joined_s))
+        command.set(onto.stages().iter().copied());
+        let straight_s = self.round_corners(route, horizon_s, command, &onto);
+        straight_s.unwrap_or(onto.joined_s)
     }
 
     /// The way onto the leg, or along it.
@@ -278,23 +281,25 @@ impl Progress {
         if self.is_adrift() {
             let into_wind_rad = wrap_pi(course_of(-route.wind_mps) - state.course_rad);
             let mut held = Join::new(self.index, 0.0);
-            held.push(Stage {
-                start_s: 0.0,
-                course_rad: state.course_rad + into_wind_rad,
-                climb_rad: 0.0,
-                rate_share: 1.0,
-            });
+            let course_rad = state.course_rad + into_wind_rad;
+            held.stages.push(Stage::turn(0.0, course_rad, 0.0));
             return held;
         }
         if is_on_leg(&leg, state) {
             let along_m = leg.position(state.position_m, state.time_s).along_m;
             let mut held = Join::new(self.index, along_m);
             let course_rad = state.course_rad + leg.turn_onto_rad(state);
-            held.push(route.stage(0.0, course_rad, &leg));
+            held.stages.push(route.stage(0.0, course_rad, &leg));
             return held;
         }
-        let found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
-        let found = found.or_else(|| self.direct_way(route, state));
+        let mut found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
+        if found.is_none() {
+            let before = *self;
+            found = self.direct_way(route, state);
+            if found.is_none() {
+                *self = before;
+            }
+        }
         if let Some(joined) = &found {
             self.advance_to(route, state, joined.index);
         }
@@ -316,9 +321,7 @@ impl Progress {
         let turn = self.turn?;
         let since_s = self.time_s - turn.begun_s;
         let mut rest = Join::new(turn.join.index, turn.join.along_m);
-        for stage in turn.join.maneuver().after(since_s).stages() {
-            rest.push(*stage);
-        }
+        rest.stages.set_later(&turn.join.stages, since_s);
         rest.joined_s = turn.join.joined_s - since_s;
         Some(rest)
     }
@@ -434,17 +437,19 @@ mod tests {
             let mut progress = Progress::new();
             let state = at(500.0, 0.0, 0.0);
             progress.update(route, &state, 0.0);
-            let (near, straight_s) = progress.guidance(route, &state, 20.0);
-            assert_eq!((near.stages().len(), straight_s), (1, 0.0));
-            let (far, straight_s) = progress.guidance(route, &state, 60.0);
+            let mut far = Maneuver::hold();
+            let straight_s = progress.guidance(route, &state, 20.0, &mut far);
+            assert_eq!((far.stages().len(), straight_s), (1, 0.0));
+            let straight_s = progress.guidance(route, &state, 60.0, &mut far);
             let [_, turn] = far.stages() else {
                 panic!("{far:?}");
             };
             let corner_s = 470.0 / 15.0;
             assert!((turn.start_s - corner_s).abs() < 1e-9, "{turn:?}");
             assert!((straight_s - corner_s - core::f64::consts::PI).abs() < 1e-9);
-            let again = progress.guidance(route, &state, 60.0);
-            assert_eq!(again.0, far);
+            let mut again = Maneuver::hold();
+            progress.guidance(route, &state, 60.0, &mut again);
+            assert_eq!(again, far);
         });
     }
 
@@ -460,7 +465,8 @@ mod tests {
                 if progress.is_complete() {
                     break;
                 }
-                let (maneuver, straight_s) = progress.guidance(route, &state, 0.2);
+                let mut command = Maneuver::hold();
+                let straight_s = progress.guidance(route, &state, 0.2, &mut command);
                 if progress.is_unentered {
                     let ends_s = time_s + straight_s;
                     assert!(
@@ -469,7 +475,7 @@ mod tests {
                     );
                     turned_s = ends_s;
                 }
-                state = flown(route.flyer, &state, &maneuver, 0.1, route.meter);
+                state = flown(route.flyer, &state, command.stages(), 0.1, route.meter);
                 state.time_s = 0.0;
                 if progress.index() == 1 && !progress.is_unentered {
                     let leg = progress.leg(&state);

@@ -58,6 +58,7 @@ impl Progress {
 
     /// Gives the waypoint at the end of the leg up, and goes on to the next one, once obstacles at rest have kept the aircraft from it
     /// for long; an obstacle at rest is avoided for another `passed_s`, seconds. Whether it does.
+    #[inline(never)]
     pub fn gives_up(&mut self, route: &Route<'_>, state: &MotionState, passed_s: f64) -> bool {
         let Some(leg) = self.leg.filter(|_| !self.is_complete) else {
             return false;
@@ -104,17 +105,13 @@ impl Progress {
         }
     }
 
-    /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
+    /// A way straight to the next waypoint, as if the mission began where the aircraft is; it does so afterwards, with a way or
+    /// without.
     pub fn direct_way(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
-        let before = *self;
         self.restart_here(route, state);
         // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
         let found = self.way_back(route, state, FRAC_PI_2, MOST_LEGS);
-        let found = found.filter(|_| !self.is_adrift());
-        if found.is_none() {
-            *self = before;
-        }
-        found
+        found.filter(|_| !self.is_adrift())
     }
 }
 
@@ -124,7 +121,7 @@ mod tests {
     use crate::draw::along;
     use core::f64::consts::PI;
     use fga_proof::angle::direction;
-    use fga_proof::maneuver::Maneuver;
+    use fga_proof::maneuver::{Maneuver, Stage};
     use fga_proof::prediction::flown;
     use fga_proof::situation::{Mission, Passing};
     use fga_proof::vehicle::Vehicle;
@@ -160,14 +157,14 @@ mod tests {
         along(&vehicle, wind_mps, &mission, |route| {
             let flyer = route.flyer;
             let there = away.map(|(turn_rad, radii)| {
-                let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
+                let away = Stage::turn(0.0, state.course_rad + turn_rad, 0.0);
                 let away_s = radii / flyer.course_rate_radps();
-                flown(flyer, &state, &away, away_s, route.meter)
+                flown(flyer, &state, &[away], away_s, route.meter)
             });
             let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
             let first_m = off_m(&state);
             let (mut least_m, mut farthest_m) = (f64::INFINITY, 0.0_f64);
-            let mut progress = Progress::new();
+            let (mut progress, mut command) = (Progress::new(), Maneuver::hold());
             for step in 0..steps {
                 progress.update(route, &state, 0.1 * f64::from(step));
                 least_m = off_m(&state).min(least_m);
@@ -180,8 +177,8 @@ mod tests {
                     progress.direct_way(route, there);
                 }
                 farthest_m = off_m(&state).max(farthest_m);
-                let (maneuver, _) = progress.guidance(route, &state, 0.2);
-                state = flown(flyer, &state, &maneuver, 0.1, route.meter);
+                progress.guidance(route, &state, 0.2, &mut command);
+                state = flown(flyer, &state, command.stages(), 0.1, route.meter);
                 state.position_m += wind_mps * 0.1;
                 state.time_s = 0.0;
             }

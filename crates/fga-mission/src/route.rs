@@ -75,12 +75,7 @@ impl Route<'_> {
 
     /// A stage at the full course rate with the climb angle of a leg.
     pub(crate) fn stage(&self, start_s: f64, course_rad: f64, leg: &Leg) -> Stage {
-        Stage {
-            start_s,
-            course_rad,
-            climb_rad: self.climb_rad(leg),
-            rate_share: 1.0,
-        }
+        Stage::turn(start_s, course_rad, self.climb_rad(leg))
     }
 
     /// The line on which a turn to the left from level flight ends.

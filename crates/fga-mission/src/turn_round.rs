@@ -157,16 +157,12 @@ pub(crate) fn turn_round(
         start_s += before / rate_radps;
         if turn_rad != 0.0 {
             course_rad += turn_rad;
-            join.push(Stage {
-                start_s,
-                course_rad,
-                climb_rad,
-                rate_share: 1.0,
-            });
+            join.stages
+                .push(Stage::turn(start_s, course_rad, climb_rad));
             start_s += turn_rad.abs() / rate_radps;
         }
     }
-    join.push(route.stage(start_s, course_rad, leg));
+    join.stages.push(route.stage(start_s, course_rad, leg));
     join.joined_s = start_s;
     Some(join)
 }
@@ -208,7 +204,7 @@ mod tests {
             let mut end = flown(
                 route.flyer,
                 &at(start_rad),
-                &join.maneuver(),
+                join.stages(),
                 join.joined_s,
                 route.meter,
             );

@@ -147,9 +147,9 @@ impl PaperPilot {
 
     /// The guidance along the mission.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> Maneuver {
-        let horizon_s = self.settings.horizon_s;
-        let (command, _) = self.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, horizon_s)
+        let (horizon_s, mut command) = (self.settings.horizon_s, Maneuver::hold());
+        self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s, &mut command)
         });
         command
     }

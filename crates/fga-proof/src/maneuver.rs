@@ -1,5 +1,7 @@
 //! The content of a command: a [`Maneuver`], a list of [`Stage`]s.
 
+use crate::limit::Limit as _;
+
 /// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
 /// with their climbs after them. A recorded path that turns has a corner each 0.7 s; what is not predicted of it counts as
 /// straight, and let the policy avoid conflicts that the mission does not have.
@@ -19,19 +21,45 @@ pub struct Stage {
     pub rate_share: f64,
 }
 
+impl Stage {
+    /// A stage at the largest course rate.
+    pub const fn turn(start_s: f64, course_rad: f64, climb_rad: f64) -> Self {
+        Self {
+            start_s,
+            course_rad,
+            climb_rad,
+            rate_share: 1.0,
+        }
+    }
+}
+
+/// Some stages `elapsed_s` later: of the past ones only the last one stays.
+pub fn later(stages: &[Stage], elapsed_s: f64) -> impl Iterator<Item = Stage> {
+    let is_over = |next: &&Stage| next.start_s <= elapsed_s;
+    // Of the first stages, which are in order, those whose next one has begun.
+    let over = stages.iter().skip(1).take_while(is_over).count();
+    stages.iter().skip(over).map(move |stage| Stage {
+        start_s: (stage.start_s - elapsed_s).max(0.0),
+        ..*stage
+    })
+}
+
 /// A sequence of stages, first to last; empty means: hold course and climb angle.
 ///
 /// The aircraft flies it if nothing new happens. A plant without lag flies it exactly:
 /// course and climb angle move at their rate limits to the commanded values and stay there.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Maneuver {
-    stages: [Stage; MAX_STAGES],
+pub type Maneuver = StageList<MAX_STAGES>;
+
+/// At most `N` stages, first to last.
+#[derive(Clone, Copy)]
+pub struct StageList<const N: usize> {
+    list: [Stage; N],
     len: usize,
     /// Whether a pushed stage was refused.
     is_cut: bool,
 }
 
-impl core::fmt::Debug for Maneuver {
+impl<const N: usize> core::fmt::Debug for StageList<N> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Maneuver")
             .field("stages", &self.stages())
@@ -40,13 +68,19 @@ impl core::fmt::Debug for Maneuver {
     }
 }
 
-impl Default for Maneuver {
+impl<const N: usize> PartialEq for StageList<N> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.stages(), self.is_cut) == (other.stages(), other.is_cut)
+    }
+}
+
+impl<const N: usize> Default for StageList<N> {
     fn default() -> Self {
         Self::hold()
     }
 }
 
-impl Maneuver {
+impl<const N: usize> StageList<N> {
     /// Hold course and climb angle.
     pub const HOLD: Self = Self::hold();
 
@@ -60,7 +94,7 @@ impl Maneuver {
             rate_share: 0.0,
         };
         Self {
-            stages: [stage; MAX_STAGES],
+            list: [stage; N],
             len: 0,
             is_cut: false,
         }
@@ -70,13 +104,29 @@ impl Maneuver {
     #[inline]
     pub fn turn(start_s: f64, course_rad: f64, climb_rad: f64) -> Self {
         let mut maneuver = Self::hold();
-        maneuver.push(Stage {
-            start_s,
-            course_rad,
-            climb_rad,
-            rate_share: 1.0,
-        });
+        maneuver.push(Stage::turn(start_s, course_rad, climb_rad));
         maneuver
+    }
+
+    /// Takes other stages in place of its own.
+    pub fn set(&mut self, stages: impl IntoIterator<Item = Stage>) {
+        (self.len, self.is_cut) = (0, false);
+        for stage in stages {
+            self.push(stage);
+        }
+    }
+
+    /// Takes the commands of another manoeuvre `elapsed_s` later.
+    pub fn set_later(&mut self, earlier: &Self, elapsed_s: f64) {
+        self.set(later(earlier.stages(), elapsed_s));
+        self.is_cut |= earlier.is_cut;
+    }
+
+    /// Limits its climb angles, radians.
+    pub fn limit_climbs(&mut self, low: f64, high: f64) {
+        for stage in self.list.iter_mut().take(self.len) {
+            stage.climb_rad = stage.climb_rad.limited(low, high);
+        }
     }
 
     /// Appends a stage. It refuses a stage beyond the capacity, one that begins before the last, and one with a
@@ -94,7 +144,7 @@ impl Maneuver {
             .last()
             .is_none_or(|last| stage.start_s >= last.start_s);
         let usable = in_order && numbers.iter().all(|number| number.is_finite());
-        if let Some(slot) = self.stages.get_mut(self.len).filter(|_| usable) {
+        if let Some(slot) = self.list.get_mut(self.len).filter(|_| usable) {
             *slot = stage;
             self.len += 1;
             true
@@ -112,29 +162,20 @@ impl Maneuver {
 
     /// Number of free stages.
     pub const fn room(&self) -> usize {
-        MAX_STAGES - self.len
+        N - self.len
     }
 
     /// The stages, first to last.
     #[inline]
     pub fn stages(&self) -> &[Stage] {
-        self.stages.get(..self.len).unwrap_or(&[])
+        self.list.get(..self.len).unwrap_or(&[])
     }
 
     /// The same commands `elapsed_s` later: of the past stages only the last one stays.
     #[must_use]
-    #[inline]
     pub fn after(&self, elapsed_s: f64) -> Self {
         let mut later = Self::hold();
-        later.is_cut = self.is_cut;
-        let stages = self.stages();
-        let is_over = |next: &Stage| next.start_s <= elapsed_s;
-        // Of the first stages, which are in order, those whose next one has begun.
-        let over = stages.iter().skip(1).take_while(|next| is_over(next));
-        for stage in stages.iter().skip(over.count()) {
-            let start_s = (stage.start_s - elapsed_s).max(0.0);
-            later.push(Stage { start_s, ..*stage });
-        }
+        later.set_later(self, elapsed_s);
         later
     }
 

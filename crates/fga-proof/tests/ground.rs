@@ -15,7 +15,7 @@ mod random;
 
 use core::f64::consts::TAU;
 
-use fga_proof::certificate::{Asked, Hazards, Line, Status, certify_set, prove};
+use fga_proof::certificate::{Asked, Hazards, Line, Status, Zones, certify_set, prove};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -314,10 +314,35 @@ fn over_level_ground_the_margin_is_the_height() {
     // The depth is known to 0.1 m, at the moment at which it is lowest.
     let line = Line::between(Vec3::from_array(low.0), Vec3::from_array(low.1));
     let ground = grid.ground(10.0, 20.0);
-    let (deepest, meter) = ((0.0, f64::NEG_INFINITY), Meter::unlimited());
-    let found = ground.lowest(&line, deepest, Binding::ALL, &meter);
+    let found = ground.deepest(&line, Binding::ALL, &Meter::unlimited());
     let (depth_m, at_s) = found;
     assert!((-1.2..=-1.0).contains(&depth_m) && at_s == 1.0, "{found:?}");
+}
+
+/// An earlier version stopped where the flight came too low first, so that no ground was deeper than another.
+#[test]
+fn a_flight_into_a_ridge_is_as_deep_as_at_its_crest() {
+    let grid = posts(60, 20, |x, _| (100.0 - (x - 250.0).abs()).max(0.0));
+    let (from_m, to_m) = (Vec3::new(60.0, 90.0, 90.0), Vec3::new(460.0, 90.0, 90.0));
+    let (line, meter) = (Line::between(from_m, to_m), Meter::unlimited());
+    let ground = grid.ground(10.0, 20.0);
+    let mission = Mission {
+        ground: Some(&ground),
+        ..Mission::new(&[])
+    };
+    let mut zones = Zones::NONE;
+    zones.clear(Vec3::ZERO, 60.0);
+    let (fixed, clear) = (zones.over(&mission), (5.0, 0.0));
+    for (depth_m, at_s) in [
+        ground
+            .least_on_line(&line, 5.0, Binding::ALL, &meter)
+            .unwrap(),
+        fixed.lower(&line, clear, 0.0, &meter),
+    ] {
+        // 40 m below what clears the crest, 190 m after the start.
+        assert!((-40.2..=-40.0).contains(&depth_m), "{depth_m} m");
+        assert!((at_s - 190.0 / 400.0).abs() < 0.01, "{at_s} s");
+    }
 }
 
 /// Within m to the side the slope of 1 in 2 rises by m / 2: 45 m above, less 30 m, leave 10 m.

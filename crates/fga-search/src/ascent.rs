@@ -79,6 +79,7 @@ impl Ascent {
     }
 
     /// One step uphill, in a box that shrinks until it goes up.
+    #[inline(never)]
     fn step(&mut self, search: &mut Search<'_>) {
         let here_m = self.least_m();
         let bounds = bounds(search.scene.climb_limits_rad);
@@ -126,6 +127,7 @@ impl Ascent {
     }
 
     /// Notes the closest obstacles now.
+    #[inline(never)]
     fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.around.rows;
         let mut closest = Approaches::NONE;
@@ -150,6 +152,7 @@ impl Ascent {
     }
 
     /// The approaches of the noted obstacles with other parameters; `None` if the path is not predicted to its end.
+    #[inline(never)]
     fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
         search.evaluated += 1;
         if !predict(search, &self.turns(at)) {
@@ -169,6 +172,7 @@ impl Ascent {
     }
 
     /// The slope of each margin in each parameter, per natural step: that of the distance at the closest approach.
+    #[inline(never)]
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
@@ -212,6 +216,7 @@ impl Ascent {
     }
 
     /// The step within the box and the bounds that lifts the least margin most, to first order, and that margin.
+    #[inline(never)]
     fn best_step(
         &self,
         slopes: &[Vector; CLOSEST],
@@ -241,8 +246,7 @@ impl Ascent {
 
 /// Predicts a manoeuvre into the search's path; returns whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
-    let maneuver = search.maneuver(turns, &search.departure(turns.wait_s));
-    search.predict(&maneuver);
+    search.predict(turns, &search.departure(turns.wait_s));
     search.path.is_complete()
 }
 

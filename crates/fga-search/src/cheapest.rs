@@ -129,9 +129,8 @@ impl Search<'_> {
         let prefix = self.after_wait(wait_s);
         lattice.begin(&prefix);
         for climb_rad in climbs {
-            let climbing = self.climbing(&prefix.entry, climb_rad);
             for side in sides.iter().copied() {
-                let Some(row) = self.row(&prefix, &climbing, side) else {
+                let Some(row) = self.row(&prefix, climb_rad, side) else {
                     continue;
                 };
                 let (least_rad, to_rad) = (row.at_rad, row.to_rad.min(max_turn_rad));
@@ -175,9 +174,8 @@ impl Search<'_> {
             for side in Side::BOTH {
                 let turn_rad = side.sign() * first_rad;
                 let prefix = self.after_first((turn_rad, level_rad), first_rad / rate_radps);
-                let climbing = self.climbing(&prefix.entry, level_rad);
                 let back_rad = self.ahead_rad(&prefix.entry.from, side.other());
-                let row = self.row(&prefix, &climbing, side.other());
+                let row = self.row(&prefix, level_rad, side.other());
                 if let Some(row) = row.filter(|row| row.at_rad <= back_rad) {
                     lattice.begin(&prefix);
                     let to_rad = back_rad + BEYOND_RAD;
@@ -219,8 +217,7 @@ impl Search<'_> {
     /// The row of one member, a climb or descent straight ahead that levels off, if its line stays clear.
     fn levels(&mut self, climb_rad: f64, after_s: f64) -> Option<(Prefix, Row)> {
         let prefix = self.after_first((0.0, climb_rad), after_s);
-        let climbing = self.climbing(&prefix.entry, self.scene.original.1);
-        let mut row = self.row(&prefix, &climbing, Side::Left)?;
+        let mut row = self.row(&prefix, self.scene.original.1, Side::Left)?;
         (row.at_rad, row.to_rad) = (0.0, 0.0);
         let tangent = self.line(&prefix, &row)?;
         let clear_m = self.scene.target_m + tangent.inexact_m;
@@ -315,6 +312,7 @@ impl Search<'_> {
     }
 
     /// Flies the next turn of a row. One that is not certified rules out more of the row, or all rows of its prefix.
+    #[inline(never)]
     fn fly(&mut self, prefix: &Prefix, row: &mut Row, prefix_fails: &mut bool) -> Option<Found> {
         let target_m = self.scene.target_m;
         let turns = prefix.turns(&row.way, row.at_rad);
@@ -344,6 +342,7 @@ impl Search<'_> {
     }
 
     /// The certified member of a row nearest to the last one that failed. A climb without a turn becomes less steep.
+    #[inline(never)]
     fn nearer(&mut self, prefix: &Prefix, row: &mut Row, found: Found) -> Found {
         let Row {
             way,
@@ -366,7 +365,7 @@ impl Search<'_> {
         if prefix.first.is_some() {
             return found;
         }
-        let climb_rad = way.climbing.climb_rad;
+        let climb_rad = way.climb_rad;
         if climb_rad == level_rad {
             return found;
         }
@@ -381,14 +380,13 @@ impl Search<'_> {
             }
         });
         let less = |search: &mut Self, climb_rad: f64| {
-            let climbing = search.climbing(&prefix.entry, climb_rad);
-            let way = Way { climbing, ..way };
+            let way = Way { climb_rad, ..way };
             search
                 .row_turn(prefix, &way, at_rad)
                 .map(|turns| (turns, leaves))
         };
         let (found, climb_rad) = self.closed_in(found, (climb_rad, less_rad), less);
-        row.way.climbing = self.climbing(&prefix.entry, climb_rad);
+        row.way.climb_rad = climb_rad;
         found
     }
 

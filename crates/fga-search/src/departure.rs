@@ -30,9 +30,8 @@ impl Search<'_> {
         }
         let scene = self.scene;
         let departure = self.departure(turns.wait_s);
-        let maneuver = self.maneuver(turns, &departure);
         self.find_conflicts();
-        self.predict(&maneuver);
+        self.predict(turns, &departure);
         let last = self.path.nodes().last();
         let end = last.map_or(scene.start, |node| node.state);
         let until_s = self.passed_s(turns.wait_s, &end, self.path.end_velocity_mps());
@@ -43,7 +42,8 @@ impl Search<'_> {
     /// How far a place is from where the mission would have brought the aircraft by then.
     pub(super) fn departure_at(&self, there_m: Vec3, at_s: f64) -> Departure {
         let scene = self.scene;
-        let planned = flown(scene.flyer, &scene.start, scene.nominal, at_s, &self.meter);
+        let nominal = scene.nominal.stages();
+        let planned = flown(scene.flyer, &scene.start, nominal, at_s, &self.meter);
         Departure::between(there_m - planned.position_m, self.along)
     }
 
@@ -69,14 +69,16 @@ impl Search<'_> {
     }
 
     /// Finds what comes too close on the mission, once. Uses the path.
+    #[inline(never)]
     fn find_conflicts(&mut self) {
         if self.conflicts.is_known || self.limit_met() {
             return;
         }
         self.conflicts.is_known = true;
         let scene = self.scene;
-        self.predict(scene.nominal);
-        let reach = (scene.horizon_s, scene.target_m);
+        let reach @ (horizon_s, _) = (scene.horizon_s, scene.target_m);
+        let start = &scene.start;
+        (self.path).predict_within(scene.flyer, start, scene.nominal, horizon_s, &self.meter);
         let marks = mark_close(
             scene.flyer,
             self.path,

@@ -5,7 +5,7 @@
 
 use fga_proof::angle::Side;
 use fga_proof::certificate::Hazard;
-use fga_proof::maneuver::Maneuver;
+use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
 use super::climbs::{Ascent, CLIMBERS, Climbs, SEEDS};
@@ -41,7 +41,7 @@ impl Search<'_> {
     /// one, from which it also climbs. Searches with another `variety` begin with another part of the two-turn rows.
     pub fn best(
         &mut self,
-        flown: Option<&Maneuver>,
+        flown: Option<Turns>,
         effort: Effort,
         variety: u32,
     ) -> Option<(Found, Proof)> {
@@ -58,7 +58,7 @@ impl Search<'_> {
     fn best_among(
         &mut self,
         climbs: &mut Climbs,
-        (flown, effort, variety): (Option<&Maneuver>, Effort, u32),
+        (flown, effort, variety): (Option<Turns>, Effort, u32),
     ) -> Option<(Found, Proof)> {
         let most = match effort {
             Effort::Quick => 0,
@@ -67,7 +67,7 @@ impl Search<'_> {
         self.grids = most.min(1);
         climbs.clear(0);
         let mut best = None;
-        if let Some(turns) = flown.and_then(|flown| self.as_turns(flown)) {
+        if let Some(turns) = flown {
             let margin_m = self.flown_m(&turns, f64::MIN);
             climbs.take(seed(turns, margin_m));
         }
@@ -134,32 +134,13 @@ impl Search<'_> {
         }
     }
 
-    /// The present manoeuvre as a member of the family.
-    fn as_turns(&self, flown: &Maneuver) -> Option<Turns> {
-        let (first, second) = match flown.stages() {
-            [first] => (first, None),
-            [first, second] => (first, Some(second)),
-            _ => return None,
-        };
-        Some(Turns {
-            wait_s: first.start_s,
-            turn_rad: first.course_rad - self.scene.start.course_rad,
-            climb_rad: first.climb_rad,
-            second: second.map(|second| SecondTurn {
-                after_s: second.start_s - first.start_s,
-                turn_rad: second.course_rad - first.course_rad,
-                climb_rad: second.climb_rad,
-            }),
-        })
-    }
-
     /// The best single turn of each row.
+    #[inline(never)]
     fn single_turns(&mut self, climbs: &mut Climbs) {
         let prefix = self.after_wait(0.0);
         for climb_rad in self.scene.extreme_climbs() {
-            let climbing = self.climbing(&prefix.entry, climb_rad);
             for side in Side::BOTH {
-                let Some(row) = self.row(&prefix, &climbing, side) else {
+                let Some(row) = self.row(&prefix, climb_rad, side) else {
                     continue;
                 };
                 let mut best: Option<Found> = None;
@@ -182,6 +163,7 @@ impl Search<'_> {
     }
 
     /// Climbs and descents straight ahead that level off again: between layers of airspace the aircraft can hold no climb angle.
+    #[inline(never)]
     fn levelled(&mut self, climbs: &mut Climbs) {
         let level_rad = self.scene.original.1;
         for climb_rad in self.scene.extreme_climbs().skip(1) {
@@ -214,6 +196,7 @@ impl Search<'_> {
     }
 
     /// Second turns after a part of the first ones and some gaps, with a larger margin than `least_m`.
+    #[inline(never)]
     fn two_turns(&mut self, part: u32, least_m: f64, climbs: &mut Climbs) {
         // A third is for flights and climbs.
         let until = self.meter.done() + self.meter.left() / 3 * 2;
@@ -243,14 +226,9 @@ impl Search<'_> {
         let mut best: [Option<Found>; 2] = [None; 2];
         let floor_m = climbs.floor_m().max(least_m);
         let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
-        let maneuver = Maneuver::turn(0.0, scene.start.course_rad + turn_rad, climb_rad);
-        self.path.predict_within(
-            scene.flyer,
-            &scene.start,
-            &maneuver,
-            longest_s + 1.0,
-            &self.meter,
-        );
+        let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
+        (self.maneuver).set([Stage::turn(0.0, start.course_rad + turn_rad, climb_rad)]);
+        (self.path).predict_within(flyer, start, self.maneuver, longest_s + 1.0, meter);
         for gap in GAPS {
             let after_s = exit.begins_s + gap / rate_radps;
             let prefix = self.after_first(first, after_s);
@@ -259,13 +237,12 @@ impl Search<'_> {
             if before_m <= floor_m {
                 break;
             }
-            let climbing = self.climbing(&prefix.entry, climb_rad);
             for (other, best) in Side::BOTH.into_iter().zip(&mut best) {
                 // To the same side without a gap it is a single turn.
                 if gap == 0.0 && other == side {
                     continue;
                 }
-                let Some(row) = self.row(&prefix, &climbing, other) else {
+                let Some(row) = self.row(&prefix, climb_rad, other) else {
                     continue;
                 };
                 self.scan(
@@ -316,6 +293,7 @@ impl Search<'_> {
     }
 
     /// Flies the best seeds and keeps those near the best, with the margins of their flights.
+    #[inline(never)]
     fn fly_best(&mut self, climbs: &mut Climbs) {
         let far_m = self.far_m();
         let (mut best_m, mut flown) = (f64::MIN, 0);
@@ -405,6 +383,7 @@ mod tests {
     use crate::tests::scene;
     use fga_proof::Vec3;
     use fga_proof::certificate::Hazards;
+    use fga_proof::maneuver::Maneuver;
     use fga_proof::prediction::{FlightPath, Flyer, MotionState};
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;

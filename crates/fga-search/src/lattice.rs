@@ -43,37 +43,12 @@ impl Entry {
     }
 }
 
-/// A change of climb angle, and what it moves the aircraft by beyond flying at its target at once.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Climbing {
-    /// The target, radians.
-    pub climb_rad: f64,
-    /// Sine and cosine of the target.
-    pub up: f64,
-    pub level: f64,
-    /// How long it takes, seconds.
-    pub climbs_s: f64,
-    /// Along the course and up, metres.
-    pub along_m: f64,
-    pub up_m: f64,
-}
-
-impl Climbing {
-    pub(super) const NONE: Self = Self {
-        climb_rad: 0.0,
-        up: 0.0,
-        level: 0.0,
-        climbs_s: 0.0,
-        along_m: 0.0,
-        up_m: 0.0,
-    };
-}
-
 /// The side of turns and the climb target taken up during them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
     pub side: Side,
-    pub climbing: Climbing,
+    /// The climb target, radians.
+    pub climb_rad: f64,
 }
 
 /// What precedes the last turn.
@@ -102,7 +77,7 @@ impl Prefix {
             entry,
         } = self;
         let to_rad = entry.from.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
-        let climb_rad = way.climbing.climb_rad;
+        let climb_rad = way.climb_rad;
         let wait_s = leaves.time_s;
         let Some((first_rad, first_climb)) = *first else {
             return Turns {
@@ -153,7 +128,7 @@ impl Row {
         first: Side::Left,
         way: Way {
             side: Side::Left,
-            climbing: Climbing::NONE,
+            climb_rad: 0.0,
         },
         at_rad: 0.0,
         to_rad: 0.0,

@@ -165,9 +165,9 @@ impl Board {
 #[derive(Debug, Clone)]
 pub struct Tables {
     board: Board,
-    bends: [Option<Bend>; 2],
+    bends: [Bend; 2],
     conflicts: Conflicts,
-    /// The manoeuvre of the last answer that was kept.
+    /// The manoeuvre that was laid last: that of an answer.
     pub answer: Maneuver,
 }
 
@@ -175,7 +175,7 @@ impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
         board: Board::Climbs(Climbs::NONE),
-        bends: [None; 2],
+        bends: [Bend::NONE; 2],
         conflicts: Conflicts::UNKNOWN,
         answer: Maneuver::hold(),
     };
@@ -201,10 +201,11 @@ pub struct Search<'a> {
     /// Not there while it is used.
     board: Option<&'a mut Board>,
     /// Turns to the left and to the right from the banks that were looked at last.
-    bends: &'a mut [Option<Bend>; 2],
+    bends: &'a mut [Bend; 2],
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
-    kept: &'a mut Maneuver,
+    /// The manoeuvre that was laid last.
+    maneuver: &'a mut Maneuver,
     /// The mission's direction.
     along: Vec3,
 }
@@ -224,7 +225,7 @@ impl<'a> Search<'a> {
             conflicts,
             answer,
         } = tables;
-        *bends = [None; 2];
+        bends.iter_mut().for_each(Bend::clear);
         (conflicts.count, conflicts.is_known) = (0, false);
         Self {
             scene,
@@ -237,7 +238,7 @@ impl<'a> Search<'a> {
             board: Some(board),
             bends,
             conflicts,
-            kept: answer,
+            maneuver: answer,
             along: direction(scene.original.0, scene.original.1),
         }
     }
@@ -270,12 +271,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Predicts a manoeuvre into the path.
-    fn predict(&mut self, maneuver: &Maneuver) {
-        let scene = self.scene;
+    /// Lays a manoeuvre and predicts it into the path.
+    fn predict(&mut self, turns: &Turns, departure: &MotionState) {
+        self.lay(turns, departure);
+        let scene = &self.scene;
         let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
         self.path
-            .predict_within(flyer, start, maneuver, scene.horizon_s, meter);
+            .predict_within(flyer, start, self.maneuver, scene.horizon_s, meter);
     }
 
     /// Certifies the path up to a moment.
@@ -290,37 +292,31 @@ impl<'a> Search<'a> {
         certify_set(flyer, self.path, around, &asked, &self.meter)
     }
 
-    /// The commands of a manoeuvre: the mission up to its start, then its turns.
-    pub fn maneuver(&self, turns: &Turns, departure: &MotionState) -> Maneuver {
-        let mut maneuver = Maneuver::hold();
-        for stage in self.scene.nominal.stages() {
-            if stage.start_s < turns.wait_s {
-                maneuver.push(*stage);
-            }
-        }
+    /// Lays the commands of a manoeuvre: the mission up to its start, then its turns.
+    fn lay(&mut self, turns: &Turns, departure: &MotionState) {
+        let Turns {
+            wait_s, climb_rad, ..
+        } = *turns;
+        let nominal = self.scene.nominal.stages().iter();
+        (self.maneuver).set(nominal.filter(|stage| stage.start_s < wait_s).copied());
         let course_rad = departure.course_rad + turns.turn_rad;
-        maneuver.push(Stage {
-            start_s: turns.wait_s,
-            course_rad,
-            climb_rad: turns.climb_rad,
-            rate_share: 1.0,
-        });
+        (self.maneuver).push(Stage::turn(wait_s, course_rad, climb_rad));
         if let Some(second) = turns.second {
-            maneuver.push(Stage {
-                start_s: turns.wait_s + second.after_s,
-                course_rad: course_rad + second.turn_rad,
-                climb_rad: second.climb_rad,
-                rate_share: 1.0,
-            });
+            let (start_s, course_rad) = (wait_s + second.after_s, course_rad + second.turn_rad);
+            (self.maneuver).push(Stage::turn(start_s, course_rad, second.climb_rad));
         }
-        maneuver
     }
 
-    /// Keeps the manoeuvre of an answer.
+    /// Lays the manoeuvre of an answer.
     pub fn keep(&mut self, turns: &Turns) {
         // A wait lets the bank roll out, which turns the aircraft.
         let departure = self.departure(turns.wait_s);
-        *self.kept = self.maneuver(turns, &departure);
+        self.lay(turns, &departure);
+    }
+
+    /// The manoeuvre that was laid last.
+    pub const fn maneuver(&self) -> &Maneuver {
+        self.maneuver
     }
 
     /// The aircraft when a manoeuvre departs from the mission after a wait.
@@ -331,14 +327,13 @@ impl<'a> Search<'a> {
             nominal,
             ..
         } = self.scene;
-        flown(flyer, &start, nominal, wait_s, &self.meter)
+        flown(flyer, &start, nominal.stages(), wait_s, &self.meter)
     }
 
     /// Certifies one manoeuvre; stops early below `floor_m`.
     pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
         self.evaluated += 1;
-        let maneuver = self.maneuver(turns, departure);
-        self.predict(&maneuver);
+        self.predict(turns, departure);
         self.certify_path(self.scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
@@ -348,8 +343,7 @@ impl<'a> Search<'a> {
         self.answer();
         let scene = self.scene;
         let departure = self.departure(found.turns.wait_s);
-        let maneuver = self.maneuver(&found.turns, &departure);
-        self.predict(&maneuver);
+        self.predict(&found.turns, &departure);
         let asked = (scene.horizon_s, scene.target_m, scene.target_m);
         prove(scene.flyer, self.path, scene.around, asked, &self.meter)
     }

@@ -11,7 +11,7 @@ use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};
 
 use super::Search;
-use super::lattice::{Climbing, Entry, Way};
+use super::lattice::{Entry, Way};
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -136,14 +136,7 @@ impl Search<'_> {
         let turn_rad = turn_rad.max(bend.least_rad());
         let exit = bend.exit(flyer, turn_rad)?;
         let inexact_m = Bend::inexact_m(flyer);
-        let Climbing {
-            climb_rad,
-            up,
-            level,
-            climbs_s,
-            along_m,
-            up_m,
-        } = way.climbing;
+        let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(entry, way.climb_rad);
         let speed_mps = flyer.airspeed_mps();
         let turned = (exit.turned.0, sign * exit.turned.1);
         let end = (
@@ -166,7 +159,7 @@ impl Search<'_> {
                 time_s: from.time_s + after_s,
                 position_m: from.position_m + moved_m,
                 course_rad: from.course_rad + sign * turn_rad,
-                climb_rad,
+                climb_rad: way.climb_rad,
                 bank_rad: 0.0,
             },
             velocity_mps: Vec3::new(level * end.0, level * end.1, up) * speed_mps,
@@ -175,34 +168,23 @@ impl Search<'_> {
         })
     }
 
-    /// What changing the climb angle moves the aircraft by, by the means of cos θ and sin θ while θ changes.
-    pub(super) fn climbing(&self, entry: &Entry, climb_rad: f64) -> Climbing {
+    /// Sine and cosine of a climb target, how long the change to it takes, seconds, and what the change moves the aircraft by along
+    /// the course and up, metres, beyond flying at the target at once: by the means of cos θ and sin θ while θ changes.
+    fn climbed(&self, entry: &Entry, climb_rad: f64) -> ((f64, f64), f64, (f64, f64)) {
         let flyer = self.scene.flyer;
         let (low, high) = self.scene.climb_limits_rad;
-        let target_rad = climb_rad;
         let climb_rad = climb_rad.limited(low, high);
         let change_rad = climb_rad - entry.from.climb_rad;
         let (level_now, up_now) = entry.climb;
-        let mut climbing = Climbing {
-            climb_rad: target_rad,
-            up: up_now,
-            level: level_now,
-            ..Climbing::NONE
-        };
-        if change_rad.abs() > 1e-9 && flyer.climb_rate_radps() > 0.0 {
-            let (up, level) = libm::sincos(climb_rad);
-            let climbs_s = change_rad.abs() / flyer.climb_rate_radps();
-            let path_m = flyer.airspeed_mps() * climbs_s;
-            climbing = Climbing {
-                climb_rad: target_rad,
-                up,
-                level,
-                climbs_s,
-                along_m: path_m * ((up - up_now) / change_rad - level),
-                up_m: path_m * ((level_now - level) / change_rad - up),
-            };
+        if change_rad.abs() <= 1e-9 || flyer.climb_rate_radps() <= 0.0 {
+            return ((up_now, level_now), 0.0, (0.0, 0.0));
         }
-        climbing
+        let (up, level) = libm::sincos(climb_rad);
+        let climbs_s = change_rad.abs() / flyer.climb_rate_radps();
+        let path_m = flyer.airspeed_mps() * climbs_s;
+        let along_m = path_m * ((up - up_now) / change_rad - level);
+        let up_m = path_m * ((level_now - level) / change_rad - up);
+        ((up, level), climbs_s, (along_m, up_m))
     }
 
     /// Turns to a side from a bank that is positive towards it.
@@ -211,16 +193,16 @@ impl Search<'_> {
         if let Some(bend) = flyer.bend_from(bank_rad) {
             return Some(bend);
         }
-        let known = |bend: &Option<Bend>| bend.as_ref().is_some_and(|bend| bend.is_from(bank_rad));
+        let known = |bend: &Bend| bend.is_from(bank_rad);
         if let Some(place) = self.bends.iter().position(known) {
-            return self.bends.get(place)?.as_ref();
+            return self.bends.get(place);
         }
         if !self.meter.take(BEND) {
             return None;
         }
         let slot = self.bends.get_mut(usize::from(side == Side::Right))?;
-        *slot = Some(Bend::new(flyer, bank_rad));
-        slot.as_ref()
+        slot.set(flyer, bank_rad);
+        Some(slot)
     }
 }
 

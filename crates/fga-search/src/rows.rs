@@ -6,10 +6,10 @@
 
 use fga_proof::angle::Side;
 use fga_proof::limit::Limit as _;
-use fga_proof::maneuver::Maneuver;
+use fga_proof::maneuver::Stage;
 use fga_proof::prediction::flown;
 
-use super::lattice::{Climbing, Entry, Prefix, Row, Way};
+use super::lattice::{Entry, Prefix, Row, Way};
 use super::line::Tangent;
 use super::tuned::{STEP_RAD, USUAL};
 use super::{MAX_TURN_RAD, Search};
@@ -38,7 +38,7 @@ impl Search<'_> {
     pub(super) fn after_first(&self, (turn_rad, climb_rad): (f64, f64), after_s: f64) -> Prefix {
         let scene = &self.scene;
         let leaves = scene.start;
-        let first = Maneuver::turn(0.0, leaves.course_rad + turn_rad, climb_rad);
+        let first = [Stage::turn(0.0, leaves.course_rad + turn_rad, climb_rad)];
         let from = flown(scene.flyer, &leaves, &first, after_s, &self.meter);
         Prefix {
             leaves,
@@ -48,16 +48,13 @@ impl Search<'_> {
     }
 
     /// The row of turns to a side from rolling out at once on.
-    pub(super) fn row(&mut self, prefix: &Prefix, climbing: &Climbing, side: Side) -> Option<Row> {
+    pub(super) fn row(&mut self, prefix: &Prefix, climb_rad: f64, side: Side) -> Option<Row> {
         let bank_rad = side.sign() * prefix.entry.from.bank_rad;
         Some(Row {
             first: prefix
                 .first
                 .map_or(side, |(turn_rad, _)| Side::of(turn_rad)),
-            way: Way {
-                side,
-                climbing: *climbing,
-            },
+            way: Way { side, climb_rad },
             at_rad: self.bend(bank_rad, side)?.least_rad(),
             to_rad: MAX_TURN_RAD,
             least_step_rad: LEAST_STEP_RAD,

@@ -2,6 +2,7 @@
 
 use fga_proof::Vec3;
 use fga_proof::certificate::Certified;
+use fga_proof::maneuver::Maneuver;
 
 use super::tuned::PARTS;
 
@@ -22,6 +23,27 @@ pub struct Turns {
     pub climb_rad: f64,
     /// The second turn, if any.
     pub second: Option<SecondTurn>,
+}
+
+impl Turns {
+    /// A manoeuvre that is flown from a course, radians, if it is a member of the family.
+    pub fn of(maneuver: &Maneuver, course_rad: f64) -> Option<Self> {
+        let (first, second) = match maneuver.stages() {
+            [first] => (first, None),
+            [first, second] => (first, Some(second)),
+            _ => return None,
+        };
+        Some(Self {
+            wait_s: first.start_s,
+            turn_rad: first.course_rad - course_rad,
+            climb_rad: first.climb_rad,
+            second: second.map(|second| SecondTurn {
+                after_s: second.start_s - first.start_s,
+                turn_rad: second.course_rad - first.course_rad,
+                climb_rad: second.climb_rad,
+            }),
+        })
+    }
 }
 
 /// The second stage of a manoeuvre.

@@ -195,7 +195,7 @@ fn planned_line(world: &World, start: Ownship, limit_s: f64) -> (Vec<Vec3>, bool
         }
         let own = &mut situation.ownship;
         let now = MotionState::of(own);
-        let next = flown(&flyer, &now, &decision.command, step_s, &meter);
+        let next = flown(&flyer, &now, decision.command.stages(), step_s, &meter);
         own.position_m = next.position_m + world.wind_mps * step_s;
         (own.course_rad, own.climb_rad, own.bank_rad) =
             (next.course_rad, next.climb_rad, next.bank_rad);

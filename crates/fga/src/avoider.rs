@@ -117,7 +117,7 @@ impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 113 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
+/// It holds its scratch space (some 112 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider<P: ?Sized = AllPlaces> {
     settings: Settings,
@@ -134,9 +134,8 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
-    /// The manoeuvre of the plan, and that of a way back which is looked at.
+    /// The manoeuvre of the plan.
     flown: Maneuver,
-    back: Maneuver,
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -190,7 +189,7 @@ impl<P> Avoider<P> {
             vehicle,
             made_for: vehicle,
             in_need: None,
-            flyer: Flyer::blank(&vehicle),
+            flyer: Flyer::NONE,
             state: State::Cruise,
             progress: Progress::new(),
             tracks,
@@ -199,7 +198,6 @@ impl<P> Avoider<P> {
             mission_meter: Meter::unlimited(),
             plan: None,
             flown: Maneuver::hold(),
-            back: Maneuver::hold(),
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -347,8 +345,10 @@ impl Avoider<dyn Places + '_> {
         kept: Option<&mut Kept<'_>>,
         decision: &mut Decision,
     ) {
+        decision.record.alternative = None;
         if !situation.is_usable() {
-            return self.say(decision, &Maneuver::HOLD, Reason::InvalidInput);
+            decision.command.set([]);
+            return self.say(decision, Reason::InvalidInput);
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
@@ -426,9 +426,9 @@ impl Avoider<dyn Places + '_> {
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
-    /// What is left of the manoeuvre of a plan.
-    fn remaining(&self, plan: &Plan, time_s: f64) -> Maneuver {
-        self.flown.after(time_s - plan.decided_s)
+    /// Sets a command to what is left of the manoeuvre of a plan.
+    fn go_on(&self, plan: &Plan, time_s: f64, command: &mut Maneuver) {
+        command.set_later(&self.flown, time_s - plan.decided_s);
     }
 
     /// Predicts a manoeuvre into the path, up to a horizon.
@@ -452,11 +452,12 @@ impl Avoider<dyn Places + '_> {
         certify_set(&self.flyer, &self.path, one, &asked, &self.meter)
     }
 
-    /// The aircraft some time into a manoeuvre.
-    fn after(&self, from: &MotionState, maneuver: &Maneuver, until_s: f64) -> MotionState {
-        flown(&self.flyer, from, maneuver, until_s, &self.meter)
+    /// The aircraft some time into some stages.
+    fn after(&self, from: &MotionState, stages: &[Stage], until_s: f64) -> MotionState {
+        flown(&self.flyer, from, stages, until_s, &self.meter)
     }
 
+    #[inline(never)]
     fn load_tracks(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) {
         let limits = self.limits();
         let sigmas = self.settings.confidence_sigmas;
@@ -515,20 +516,10 @@ impl Avoider<dyn Places + '_> {
         if low.is_infinite() && high.is_infinite() {
             return;
         }
-        let held = Maneuver::turn(0.0, own.course_rad, own.climb_rad);
-        let asked = if command.stage_at(0.0).is_some() {
-            *command
-        } else {
-            held
-        };
-        *command = Maneuver::hold();
-        for stage in asked.stages() {
-            let climb_rad = stage.climb_rad.max(low).min(high);
-            command.push(Stage {
-                climb_rad,
-                ..*stage
-            });
+        if command.stage_at(0.0).is_none() {
+            command.set([Stage::turn(0.0, own.course_rad, own.climb_rad)]);
         }
+        command.limit_climbs(low, high);
     }
 
     /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
@@ -543,14 +534,6 @@ impl Avoider<dyn Places + '_> {
 
     fn climb_limits_rad(&self) -> (f64, f64) {
         (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
-    }
-
-    /// The guidance along the mission, and the moment from which it is straight.
-    fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
-        let horizon_s = self.far_s;
-        self.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, horizon_s)
-        })
     }
 
     /// Looks at the mission's geometry, with what is left of the step's work at most.
@@ -574,8 +557,8 @@ impl Avoider<dyn Places + '_> {
         answer
     }
 
-    /// Decides on a command, with nothing on record but its reason.
-    fn say(&self, decision: &mut Decision, command: &Maneuver, reason: Reason) {
+    /// Decides on the command of a decision, with nothing on record but its reason.
+    fn say(&self, decision: &mut Decision, reason: Reason) {
         let reason = match reason {
             Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
             Reason::Clear | Reason::ManeuverKept if self.progress.is_adrift() => {
@@ -583,7 +566,7 @@ impl Avoider<dyn Places + '_> {
             }
             other => other,
         };
-        decision.set(self.state, command, reason);
+        decision.set(self.state, reason);
         decision.record.work.tracked = self.tracks.seen;
         decision.record.work.unusable = self.tracks.unusable;
     }

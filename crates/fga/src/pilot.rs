@@ -108,13 +108,15 @@ impl Pilot for MissionPilot {
             meter: &Meter::unlimited(),
         };
         self.progress.update(&route, &now, situation.time_s);
-        let (command, _) = self.progress.guidance(&route, &now, self.horizon_s);
-        let reason = if self.progress.is_complete() {
+        let mut decision = Decision::default();
+        let command = &mut decision.command;
+        (self.progress).guidance(&route, &now, self.horizon_s, command);
+        decision.record.reason = if self.progress.is_complete() {
             Reason::MissionComplete
         } else {
             Reason::Clear
         };
-        Decision::new(State::Cruise, &command, reason)
+        decision
     }
 
     fn stands_s(&self, situation: &Situation<'_>) -> f64 {

@@ -47,7 +47,7 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::ground::Ground,
         fga_proof::limit::SettingsError,
         fga_proof::list::List<u8, 8>,
-        fga_proof::maneuver::Maneuver,
+        fga_proof::maneuver::StageList<40>,
         fga_proof::maneuver::Stage,
         fga_proof::meter::Meter,
         fga_proof::prediction::ArcSteps,

@@ -64,8 +64,8 @@ impl LocalGround {
         })
     }
 
-    /// The ground of files around places of a frame, metres, with a clearance, metres. Its posts are as far apart as those of the files;
-    /// what the ground between them may differ by is added to the vertical error.
+    /// The ground of files around places of a frame, metres, with a clearance, metres. Its posts are as far apart as those of the files,
+    /// and higher where the ground between them would be lower than that of the files.
     ///
     /// # Errors
     /// Heights above the ellipsoid, too large an area, or one that the files know nothing of; a sentence without its subject.
@@ -97,26 +97,43 @@ impl LocalGround {
             .map(|index| at((index % columns) as f64, (index / columns) as f64))
             .map(|at| of_file(at).map_or(f32::NAN, |height_m| height_m as f32))
             .collect();
-        let error_m = terrain.vertical_error_m();
-        let errors = (error_m, clearance_m);
-        let ground = Self::new((low_m, spacing_m), columns, heights_m, errors);
-        let mut ground = ground.ok_or("has no ground of a size")?;
+        let (place, errors) = (
+            (low_m, spacing_m),
+            (terrain.vertical_error_m(), clearance_m),
+        );
+        let ground = Self::new(place, columns, heights_m, errors);
+        let ground = ground.ok_or("has no ground of a size")?;
         if !ground.heights_m.iter().any(|height_m| height_m.is_finite()) {
             return Err(
                 "knows no ground within 3 km of the mission, expected a file of its area".into(),
             );
         }
         // Between the posts, where the two differ most.
+        let mut heights_m = ground.heights_m.clone();
         for index in 0..columns * rows {
             let (column, row) = ((index % columns) as f64, (index / columns) as f64);
-            for at in [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)] {
+            let [east, north] = [1, columns];
+            for (beside, at) in [
+                ([0, east].as_slice(), (0.5, 0.0)),
+                (&[0, north], (0.0, 0.5)),
+                (&[0, east, north, north + east], (0.5, 0.5)),
+            ] {
                 let at_m = low_m + spacing_m * Vec2::new(column + at.0, row + at.1);
-                let apart_m = of_file(at_m).zip(ground.height_m(at_m));
-                let apart_m = apart_m.map_or(0.0, |(one_m, other_m)| one_m - other_m);
-                ground.error_m = ground.error_m.max(error_m + apart_m);
+                let Some((of_file_m, own_m)) = of_file(at_m).zip(ground.height_m(at_m)) else {
+                    continue;
+                };
+                #[expect(clippy::cast_possible_truncation, reason = "as the heights")]
+                let more_m = (of_file_m - own_m) as f32;
+                for post in beside.iter().map(|post| index + post) {
+                    if let (Some(raised_m), Some(post_m)) =
+                        (heights_m.get_mut(post), ground.heights_m.get(post))
+                    {
+                        *raised_m = raised_m.max(post_m + more_m);
+                    }
+                }
             }
         }
-        Ok(ground)
+        Self::new(place, columns, heights_m, errors).ok_or_else(|| "has no ground of a size".into())
     }
 
     /// The ground as the core takes it.

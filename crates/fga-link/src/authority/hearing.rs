@@ -8,8 +8,12 @@
 //! differs from the believed one counts, because it may be the pilot's, and the program commands nothing
 //! until they have agreed for a while.
 
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavType};
+
 use crate::clock::{BootClock, Stamp};
 use crate::mode::{Mode, ModeChange};
+use crate::outgoing::AUTOPILOT;
 
 /// A heartbeat with a lower sequence number this soon after another was overtaken by it, seconds.
 const OVERTAKEN_S: f64 = 0.45;
@@ -43,6 +47,20 @@ pub struct Beat {
 }
 
 impl Beat {
+    /// The heartbeat of a fixed-wing autopilot; `None` for all others.
+    pub fn of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Self> {
+        let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
+            && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
+            && header.component_id == AUTOPILOT;
+        is_plane.then_some(Self {
+            sequence: header.sequence,
+            mode: Mode(data.custom_mode),
+            armed: data
+                .base_mode
+                .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
+        })
+    }
+
     const fn reports_the_same(self, other: Self) -> bool {
         self.mode.0 == other.mode.0 && self.armed == other.armed
     }

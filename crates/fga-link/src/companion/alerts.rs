@@ -1,6 +1,6 @@
 //! Alert levels as the standards give them: reported, and acted on where that is configured.
 
-use fga::avoider::Start;
+use fga::avoider::{Start, Threat};
 use fga::situation::Obstacle;
 use fga_alerts::{Aircraft, AircraftId, Monitor, Pair, schemes};
 use mavlink::dialects::ardupilotmega::{
@@ -8,7 +8,8 @@ use mavlink::dialects::ardupilotmega::{
 };
 use serde_json::json;
 
-use super::Companion;
+use super::around::Around;
+use super::voice::Voice;
 use crate::authority::Severity;
 use crate::config::{AlertScheme, AlertsConfig};
 use crate::number::single;
@@ -118,102 +119,76 @@ fn aircraft(id: u64, position_m: fga::Vec3, over_ground_mps: fga::Vec3, own: &St
     Aircraft::new(AircraftId(id), state)
 }
 
-impl Companion {
-    /// Reports the alert level, and lets it say when a manoeuvre begins.
-    pub(super) fn watch_alerts(&mut self, own: &State, now_s: f64) {
-        let Some(mut watch) = self.alerts.take() else {
-            return;
+impl Watch {
+    /// Reports the alert level, and sends `COLLISION` about each alerting aircraft but the threat of the last decision, about
+    /// which it is sent anyway. When a manoeuvre begins, where the levels say that.
+    pub(super) fn watch(
+        &mut self,
+        own: &State,
+        threat: Option<Threat>,
+        around: &Around,
+        voice: &mut Voice,
+    ) -> Option<Start> {
+        let now_s = voice.now_s();
+        let is_aircraft = |o: &&Obstacle| {
+            around.tracks().get(o.id).is_some() || o.velocity_mps != fga::Vec3::ZERO
         };
-        let aircraft: Vec<&Obstacle> = self
-            .obstacles
-            .iter()
-            .filter(|o| self.tracks.get(o.id).is_some() || o.velocity_mps != fga::Vec3::ZERO)
-            .collect();
-        let urgent = watch.step(now_s, own, &aircraft);
+        let aircraft: Vec<&Obstacle> = around.obstacles().iter().filter(is_aircraft).collect();
+        let urgent = self.step(now_s, own, &aircraft);
         let level = urgent.as_ref().map_or(0, |urgent| urgent.level);
-        if now_s >= watch.report_s {
-            watch.report_s = now_s + REPORT_EVERY_S;
-            self.report_alerts(&watch, own);
+        if now_s >= self.report_s {
+            self.report_s = now_s + REPORT_EVERY_S;
+            self.report(own, threat, around, voice);
         }
-        if level != watch.told {
-            watch.told = level;
-            self.tell_alert(&watch, urgent.as_ref(), now_s);
+        if level != self.told {
+            self.told = level;
+            self.tell(urgent.as_ref(), around, voice);
         }
-        if watch.act_at > 0
-            && let Some(decider) = &mut self.decider
-        {
-            decider.set_start(if level >= watch.act_at {
-                Start::AtDetection
-            } else {
-                Start::Latest
-            });
-        }
-        self.alerts = Some(watch);
+        (self.act_at > 0).then_some(if level >= self.act_at {
+            Start::AtDetection
+        } else {
+            Start::Latest
+        })
     }
 
-    fn tell_alert(&mut self, watch: &Watch, urgent: Option<&Urgent>, now_s: f64) {
-        let words = match urgent {
-            None => "fga: no alert".to_owned(),
-            Some(urgent) => {
-                let when = urgent
-                    .entry_s
-                    .map_or_else(String::new, |entry_s| format!(", {entry_s:.0} s"));
-                let name = self.obstacle_name(urgent.id);
-                format!(
-                    "fga: alert {} of {}, {name}{when}",
-                    urgent.level, watch.most
-                )
-            }
-        };
-        self.tell(watch.severity(watch.told), &words, now_s);
-        self.note(
-            now_s,
+    fn tell(&self, urgent: Option<&Urgent>, around: &Around, voice: &mut Voice) {
+        let words = urgent.map_or("fga: no alert".to_owned(), |urgent| {
+            let when = urgent
+                .entry_s
+                .map_or_else(String::new, |entry_s| format!(", {entry_s:.0} s"));
+            let (level, most, name) = (urgent.level, self.most, around.name(urgent.id));
+            format!("fga: alert {level} of {most}, {name}{when}")
+        });
+        voice.tell(self.severity(self.told), &words);
+        voice.note(
             "alert",
             json!({
-                "level": watch.told,
-                "levels": watch.most,
+                "level": self.told,
+                "levels": self.most,
                 "id": urgent.map(|urgent| urgent.id),
                 "entry_s": urgent.and_then(|urgent| urgent.entry_s),
             }),
         );
     }
 
-    /// Sends `COLLISION` about each alerting aircraft, but not about the threat of the last
-    /// decision, about which it is sent anyway.
-    fn report_alerts(&mut self, watch: &Watch, own: &State) {
-        let threat = self
-            .decided
-            .and_then(|decided| decided.decision.record.threat);
+    fn report(&self, own: &State, threat: Option<Threat>, around: &Around, voice: &mut Voice) {
         let level_of = |id: u32| {
             let id = AircraftId(u64::from(id));
-            let alert = watch.monitor.alerts().iter().find(|alert| alert.id == id);
+            let alert = self.monitor.alerts().iter().find(|alert| alert.id == id);
             alert.and_then(|alert| alert.level).unwrap_or(0)
         };
-        let own_state = aircraft(
-            u64::MAX,
-            own.ownship.position_m,
-            own.ground_velocity_mps,
-            own,
-        )
-        .state;
-        let messages: Vec<MavMessage> = self
-            .obstacles
-            .iter()
+        let (own_m, own_mps) = (own.ownship.position_m, own.ground_velocity_mps);
+        let own_state = aircraft(u64::MAX, own_m, own_mps, own).state;
+        let others = around.obstacles().iter();
+        let alerting = others
             .filter(|o| threat.is_none_or(|threat| threat.id != o.id))
-            .filter_map(|o| {
-                let level = level_of(o.id);
-                let other = aircraft(0, o.position_m, o.velocity_mps, own).state;
-                let pair = Pair::exact(own_state, other);
-                let icao = self.tracks.get(o.id).map_or(0, |track| track.icao);
-                (level > 0).then(|| {
-                    let id = if icao == 0 { o.id } else { icao };
-                    collision(id, &pair, level >= watch.corrective())
-                })
-            })
-            .take(MOST_REPORTED)
-            .collect();
-        for message in messages {
-            self.outbox.send(message);
+            .map(|o| (o, level_of(o.id)))
+            .filter(|(_, level)| *level > 0);
+        for (o, level) in alerting.take(MOST_REPORTED) {
+            let other = aircraft(0, o.position_m, o.velocity_mps, own).state;
+            let pair = Pair::exact(own_state, other);
+            let id = around.number(o.id);
+            voice.send(collision(id, &pair, level >= self.corrective()));
         }
     }
 }

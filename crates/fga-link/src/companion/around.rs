@@ -1,35 +1,23 @@
-//! The surroundings of the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
+//! Who and what is around the aircraft: virtual obstacles, tracks, floor and ceiling?
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
-use fga::zone::Zone;
-use fga_formats::geodesy::Geodetic;
+use fga_formats::geodesy::{Geodetic, LocalFrame};
 
-use super::Companion;
-use crate::authority::Severity;
-use crate::config::{Config, VirtualObstacle};
-use crate::mode::Mode;
-use crate::number;
+use super::route::Route;
+use super::voice::Voice;
+use crate::config::{Config, ConfigError, VirtualObstacle};
 use crate::ownship::State;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::report::{Quality, Sender};
 use crate::traffic::table::Wanted;
 use crate::traffic::threat::Ahead;
-use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
+use crate::traffic::{AltitudeReference, Class, Report, Source, TrackTable, Volumes};
 
 /// Identifier of the first virtual obstacle.
-pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
-/// Bit of `FENCE_TYPE`: circles and polygons.
-const FENCE_TYPE_PLACES: u16 = 4;
-/// Bit of `FENCE_OPTIONS`: the vehicle may be in any of the areas to stay in.
-const FENCE_OPTIONS_JOINED: u16 = 2;
+const FIRST_VIRTUAL_ID: usize = 1_000;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
-/// The configuration's obstacles: a report each, the volume, and when they were at that place.
-pub(super) fn virtual_reports(config: &Config) -> Vec<(Report, ProtectedVolume, f64)> {
-    config.obstacle.iter().filter_map(virtual_report).collect()
-}
-
 fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume, f64)> {
     let place = Geodetic::new(
         obstacle.latitude_deg,
@@ -80,65 +68,76 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
     Some((report, volume, 0.0))
 }
 
-impl Companion {
-    /// Whether the stored fence counts for the vehicle. Its status says so, also where the mission or a switch enabled
-    /// it; a fence that only reports has no status.
-    fn fence_is_active(&self) -> bool {
-        let value = |name| self.parameters.get(name);
-        let is_enabled = value("FENCE_ENABLE").is_none_or(|enabled| enabled != 0.0);
-        let is_enabled = match self.fence_enabled {
-            Some(enabled) if value("FENCE_ACTION") != Some(0.0) => enabled,
-            _ => is_enabled,
-        };
-        let bars_places =
-            value("FENCE_TYPE").is_none_or(|kinds| number::to_u16(kinds) & FENCE_TYPE_PLACES != 0);
-        is_enabled && bars_places
+/// The surroundings.
+#[derive(Debug)]
+pub(super) struct Around {
+    tracks: TrackTable,
+    /// The configuration's obstacles: a report each, the volume, and when they were at that place.
+    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
+    /// What a decision is about.
+    obstacles: Vec<Obstacle>,
+}
+
+impl Around {
+    pub(super) fn new(config: &Config) -> Result<Self, ConfigError> {
+        Ok(Self {
+            tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            virtual_reports: config.obstacle.iter().filter_map(virtual_report).collect(),
+            obstacles: Vec::new(),
+        })
     }
 
-    /// Whether the vehicle joins the areas to stay in.
-    fn fence_is_joined(&self) -> bool {
-        let options = self.parameters.get("FENCE_OPTIONS");
-        options.is_some_and(|bits| number::to_u16(bits) & FENCE_OPTIONS_JOINED != 0)
+    pub(super) const fn tracks(&self) -> &TrackTable {
+        &self.tracks
     }
 
-    /// What of the vehicle's fence binds at a place, metres; nothing while it does not count.
-    pub(super) fn fence_zones(&self, own_m: Vec3) -> Vec<Zone<'_>> {
-        if self.config.safety.use_fence && self.fence_is_active() {
-            self.fence.binding(self.fence_is_joined(), own_m)
-        } else {
-            Vec::new()
+    pub(super) const fn tracks_mut(&mut self) -> &mut TrackTable {
+        &mut self.tracks
+    }
+
+    pub(super) fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// Name of an obstacle.
+    pub(super) fn name(&self, id: u32) -> String {
+        if let Some(track) = self.tracks.get(id) {
+            return track.name();
+        }
+        let index = usize::try_from(id).unwrap_or(usize::MAX);
+        let own = index
+            .checked_sub(FIRST_VIRTUAL_ID)
+            .and_then(|index| self.virtual_reports.get(index));
+        match (id, own) {
+            (FLOOR_ID, _) => "floor".to_owned(),
+            (CEILING_ID, _) => "ceiling".to_owned(),
+            (_, Some((report, ..))) if !report.callsign.is_empty() => report.callsign.clone(),
+            (_, Some(_)) => "virtual obstacle".to_owned(),
+            _ => "fence".to_owned(),
         }
     }
 
-    /// Tells once where the mission crosses the fence.
-    pub(super) fn watch_crossing(&mut self, own_m: Vec3, now_s: f64) {
-        let lists = (self.mission_laid, self.fence_laid);
-        // Until the vehicle has answered which kinds of fence count, all do.
-        let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
-        if !of_mission || self.told_crossing == Some(lists) || self.fence_zones(own_m).is_empty() {
-            return;
-        }
-        let (met_m, left_m) = self.way_left(own_m);
-        let way_m: Vec<Vec3> = core::iter::once(met_m)
-            .chain(left_m.iter().copied())
-            .collect();
-        if self.fence.is_crossed(self.fence_is_joined(), &way_m) {
-            self.told_crossing = Some(lists);
-            let words = "fga: the mission crosses the fence: flown as it is";
-            self.tell(Severity::Warning, words, now_s);
-        }
+    /// Number of an obstacle in messages: its address, where it has one.
+    pub(super) fn number(&self, id: u32) -> u32 {
+        let icao = self.tracks.get(id).map_or(0, |track| track.icao);
+        if icao == 0 { id } else { icao }
     }
 
-    pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
+    /// Gathers the obstacles at `at_s`, in seconds, of the aircraft in its state then.
+    pub(super) fn gather(
+        &mut self,
+        (state, at_s): (&State, f64),
+        frame: Option<&LocalFrame>,
+        route: &Route,
+        config: &Config,
+        voice: &mut Voice,
+    ) {
         self.obstacles.clear();
-        let at_s = now_s + self.ahead_s;
         let own_m = state.ownship.position_m;
-        let within_m = self.config.surveillance_m(state.ownship.airspeed_mps);
-        if let Some(frame) = self.ownship.frame() {
-            for (index, (report, volume, since_s)) in self.virtual_reports.iter().enumerate() {
-                let Ok(id) = u32::try_from(FIRST_VIRTUAL_ID + index) else {
-                    break;
-                };
+        let within_m = config.surveillance_m(state.ownship.airspeed_mps);
+        if let Some(frame) = frame {
+            for (id, (report, volume, since_s)) in (FIRST_VIRTUAL_ID..).zip(&self.virtual_reports) {
+                let Ok(id) = u32::try_from(id) else { break };
                 let velocity_mps =
                     frame.velocity_mps(report.place, report.velocity_mps.unwrap_or(Vec3::ZERO));
                 let position_m = frame.to_local_m(report.place) + velocity_mps * (at_s - since_s);
@@ -150,55 +149,91 @@ impl Companion {
                 }
             }
         }
-        let (met_m, left_m) = self.way_left(own_m);
+        let (met_m, left_m) = route.left_m(own_m);
         let own = (own_m, state.ground_velocity_mps);
         self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
             at_s,
             own_m,
-            own_altitude_m: own_m.z + self.ownship.frame().map_or(0.0, |f| f.origin().altitude_m),
+            own_altitude_m: own_m.z + frame.map_or(0.0, |frame| frame.origin().altitude_m),
             within_m,
-            volumes: Volumes::new(&self.config),
+            volumes: Volumes::new(config),
             most: MOST_TRACKS,
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);
-        if self.tracks.is_new_overload(now_s) {
-            self.tell(
-                Severity::Warning,
-                "fga: traffic overload, most urgent kept",
-                now_s,
-            );
+        if self.tracks.is_new_overload(voice.now_s()) {
+            voice.warn("fga: traffic overload, most urgent kept");
         }
-        let climbs = self
-            .decider
-            .as_ref()
-            .is_some_and(|decider| decider.vehicle().can_climb());
-        if climbs {
-            let home_z = own_m.z - state.above_home_m;
-            let floor_z = home_z + self.config.limits.floor_m;
-            let clearance = 2.0 * self.config.protection.margin_m;
-            if self
-                .way
-                .waypoints_m
-                .iter()
-                .all(|w| w.z > floor_z + clearance)
-                && own_m.z > floor_z + clearance
-            {
-                self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
-            }
-            if let Some(ceiling_m) = self.config.limits.ceiling_m {
-                let ceiling_z = home_z + ceiling_m;
-                if self
-                    .way
-                    .waypoints_m
-                    .iter()
-                    .all(|w| w.z < ceiling_z - clearance)
-                    && own_m.z < ceiling_z - clearance
-                {
-                    self.obstacles
-                        .push(layer(CEILING_ID, ceiling_z, false, own_m));
-                }
+    }
+
+    /// Adds floor and ceiling of a vehicle that can climb, where neither the aircraft nor its way comes near them.
+    pub(super) fn add_layers(&mut self, state: &State, route: &Route, config: &Config) {
+        let own_m = state.ownship.position_m;
+        let home_z = own_m.z - state.above_home_m;
+        let clearance_m = 2.0 * config.protection.margin_m;
+        let mut heights = route.waypoints_m().iter().map(|w| w.z).chain([own_m.z]);
+        let floor_z = home_z + config.limits.floor_m;
+        if heights.clone().all(|z| z > floor_z + clearance_m) {
+            self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
+        }
+        if let Some(ceiling_m) = config.limits.ceiling_m
+            && heights.all(|z| z < home_z + ceiling_m - clearance_m)
+        {
+            let ceiling = layer(CEILING_ID, home_z + ceiling_m, false, own_m);
+            self.obstacles.push(ceiling);
+        }
+    }
+
+    /// Grows the obstacles by the uncertainty of our own position, m.
+    pub(super) fn grow(&mut self, by_m: f64) {
+        if by_m > 0.0 {
+            for obstacle in &mut self.obstacles {
+                obstacle.volume = obstacle.volume.grown(by_m);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fga::situation::Ownship;
+
+    use super::*;
+    use crate::mission::Way;
+
+    #[test]
+    fn floor_and_ceiling_count_where_neither_the_aircraft_nor_its_way_is_near() {
+        let mut config = Config::default();
+        config.limits.floor_m = 30.0;
+        config.limits.ceiling_m = Some(300.0);
+        config.protection.margin_m = 10.0;
+        let layers = |own_m: f64, way_m: f64| {
+            let mut around = Around::new(&config).unwrap();
+            let state = State {
+                ownship: Ownship {
+                    position_m: Vec3::Z * own_m,
+                    course_rad: 0.0,
+                    climb_rad: 0.0,
+                    bank_rad: 0.0,
+                    airspeed_mps: 20.0,
+                },
+                ground_velocity_mps: Vec3::X * 20.0,
+                wind_mps: Vec3::ZERO,
+                above_home_m: own_m,
+                pitch_rad: 0.0,
+                course_rate_radps: 0.0,
+            };
+            let way = Way {
+                waypoints_m: vec![Vec3::Z * way_m],
+                ..Way::default()
+            };
+            around.add_layers(&state, &Route::of(way, 0), &config);
+            let names = around.obstacles().iter().map(|o| around.name(o.id));
+            names.collect::<Vec<_>>()
+        };
+        assert_eq!(layers(100.0, 100.0), ["floor", "ceiling"]);
+        assert_eq!(layers(49.0, 100.0), ["ceiling"]);
+        assert_eq!(layers(100.0, 281.0), ["floor"]);
+        assert_eq!(layers(100.0, 45.0), ["ceiling"]);
     }
 }

@@ -1,169 +1,70 @@
-//! From telemetry and tracks to a decision, and from the decision to who flies.
+//! What is to be flown: from a state and its surroundings to a decision.
 
+use fga::Vec3;
+use fga::angle::course_of;
 use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
-use fga::situation::{Mission, Obstacles, Situation};
+use fga::situation::{Mission, Obstacles, Ownship, Situation};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
 
 use super::decider::Decider;
+use super::route::Moment;
 use super::{Companion, Decided};
-use crate::authority::{Authority, Fault, Severity};
+use crate::mode::Mode;
 use crate::ownship::State;
 use crate::telling;
 
-/// The vehicle gets its mode back after this long on the leg, seconds.
-const ON_LEG_FOR_S: f64 = 0.4;
-/// A manoeuvre that is taken up again listens this long for traffic before it may end, seconds: the longest interval of reports
-/// (5 s), and the delay of one.
-const LISTENS_S: f64 = 6.0;
-/// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
-const ENDS_CLEAR_M: f64 = 30.0;
-/// Without a threat the vehicle gets its mode back beside the leg after this long, seconds, and flies to the leg by itself.
-const BESIDE_LEG_S: f64 = 30.0;
-/// The companion takes over when a manoeuvre begins within this time, seconds.
-const PREPARE_S: f64 = 0.6;
 /// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
-/// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
-const AHEAD_PACE: f64 = 0.5;
-/// Telemetry is stale after this many of its measured intervals, if these are long.
-const STALE_INTERVALS: f64 = 2.5;
-/// After this many refusals in a row the operator must arm the companion again.
-const MOST_REFUSALS: u32 = 3;
+/// A mission climbs or descends where its waypoint is this much higher or lower, metres.
+const CLIMBS_M: f64 = 10.0;
 
 impl Companion {
-    /// The state at the moment at which a command sent now takes effect.
-    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
-        let response = self.flown_response();
-        self.ownship
-            .state_at(now_s + self.ahead_s, &self.commanded_lately, &response)
-    }
-
-    /// Whether the last decision uses the bank in need.
-    pub(super) fn is_in_need(&self) -> bool {
-        self.decided
-            .is_some_and(|decided| decided.decision.record.in_need)
-    }
-
-    /// How the vehicle follows at banks steeper than the normal one.
-    fn steep_response(&self) -> Response {
-        self.steep_response.steep_response(self.link_response())
-    }
-
-    /// How the vehicle follows over the link.
-    pub(super) fn link_response(&self) -> Response {
-        let response = self.response.response();
-        Response {
-            dead_time_s: response.dead_time_s + self.link_dead_time_s,
-            ..response
-        }
-    }
-
-    /// How the vehicle follows its present commands.
-    pub(super) fn flown_response(&self) -> Response {
-        if self.is_in_need() {
-            self.steep_response()
-        } else {
-            self.link_response()
-        }
-    }
-
-    /// Follows the estimated dead time, slower than the clock: the moment of a decision never goes back,
-    /// because the avoider would forget its plan.
-    fn follow_dead_time(&mut self, now_s: f64) {
-        let most_s = AHEAD_PACE * (now_s - self.ahead_at_s).max(0.0);
-        self.link_dead_time_s = self.trips.dead_time_s();
-        let off_s = self.link_response().dead_time_s - self.ahead_s;
-        self.ahead_s += off_s.clamp(-most_s, most_s);
-        self.ahead_at_s = now_s;
-    }
-
+    /// Observes, decides, authorizes, and commands at once what has just been taken over.
     pub(super) fn decide(&mut self, now_s: f64) {
-        self.follow_dead_time(now_s);
         self.due.decision_s = now_s + self.config.command.decision_period_s;
-        let fresh = !self.is_blind(now_s);
-        let state = if fresh || self.flies_blind(now_s) {
-            self.state_ahead(now_s)
-        } else {
-            None
+        let Some(state) = self.observe(now_s) else {
+            return;
         };
-        let lacking = self.lacking(now_s, state.as_ref().filter(|_| fresh));
-        let before = self.keeper.state();
-        let actions = self.keeper.readiness(lacking.is_none(), now_s);
-        self.perform(&actions, now_s);
-        self.tell_airspeed(now_s);
-        self.tell_readiness(lacking, now_s);
-        if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
-            self.forget_plan();
-        }
-        let Some(state) = state else { return };
-        self.lay_fence(now_s);
-        self.order_ground(&state, now_s);
-        if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
-            self.fault(Fault::BelowFloor, now_s);
-        }
-        if !self.keeper.commands() {
-            self.hand.watch(&state);
-        }
-        let Some(mut decision) = self.decision_for(&state, now_s) else {
+        let Some(decision) = self.decision_for(&state, now_s) else {
             self.undecided_s.get_or_insert(now_s);
             return;
         };
-        self.counts.decisions += 1;
-        self.undecided_s = None;
-        self.watch_passing(state.ownship.position_m);
-        let is_back = decision.state == AvoiderState::Cruise;
-        if self.keeper.commands() && self.listens(now_s) && is_back {
-            // The course of the manoeuvre: the way back may lead to what was not heard yet.
-            decision.command = Maneuver::hold();
+        self.report(&decision, &state, now_s);
+        if self.authorize(&decision, &state, now_s) {
+            self.command(now_s);
         }
-        self.decided = Some(Decided {
-            decision,
-            for_s: now_s + self.ahead_s,
-            own: state,
-        });
-        if decision.record.in_need
-            && self.keeper.commands()
-            && !core::mem::replace(&mut self.told.need, true)
-        {
-            self.tell(Severity::Warning, "fga: bank in need", now_s);
+    }
+
+    /// Tells the operator and the log of a decision.
+    fn report(&mut self, decision: &Decision, state: &State, now_s: f64) {
+        if decision.record.in_need && self.keeper.commands() {
+            self.told.need(&mut self.voice);
         }
         let no_way = decision.state == AvoiderState::Threatened
             && decision.record.reason == Reason::BestAvailable;
-        if core::mem::replace(&mut self.told.no_way, no_way) != no_way && no_way {
-            let id = decision.record.threat.map(|threat| threat.id);
-            let name = id.map_or("?".to_owned(), |id| self.obstacle_name(id));
-            let words = format!("fga: no way round {name} keeps it, not begun");
-            self.tell(Severity::Warning, &words, now_s);
-        }
-        self.watch_ground(&decision, &state, now_s);
+        let round = no_way.then(|| self.threat_name(decision));
+        self.told.no_way(round, &mut self.voice);
+        let lasting = self.lasting(state);
+        let (around, keeper, voice) = (&self.around, &self.keeper, &mut self.voice);
+        self.over.watch(decision, &lasting, around, keeper, voice);
         self.log_decision(now_s);
         self.send_collision(now_s);
-        self.act_on(&decision, &state, now_s);
-        self.judge_gap(&decision, &state, now_s);
     }
 
-    /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
-    /// if the vehicle sends them slowly.
-    pub(super) fn stale_s(&self) -> f64 {
-        let configured_s = self.config.safety.telemetry_stale_s;
-        let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
-        interval_s.map_or(configured_s, |s| configured_s.max(STALE_INTERVALS * s))
-    }
-
+    /// The decision about a state; `None` until the vehicle's limits are known.
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
-        self.renew_way(state, now_s);
-        self.renew_decider(now_s)?;
-        self.gather_obstacles(state, now_s);
-        self.watch_alerts(state, now_s);
-        self.watch_crossing(state.ownship.position_m, now_s);
-        self.grow_obstacles(now_s);
+        self.renew_way(state);
+        self.renew_decider()?;
+        self.look_around(state, now_s);
         let decider = self.decider.take()?;
-        let zones = self.fence_zones(state.ownship.position_m);
-        let ground = self.bounding_ground(now_s);
+        let zones = self
+            .boundary
+            .zones(&self.parameters, state.ownship.position_m);
+        let ground = self.over.raised(self.growth_m(now_s));
         let step = |mut decider: Decider, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));
             (decider, decision)
@@ -173,19 +74,88 @@ impl Companion {
         let free =
             (is_bounded && !self.keeper.is_engaged()).then(|| step(decider.clone(), (&[], None)));
         let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
-        let (decider, decision, without) = if let Some((decider, decision)) = quiet {
+        let (decider, mut decision, without) = if let Some((decider, decision)) = quiet {
             (decider, decision, None)
         } else {
-            let before = self.known_ground().map(|_| decider.clone());
+            let before = self.over.known().map(|_| decider.clone());
             let (decider, decision) = step(decider, (&zones, ground.as_ref()));
-            let before = before.filter(|_| self.asks_without_ground(&decision));
+            let before = before.filter(|_| self.over.asks_without(&decision));
             let without = before.map(|before| step(before, (&zones, None)).1);
             (decider, decision, without)
         };
         drop(zones);
-        self.note_bounds(&decision, without.as_ref());
+        self.over.note_bounds(&decision, without.as_ref());
+        self.route.fly_leg(decider.leg_index());
         self.decider = Some(decider);
+        self.counts.decisions += 1;
+        self.undecided_s = None;
+        self.passing
+            .watch(self.route.way(), state.ownship.position_m);
+        let is_back = decision.state == AvoiderState::Cruise;
+        if self.keeper.commands() && self.handover.listens(now_s) && is_back {
+            // The course of the manoeuvre: the way back may lead to what was not heard yet.
+            decision.command = Maneuver::hold();
+        }
+        self.decided = Some(Decided {
+            decision,
+            for_s: self.lead.acts_s(now_s),
+            own: *state,
+        });
         Some(decision)
+    }
+
+    /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
+    fn renew_way(&mut self, state: &State) {
+        let Some(heard) = self.session.mode() else {
+            return;
+        };
+        let (owed, is_engaged) = (self.keeper.owed(), self.keeper.is_engaged());
+        if owed.is_some() && owed == self.route.mode() && !is_engaged {
+            return;
+        }
+        let decider = self.decider.as_ref();
+        let moment = Moment {
+            own_m: state.ownship.position_m,
+            track_rad: course_of(state.ground_velocity_mps),
+            mode: owed.unwrap_or(heard),
+            is_engaged: is_engaged && decider.is_some(),
+            is_busy: decider.is_some_and(|decider| decider.state() != AvoiderState::Cruise),
+        };
+        let (lists, ownship) = (&self.lists, &self.ownship);
+        let (parameters, voice) = (&self.parameters, &mut self.voice);
+        if self.route.renew(&moment, lists, ownship, parameters, voice) {
+            self.decider = None;
+            self.passing
+                .begin_way(&self.route, moment.own_m, lists, ownship);
+        }
+    }
+
+    /// Gathers what the decision is about, and reports what the alerts and the fence say of it.
+    fn look_around(&mut self, state: &State, now_s: f64) {
+        let at = (state, self.lead.acts_s(now_s));
+        let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
+        self.around.gather(at, frame, route, &self.config, voice);
+        let vehicle = self.decider.as_ref().map(Decider::vehicle);
+        if vehicle.is_some_and(Vehicle::can_climb) {
+            self.around.add_layers(state, route, &self.config);
+        }
+        if let (Some(alerts), Some(decider)) = (&mut self.alerts, &mut self.decider) {
+            let threat = self.decided.and_then(|d| d.decision.record.threat);
+            if let Some(start) = alerts.watch(state, threat, &self.around, voice) {
+                decider.set_start(start);
+            }
+        }
+        // Until the vehicle has answered which kinds of fence count, all do.
+        if route.mode() == Some(Mode::AUTO) && self.parameters.is_complete() {
+            let (met_m, left_m) = route.left_m(state.ownship.position_m);
+            let way_m: Vec<Vec3> = core::iter::once(met_m)
+                .chain(left_m.iter().copied())
+                .collect();
+            let (mission, parameters) = (self.lists.mission_number(), &self.parameters);
+            self.boundary
+                .watch_crossing(mission, &way_m, parameters, voice);
+        }
+        self.around.grow(self.growth_m(now_s));
     }
 
     fn situation<'a>(
@@ -195,34 +165,37 @@ impl Companion {
         now_s: f64,
     ) -> Situation<'a> {
         Situation {
-            time_s: now_s + self.ahead_s,
-            ownship: state.ownship,
-            obstacles: Obstacles::Rows(&self.obstacles),
+            time_s: self.lead.acts_s(now_s),
+            ownship: self.lasting(state).ownship,
+            obstacles: Obstacles::Rows(self.around.obstacles()),
             mission: Mission {
                 zones,
                 ground,
-                ..Mission::new(&self.way.waypoints_m)
+                ..Mission::new(self.route.waypoints_m())
             },
             wind_mps: state.wind_mps,
         }
     }
 
-    /// Measured airspeed, or cruise airspeed, metres per second.
-    fn airspeed_mps(&self) -> Option<f64> {
-        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
-        measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
-    }
-
-    /// The largest bank to command now, radians.
-    pub(super) fn bank_limit_rad(&self) -> Option<f64> {
-        self.parameters
-            .bank_limit_rad(&self.config, self.airspeed_mps()?)
-    }
-
-    /// The largest bank to command in need, radians; `None` without a separate one.
-    pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
-        self.parameters
-            .bank_in_need_rad(&self.config, self.airspeed_mps()?)
+    /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
+    fn lasting(&self, state: &State) -> State {
+        let waypoint_m = self.route.waypoints_m().get(1);
+        let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
+        let follows_mission = !self.keeper.commands()
+            && to_climb_m * state.ownship.climb_rad > 0.0
+            && to_climb_m.abs() > CLIMBS_M;
+        if self.config.vehicle.vertical || follows_mission {
+            return *state;
+        }
+        let ownship = Ownship {
+            climb_rad: 0.0,
+            ..state.ownship
+        };
+        State {
+            ownship,
+            ground_velocity_mps: ownship.velocity_mps() + state.wind_mps,
+            ..*state
+        }
     }
 
     /// The limits in need: only a hand that commands a bank can bank more.
@@ -232,15 +205,15 @@ impl Companion {
         }
         let response = Response {
             dead_time_s: 0.0,
-            ..self.steep_response()
+            ..self.lead.steep_response()
         };
         self.parameters
             .vehicle_in_need(&self.config, airspeed_mps, response)
     }
 
     /// Makes the decider, or gives it the vehicle's present limits.
-    fn renew_decider(&mut self, now_s: f64) -> Option<()> {
-        let mut response = self.response.response();
+    fn renew_decider(&mut self) -> Option<()> {
+        let mut response = self.lead.response();
         // The decider's state is after the dead time, so its response has no dead time; the rest stays in the plan.
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
@@ -266,111 +239,11 @@ impl Companion {
                 Some(())
             }
             Err(error) => {
-                self.note(now_s, "limits", json!({ "error": error.to_string() }));
+                self.voice
+                    .note("limits", json!({ "error": error.to_string() }));
                 None
             }
         }
-    }
-
-    /// Takes over, goes on, or hands back.
-    fn act_on(&mut self, decision: &Decision, state: &State, now_s: f64) {
-        let wants = match decision.state {
-            AvoiderState::Avoiding => true,
-            AvoiderState::Threatened => decision
-                .record
-                .start_s
-                .is_some_and(|start_s| start_s < PREPARE_S),
-            AvoiderState::Cruise | AvoiderState::Recovering => false,
-        };
-        if self.keeper.state() == Authority::Ready && wants && now_s >= self.pause_until_s {
-            let Some(heard) = self.heard else { return };
-            if self.dry_run {
-                self.pause_until_s = now_s + 5.0;
-                self.tell_dry(decision, now_s);
-                return;
-            }
-            if self.refusals >= MOST_REFUSALS {
-                self.refusals = 0;
-                self.set_enabled(false, now_s);
-                self.tell(
-                    Severity::Critical,
-                    "fga: refused too often, switched off",
-                    now_s,
-                );
-                return;
-            }
-            let actions = self.keeper.take_over(heard.mode, now_s);
-            self.perform(&actions, now_s);
-            self.command(now_s);
-            return;
-        }
-        if !self.keeper.commands() {
-            return;
-        }
-        let is_back = self.is_back(decision, state, now_s);
-        // The vehicle answers while the aircraft settles on the leg.
-        let is_set = self.on_way_since_s.is_some() && self.item_is_set(now_s);
-        let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
-        let ends = self.ending_s.is_some()
-            && !self.listens(now_s)
-            && (is_back || !self.given_back_collides(state, clear_m));
-        if !(is_back && is_set || ends && self.item_is_set(now_s)) {
-            return;
-        }
-        if ends {
-            self.fault(Fault::ProgramEnds, now_s);
-        } else {
-            self.fly_straight(now_s);
-            let actions = self.keeper.hand_back(now_s);
-            self.perform(&actions, now_s);
-        }
-    }
-
-    fn tell_dry(&mut self, decision: &Decision, now_s: f64) {
-        let name = decision
-            .record
-            .threat
-            .map_or("?".to_owned(), |t| self.obstacle_name(t.id));
-        self.tell(
-            Severity::Warning,
-            &format!("fga: would avoid {name} (dry run)"),
-            now_s,
-        );
-    }
-
-    /// Whether it has taken up a manoeuvre so lately that aircraft may not have reported yet: nothing heard is no
-    /// evidence that nothing threatens.
-    fn listens(&self, now_s: f64) -> bool {
-        self.resumed_s
-            .is_some_and(|since_s| now_s - since_s < LISTENS_S)
-    }
-
-    /// Whether the aircraft is back on its way and nothing threatens.
-    fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
-        if decision.state != AvoiderState::Cruise {
-            self.cruises_since_s = None;
-        }
-        if self.listens(now_s) {
-            return false;
-        }
-        let on_way = match decision.state {
-            AvoiderState::Cruise => {
-                let since_s = *self.cruises_since_s.get_or_insert(now_s);
-                self.is_on_leg(state) || now_s - since_s >= BESIDE_LEG_S
-            }
-            // The end of a planned way back leaves time for the slowest roll.
-            AvoiderState::Recovering => {
-                decision.record.threat.is_none()
-                    && self.turns_onto_leg(decision)
-                    && self.is_on_leg(state)
-            }
-            AvoiderState::Threatened | AvoiderState::Avoiding => false,
-        };
-        if !on_way {
-            self.on_way_since_s = None;
-            return false;
-        }
-        now_s - *self.on_way_since_s.get_or_insert(now_s) >= ON_LEG_FOR_S
     }
 
     fn log_decision(&mut self, now_s: f64) {
@@ -392,11 +265,12 @@ impl Companion {
             &decided.decision,
             &decided.own,
             &self.keeper.state(),
-            self.known_ground()
+            self.over
+                .known()
                 .and_then(|ground| ground.above_m(decided.own.ownship.position_m)),
-            |id| self.obstacle_name(id),
+            |id| self.around.name(id),
         );
-        self.push_log(line);
+        self.voice.log(line);
     }
 }
 

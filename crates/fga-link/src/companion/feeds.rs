@@ -3,9 +3,8 @@
 use fga_formats::tally::LeftOut;
 use serde_json::{Value, json};
 
-use super::Companion;
-use super::readiness::Lacking;
-use crate::authority::Severity;
+use super::lacking::Lacking;
+use super::voice::Voice;
 use crate::traffic::receiver::FeedStatus;
 
 /// A feed without any position is not understood when it has this many unusable parts, and one of this many is
@@ -47,11 +46,10 @@ fn is_not_understood(feed: &FeedStatus) -> bool {
     feed.positions == 0 && (endless || lost >= FEWEST_LOST && lost * ONE_LOST_OF >= needed)
 }
 
-impl Companion {
+impl Feeds {
     /// Takes what a receiver has given so far.
-    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
-        self.note(
-            now_s,
+    pub(super) fn take(&mut self, status: FeedStatus, voice: &mut Voice) {
+        voice.note(
             "feed",
             json!({
                 "source": status.sender.source.name(),
@@ -63,39 +61,31 @@ impl Companion {
             }),
         );
         let same = |feed: &&mut Feed| feed.status.sender == status.sender;
-        match self.feeds.0.iter_mut().find(same) {
+        match self.0.iter_mut().find(same) {
             Some(feed) => feed.status = status,
-            None => self.feeds.0.push(Feed {
+            None => self.0.push(Feed {
                 status,
                 told: Vec::new(),
             }),
         }
     }
 
-    /// Tells the operator once of each reason for which a feed's parts are left out, when there is a vehicle that
-    /// passes it on.
-    pub(super) fn tell_feeds(&mut self, now_s: f64) {
-        if self.heard.is_none() {
-            return;
-        }
-        let mut words = Vec::new();
-        for feed in &mut self.feeds.0 {
+    /// Tells the operator once of each reason for which a feed's parts are left out.
+    pub(super) fn tell(&mut self, voice: &mut Voice) {
+        for feed in &mut self.0 {
             for (reason, count) in feed.status.tally.reasons() {
                 if reason != LeftOut::NotNeeded && !feed.told.contains(&reason) {
                     feed.told.push(reason);
-                    words.push(words_of(reason, count));
+                    voice.warn(&words_of(reason, count));
                 }
             }
-        }
-        for words in words {
-            self.tell(Severity::Warning, &words, now_s);
         }
     }
 
     /// The end of the status line about feeds; empty while all of them are well.
-    pub fn feeds_in_words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let mut words = String::new();
-        for Feed { status, .. } in &self.feeds.0 {
+        for Feed { status, .. } in &self.0 {
             if !status.was_connected {
                 words.push_str(" | no traffic feed");
             } else if let Some(left_out) = status.tally.words("reports") {

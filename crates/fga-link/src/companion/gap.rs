@@ -5,60 +5,18 @@
 //! restores the mode when nothing is proven any more, unless the restored course is known to collide: then
 //! that is the last choice.
 
-use fga::Vec3;
-use fga::angle::wrap_pi;
-use fga::avoider::Decision;
-use fga::situation::ObstacleKind;
-use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
-
-use super::Companion;
-use super::decider::Decider;
-use crate::authority::{Fault, Severity};
-use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
-use crate::ownship::State;
+use super::voice::Voice;
+use crate::authority::Severity;
 
 /// Least time to fly on, seconds …
 const LEAST_BLIND_S: f64 = 3.0;
 /// … and longest time, seconds.
-const MOST_BLIND_S: f64 = 8.0;
+pub(super) const MOST_BLIND_S: f64 = 8.0;
 /// The companion reports a gap that lasts this long, s.
 const TOLD_S: f64 = 1.5;
 /// Possible error of the prediction's acceleration, metres per second squared: gusts, and a turn rate
 /// known to a few per cent.
 const UNKNOWN_MPS2: f64 = 0.8;
-/// Without a heartbeat for this long the vehicle is silent, seconds.
-pub(super) const SILENT_S: f64 = 1.2;
-/// How far ahead the check of the restored course looks, and its steps, seconds.
-const GIVEN_BACK_S: f64 = 30.0;
-const GIVEN_BACK_STEP_S: f64 = 0.2;
-/// Interval of requests for a round trip of the vehicle's clock, shorter while telemetry is late, seconds.
-const ROUND_TRIP_S: f64 = 1.0;
-const LATE_ROUND_TRIP_S: f64 = 0.2;
-/// Telemetry is late when it is older than this, seconds.
-const LATE_S: f64 = 0.3;
-/// A slower answer says nothing of the vehicle's clock, seconds.
-const LONGEST_TRIP_S: f64 = 5.0;
-/// A slower answer is not ours, seconds.
-const LONGEST_QUEUE_S: f64 = 30.0;
-
-/// The round trip of an answer: the time of the request, and the reading of the vehicle's clock;
-/// seconds. `None` for the answer to somebody else.
-pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f64)> {
-    answer_of(data, now_s, LONGEST_TRIP_S)
-}
-
-/// The same for an answer after at most `longest_s` seconds.
-fn answer_of(data: &TIMESYNC_DATA, now_s: f64, longest_s: f64) -> Option<(f64, f64)> {
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "nanoseconds of a flight are exact for 104 days"
-    )]
-    let seconds = |nanoseconds: i64| nanoseconds as f64 * 1e-9;
-    let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
-    let sent_s = seconds(data.ts1);
-    let plausible = data.tc1 > 0 && (now_s - longest_s..=now_s).contains(&sent_s);
-    (for_us && plausible).then(|| (sent_s, seconds(data.tc1)))
-}
 
 /// The reports about the present gap.
 #[derive(Debug, Clone, Copy, Default)]
@@ -67,161 +25,59 @@ pub(super) struct Gap {
     collision: bool,
 }
 
-impl Companion {
-    /// Age of the telemetry, seconds; infinite before the first.
-    fn telemetry_age_s(&self, now_s: f64) -> f64 {
-        self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
+/// Extra uncertainty of our own position after a gap of `age_s`, m.
+pub(super) fn growth_m(age_s: f64) -> f64 {
+    let age_s = age_s.min(MOST_BLIND_S);
+    0.5 * UNKNOWN_MPS2 * age_s * age_s
+}
+
+impl Gap {
+    /// Telemetry is here again, or somebody else flies.
+    pub(super) fn end(&mut self) {
+        *self = Self::default();
     }
 
-    /// Whether the telemetry is too old to use unchanged.
-    pub(super) fn is_blind(&self, now_s: f64) -> bool {
-        self.telemetry_age_s(now_s) > self.stale_s()
-    }
-
-    /// Whether the companion flies on without telemetry.
-    pub(super) fn flies_blind(&self, now_s: f64) -> bool {
-        self.keeper.commands()
-            && self.decider.as_ref().is_some_and(Decider::certifies)
-            && self.decided.is_some()
-            && self.is_blind(now_s)
-            && self.telemetry_age_s(now_s) <= MOST_BLIND_S
-    }
-
-    /// Whether heartbeats are missing, so that requests have no visible effect.
-    pub(super) fn is_silent(&self, now_s: f64) -> bool {
-        self.heard
-            .is_some_and(|heard| now_s - heard.heartbeat_s > SILENT_S)
-    }
-
-    /// Extra uncertainty of our own position, m.
-    pub(super) fn growth_m(&self, now_s: f64) -> f64 {
-        if !self.is_blind(now_s) {
-            return 0.0;
+    /// Whether the gap has lasted too long: nothing is proven any more, and the restored course is not known to collide.
+    pub(super) fn is_over(
+        &mut self,
+        age_s: f64,
+        is_proven: bool,
+        collides: bool,
+        voice: &mut Voice,
+    ) -> bool {
+        if age_s > TOLD_S && !core::mem::replace(&mut self.begun, true) {
+            voice.warn("fga: no telemetry, flies on as proven");
         }
-        let age_s = self.telemetry_age_s(now_s).min(MOST_BLIND_S);
-        0.5 * UNKNOWN_MPS2 * age_s * age_s
-    }
-
-    /// Grows the obstacles by the uncertainty of our own position.
-    pub(super) fn grow_obstacles(&mut self, now_s: f64) {
-        let by_m = self.growth_m(now_s);
-        if by_m > 0.0 {
-            for obstacle in &mut self.obstacles {
-                obstacle.volume = obstacle.volume.grown(by_m);
-            }
-        }
-    }
-
-    /// Decides whether to fly on through the gap.
-    pub(super) fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
-        if !self.flies_blind(now_s) {
-            self.gap = Gap::default();
-            return;
-        }
-        let age_s = self.telemetry_age_s(now_s);
-        if age_s > TOLD_S && !core::mem::replace(&mut self.gap.begun, true) {
-            let words = "fga: no telemetry, flies on as proven";
-            self.tell(Severity::Warning, words, now_s);
-        }
-        let proven = !decision.record.reason.is_unproven();
-        if proven || age_s <= LEAST_BLIND_S {
-            return;
-        }
-        if self.given_back_collides(state, -self.growth_m(now_s)) {
-            if !core::mem::replace(&mut self.gap.collision, true) {
-                let words = "fga: no telemetry, not given back: collision";
-                self.tell(Severity::Critical, words, now_s);
-            }
-            return;
-        }
-        self.end_gap(now_s);
-    }
-
-    /// The gap has lasted too long.
-    pub(super) fn end_gap(&mut self, now_s: f64) {
-        self.gap = Gap::default();
-        let link_lost_s = self.config.safety.link_lost_s;
-        let lost = self
-            .heard
-            .is_some_and(|heard| now_s - heard.heartbeat_s > link_lost_s);
-        let fault = if lost {
-            Fault::LinkLost
-        } else {
-            Fault::TelemetryStale
-        };
-        self.fault(fault, now_s);
-    }
-
-    /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`: it turns to
-    /// its next waypoint and flies there.
-    pub(super) fn given_back_collides(&self, state: &State, clear_m: f64) -> bool {
-        let Some(decider) = &self.decider else {
+        if is_proven || age_s <= LEAST_BLIND_S {
             return false;
+        }
+        if collides && !core::mem::replace(&mut self.collision, true) {
+            let words = "fga: no telemetry, not given back: collision";
+            voice.tell(Severity::Critical, words);
+        }
+        !collides
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_ends_when_nothing_is_proven_unless_the_vehicle_would_collide() {
+        let (mut gap, mut voice) = (Gap::default(), Voice::default());
+        let mut judge = |age_s, is_proven, collides| {
+            let over = gap.is_over(age_s, is_proven, collides, &mut voice);
+            (over, voice.texts())
         };
-        let rate_radps = decider.vehicle().course_rate_radps();
-        let to_m = self.way.waypoints_m.get(decider.leg_index() + 1).copied();
-        let (mut at_m, mut course_rad) = (state.ownship.position_m, state.ownship.course_rad);
-        let mut after_s = 0.0;
-        while after_s < GIVEN_BACK_S {
-            // Fences, floor and ceiling are the mission's own business.
-            let beings = self
-                .obstacles
-                .iter()
-                .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
-            let enters = beings.into_iter().any(|obstacle| {
-                let offset_m = at_m - obstacle.position_after_m(after_s);
-                obstacle.volume.margin_m(offset_m) < clear_m
-            });
-            if enters {
-                return true;
-            }
-            if let Some(to_m) = to_m {
-                let ahead = to_m - at_m;
-                let error_rad = wrap_pi(libm::atan2(ahead.y, ahead.x) - course_rad);
-                let most_rad = rate_radps * GIVEN_BACK_STEP_S;
-                course_rad += error_rad.clamp(-most_rad, most_rad);
-            }
-            let air_mps = Vec3::new(libm::cos(course_rad), libm::sin(course_rad), 0.0)
-                * state.ownship.airspeed_mps;
-            at_m += (air_mps + state.wind_mps) * GIVEN_BACK_STEP_S;
-            after_s += GIVEN_BACK_STEP_S;
-        }
-        false
-    }
-
-    /// Asks what the vehicle's clock reads.
-    pub(super) fn ask_for_round_trip(&mut self, system: u8, now_s: f64) {
-        if now_s < self.due.round_trip_s {
-            return;
-        }
-        let late = self.telemetry_age_s(now_s) > LATE_S;
-        self.due.round_trip_s = now_s
-            + if late {
-                LATE_ROUND_TRIP_S
-            } else {
-                ROUND_TRIP_S
-            };
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "nanoseconds of a flight fit 63 bits for 292 years"
-        )]
-        let ts1 = (now_s * 1e9) as i64;
-        self.outbox.send(MavMessage::TIMESYNC(TIMESYNC_DATA {
-            tc1: 0,
-            ts1,
-            target_system: system,
-            target_component: AUTOPILOT,
-        }));
-    }
-
-    /// Takes the answer.
-    pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
-        if let Some((sent_s, _)) = answer_of(data, now_s, LONGEST_QUEUE_S) {
-            self.trips.take(sent_s, now_s);
-        }
-        if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
-            self.ownship.round_trip(sent_s, boot_s, now_s);
-            self.hearing.round_trip(sent_s, boot_s, now_s);
-        }
+        assert_eq!(judge(1.0, false, false), (false, 0));
+        assert_eq!(judge(2.0, false, false), (false, 1));
+        assert_eq!(judge(4.0, true, false), (false, 1));
+        assert_eq!(judge(4.0, false, true), (false, 2));
+        assert_eq!(judge(5.0, false, true), (false, 2), "told once");
+        assert_eq!(judge(6.0, false, false), (true, 2));
+        // Half of 0.8 m/s² over 5 s, and no more than over 8 s.
+        assert!((growth_m(5.0) - 10.0).abs() < 1e-9);
+        assert_eq!(growth_m(100.0), growth_m(8.0));
     }
 }

@@ -7,10 +7,9 @@ use fga::Vec3;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot};
 
-use fga_formats::geodesy::Geodetic;
+use fga_formats::geodesy::{Geodetic, LocalFrame};
 
-use super::Companion;
-use crate::authority::Severity;
+use super::voice::Voice;
 use crate::number::degrees_from_e7;
 use crate::outgoing::AUTOPILOT;
 
@@ -69,13 +68,28 @@ impl Senders {
         }
     }
 
-    /// Takes a place and a velocity, metres and metres per second.
-    pub(super) fn stand(&mut self, boot_ms: u32, at_m: Vec3, velocity_mps: Vec3, now_s: f64) {
-        let Some((last_ms, last_m, last_mps)) = self.place.replace((boot_ms, at_m, velocity_mps))
-        else {
+    /// Takes a place and a velocity.
+    pub(super) fn take_position(
+        &mut self,
+        data: &GLOBAL_POSITION_INT_DATA,
+        frame: &LocalFrame,
+        now_s: f64,
+    ) {
+        let place = Geodetic::new(
+            degrees_from_e7(data.lat),
+            degrees_from_e7(data.lon),
+            f64::from(data.alt) * 1e-3,
+        );
+        let Some(at_m) = place.map(|place| frame.to_local_m(place)) else {
             return;
         };
-        let passed_s = signed_s(boot_ms, last_ms);
+        let velocity_mps =
+            Vec3::new(f64::from(data.vy), f64::from(data.vx), -f64::from(data.vz)) * 0.01;
+        let stood = self.place.replace((data.time_boot_ms, at_m, velocity_mps));
+        let Some((last_ms, last_m, last_mps)) = stood else {
+            return;
+        };
+        let passed_s = signed_s(data.time_boot_ms, last_ms);
         let off_m = at_m - last_m - (last_mps + velocity_mps) * (0.5 * passed_s);
         if passed_s.abs() < SAME_FLIGHT_S && off_m.length() > ELSEWHERE_M {
             self.sign(now_s);
@@ -148,69 +162,45 @@ impl Neighbors {
     pub(super) const fn hear_other(&mut self, system: u8) {
         self.other = Some(system);
     }
-}
 
-impl Companion {
-    /// The only system id that counts; `None` takes the first plane.
-    pub(super) fn wanted_system(&self) -> Option<u8> {
-        let configured = Some(self.config.vehicle.system_id).filter(|id| *id != 0);
-        // An earlier run of this program owes a mode to the vehicle that is heard.
-        let noted = self.notes.last().filter(|_| self.heard.is_some());
-        configured.or_else(|| noted.map(|note| note.system_id))
-    }
-
-    /// Takes a position of the vehicle's id, whoever sent it.
-    pub(super) fn watch_senders(&mut self, data: &GLOBAL_POSITION_INT_DATA, now_s: f64) {
-        let place = Geodetic::new(
-            degrees_from_e7(data.lat),
-            degrees_from_e7(data.lon),
-            f64::from(data.alt) * 1e-3,
-        );
-        if let (Some(place), Some(frame)) = (place, self.ownship.frame()) {
-            let velocity_mps =
-                Vec3::new(f64::from(data.vy), f64::from(data.vx), -f64::from(data.vz)) * 0.01;
-            let at_m = frame.to_local_m(place);
-            self.senders
-                .stand(data.time_boot_ms, at_m, velocity_mps, now_s);
-        }
-    }
-
-    /// The link carries MAVLink 1 frames of a system, which nobody here reads.
-    pub fn hear_version1(&mut self, system: u8, now_s: f64) {
-        if self.heard.is_none() && self.neighbors.version1.replace(system).is_none() {
-            let words = format!("fga: {system} sends MAVLink 1, expected MAVLink 2");
-            self.tell(Severity::Warning, &words, now_s);
+    /// A system sends MAVLink 1.
+    pub(super) fn hear_version1(&mut self, system: u8, voice: &mut Voice) {
+        if self.version1.replace(system).is_none() {
+            voice.warn(&format!(
+                "fga: {system} sends MAVLink 1, expected MAVLink 2"
+            ));
         }
     }
 
     /// Another plane was heard.
-    pub(super) fn hear_neighbor(&mut self, system: u8, now_s: f64) {
-        if self.wanted_system().is_some() {
-            return;
-        }
-        self.neighbors.plane_s = Some(now_s);
-        if self.neighbors.chosen && !core::mem::replace(&mut self.neighbors.told, true) {
-            let words = format!("fga: another vehicle on the link: {system}");
-            self.tell(Severity::Warning, &words, now_s);
+    pub(super) fn hear_plane(&mut self, system: u8, voice: &mut Voice) {
+        let now_s = voice.now_s();
+        self.plane_s = Some(now_s);
+        if self.chosen && !core::mem::replace(&mut self.told, true) {
+            voice.warn(&format!("fga: another vehicle on the link: {system}"));
         }
     }
 
     /// A heartbeat that is not a plane's, before the first one of a plane.
-    pub(super) fn hear_stranger(&mut self, header: MavHeader, data: &HEARTBEAT_DATA, now_s: f64) {
+    pub(super) fn hear_stranger(
+        &mut self,
+        header: MavHeader,
+        data: &HEARTBEAT_DATA,
+        wanted: Option<u8>,
+        voice: &mut Voice,
+    ) {
+        let now_s = voice.now_s();
         let flies = data.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID;
         let Ok(system) = u8::try_from(header.system_id) else {
             return;
         };
-        let other = self.wanted_system().is_some_and(|wanted| wanted != system);
-        if self.heard.is_some() || !flies || other || header.component_id != AUTOPILOT {
+        let other = wanted.is_some_and(|wanted| wanted != system);
+        if !flies || other || header.component_id != AUTOPILOT {
             return;
         }
-        let (first, since_s) = *self.neighbors.stranger.get_or_insert((system, now_s));
-        if now_s - since_s >= ALONE_S
-            && !core::mem::replace(&mut self.neighbors.stranger_told, true)
-        {
-            let words = format!("fga: not ready: vehicle {first} is no ArduPlane");
-            self.tell(Severity::Warning, &words, now_s);
+        let (first, since_s) = *self.stranger.get_or_insert((system, now_s));
+        if now_s - since_s >= ALONE_S && !core::mem::replace(&mut self.stranger_told, true) {
+            voice.warn(&format!("fga: not ready: vehicle {first} is no ArduPlane"));
         }
     }
 }

@@ -2,10 +2,9 @@
 
 use fga::Vec3;
 use fga::avoider::Decision;
-use fga::situation::{Obstacle, ObstacleKind};
+use fga::situation::Obstacle;
 use fga::vehicle::Vehicle;
 
-use super::Companion;
 use crate::authority::Authority;
 use crate::ownship::State;
 
@@ -32,35 +31,4 @@ pub struct Picture {
     pub horizon_s: f64,
     /// Distance kept beyond a protected volume, metres.
     pub margin_m: f64,
-}
-
-impl Companion {
-    /// Time of the last decision's state, seconds.
-    pub fn decided_for_s(&self) -> Option<f64> {
-        self.decided.map(|decided| decided.for_s)
-    }
-
-    /// The picture of the last decision; `None` before the first.
-    pub fn picture(&self) -> Option<Picture> {
-        let decided = self.decided?;
-        let threat = decided.decision.record.threat;
-        let beings = self
-            .obstacles
-            .iter()
-            .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
-        Some(Picture {
-            time_s: decided.for_s,
-            own: decided.own,
-            decision: decided.decision,
-            threat_name: threat.map(|threat| self.obstacle_name(threat.id)),
-            authority: self.keeper.state(),
-            vehicle: *self.vehicle()?,
-            obstacles: beings
-                .map(|obstacle| (*obstacle, self.obstacle_name(obstacle.id)))
-                .collect(),
-            waypoints_m: self.way.waypoints_m.clone(),
-            horizon_s: self.config.protection.horizon_s,
-            margin_m: self.config.protection.margin_m,
-        })
-    }
 }

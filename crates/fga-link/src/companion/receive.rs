@@ -1,55 +1,37 @@
 //! The effect of each message.
 
+use alloc::sync::Arc;
+
 use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
+use fga_formats::terrain::Terrain;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavMissionType, MavModeFlag,
-    MavResult, MavSysStatusSensor, MavType,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
 };
 use serde_json::json;
 
-use super::{Companion, Heard};
-use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
+use super::Companion;
+use super::over_ground::distance_m;
+use super::session::{News, Noted, SILENT_S};
+use crate::authority::{Beat, Fault, reaction};
 use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
+use crate::ground::{GroundOrder, MadeGround};
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::restart::Note;
-use crate::traffic::fence;
-
-/// The companion waits this long for the vehicle that an earlier run left in a manoeuvre, seconds: a vehicle sends its heartbeat once a
-/// second.
-const NOTED_S: f64 = 3.0;
-/// Interval between reports of contradicting heartbeats, s.
-const CONTRADICTION_AGAIN_S: f64 = 5.0;
-
-/// A bank beyond the normal limit by this is a steep one, radians (1°).
-const STEEPER_RAD: f64 = 0.017;
-
-/// The heartbeat of a fixed-wing autopilot; `None` for all others.
-pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
-    let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
-        && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
-        && header.component_id == AUTOPILOT;
-    is_plane.then_some(Beat {
-        sequence: header.sequence,
-        mode: Mode(data.custom_mode),
-        armed: data
-            .base_mode
-            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
-    })
-}
+use crate::traffic::receiver::FeedStatus;
 
 impl Companion {
     /// Takes a message.
     pub fn receive(&mut self, header: &MavHeader, message: &MavMessage, now_s: f64) {
+        self.voice.at(now_s);
         if self.take_traffic(*header, message, now_s) {
             return;
         }
         if let MavMessage::TERRAIN_DATA(data) = message {
-            self.take_terrain(data, now_s);
+            self.over.take_terrain(data, &mut self.voice);
             return;
         }
         let Ok(system) = u8::try_from(header.system_id) else {
@@ -76,195 +58,94 @@ impl Companion {
     }
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
-        let Some(beat) = beat_of_plane(header, data) else {
-            self.hear_stranger(header, data, now_s);
+        let (session, voice) = (&mut self.session, &mut self.voice);
+        let Some(beat) = Beat::of_plane(header, data) else {
+            session.hear_stranger(header, data, voice);
             return;
         };
-        let Beat { mode, armed, .. } = beat;
-        let wanted = self.wanted_system();
-        let Some(heard) = &mut self.heard else {
-            if wanted.is_some_and(|wanted| wanted != system) {
-                self.neighbors.hear_other(system);
-                self.tell_left(system, mode, now_s);
-                return;
-            }
-            if self.waits_for_noted(system, mode, now_s) {
-                return;
-            }
-            self.hearing.hear(beat, now_s);
-            self.heard = Some(Heard {
-                system_id: system,
+        match session.hear(system, beat, voice) {
+            News::Nothing => {}
+            News::First => self.lists.begin(),
+            News::Next {
                 mode,
-                armed,
-                since_s: now_s,
-                heartbeat_s: now_s,
-            });
-            let others: Vec<u8> = self.notes.iter().map(|note| note.system_id).collect();
-            self.notes.retain(|note| note.fits(system, mode));
-            self.outbox.set_own_system(system);
-            self.mission.begin();
-            if self.config.safety.use_fence {
-                self.fence_download.begin();
-            }
-            self.read_rally_again();
-            let words = if self.dry_run {
-                "fga: connected, dry run"
-            } else {
-                "fga: connected"
-            };
-            self.tell(Severity::Info, words, now_s);
-            for other in others.into_iter().filter(|other| *other != system) {
-                let words = format!("fga: note of vehicle {other} left aside");
-                self.tell(Severity::Warning, &words, now_s);
-            }
-            self.note(
-                now_s,
-                "vehicle",
-                json!({ "system": system, "mode": mode.to_string() }),
-            );
-            return;
-        };
-        if heard.system_id != system {
-            self.hear_neighbor(system, now_s);
-            return;
-        }
-        let verdict = self.hearing.hear(beat, now_s);
-        if verdict == Verdict::Overtaken {
-            return;
-        }
-        let silent_s = now_s - heard.heartbeat_s;
-        let was_armed = heard.armed;
-        let mode_was = heard.mode;
-        *heard = Heard {
-            system_id: system,
-            mode,
-            armed: self.hearing.is_armed(),
-            since_s: heard.since_s,
-            heartbeat_s: now_s,
-        };
-        let is_armed = heard.armed;
-        self.leave_notes(system, mode, now_s);
-        if mode != mode_was {
-            self.watch.mode_changed(now_s);
-            self.note(now_s, "mode", json!({ "mode": mode.to_string() }));
-        }
-        if silent_s > super::gap::SILENT_S {
-            self.keeper.excuse(silent_s);
-        }
-        // The mode first: whoever changed it wins, whatever else this message contains.
-        let actions = self.keeper.heartbeat(mode, armed, now_s);
-        self.perform(&actions, now_s);
-        if mode == Mode::AUTO {
-            self.mission_goes_on();
-        }
-        if mode == Mode::AUTO && mode_was == self.keeper.target() {
-            self.set_item_to_resume(now_s);
-        }
-        if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
-            self.due.contradiction_s = now_s + CONTRADICTION_AGAIN_S;
-            self.note(now_s, "contradiction", json!({ "mode": mode.name() }));
-            if self.keeper.is_engaged() {
-                self.fault(Fault::Contradiction, now_s);
-            } else {
-                let row = reaction(Fault::Contradiction);
-                let actions = self.keeper.readiness(false, now_s);
+                mode_was,
+                silent_s,
+                contradicts,
+                disarmed,
+            } => {
+                if mode != mode_was {
+                    self.lists.mode_changed(now_s);
+                }
+                if silent_s > SILENT_S {
+                    self.keeper.excuse(silent_s);
+                }
+                // The mode first: whoever changed it wins, whatever else this message contains.
+                let actions = self.keeper.heartbeat(mode, beat.armed, now_s);
                 self.perform(&actions, now_s);
-                self.tell(row.severity, row.text, now_s);
+                if mode == Mode::AUTO {
+                    self.passing.mission_goes_on();
+                }
+                if mode == Mode::AUTO && mode_was == self.keeper.target() {
+                    let (lists, ownship) = (&self.lists, &self.ownship);
+                    let (commands, voice) = (&mut self.commands, &mut self.voice);
+                    self.passing.has_auto_back(lists, ownship, commands, voice);
+                }
+                if contradicts {
+                    self.heartbeats_contradict(mode, now_s);
+                }
+                if disarmed {
+                    self.fault(Fault::Disarmed, now_s);
+                }
             }
-        }
-        if was_armed && !is_armed {
-            self.fault(Fault::Disarmed, now_s);
         }
     }
 
-    /// The vehicle reports a mode: the notes of other modes end. Not even a forged heartbeat ends a debt in silence.
-    fn leave_notes(&mut self, system: u8, mode: Mode, now_s: f64) {
-        let noted = self.notes.len();
-        self.notes.retain(|note| note.fits(system, mode));
-        if self.notes.len() < noted {
-            let row = reaction(Fault::ModeChanged);
-            self.tell(row.severity, row.text, now_s);
+    fn heartbeats_contradict(&mut self, mode: Mode, now_s: f64) {
+        self.voice
+            .note("contradiction", json!({ "mode": mode.name() }));
+        if self.keeper.is_engaged() {
+            self.fault(Fault::Contradiction, now_s);
+        } else {
+            let row = reaction(Fault::Contradiction);
+            let actions = self.keeper.readiness(false, now_s);
+            self.perform(&actions, now_s);
+            self.voice.tell(row.severity, row.text);
         }
     }
 
     /// A program that was restarted in a manoeuvre continues it once the vehicle's clock shows
     /// that its note counts.
     fn take_note(&mut self, boot_ms: u32, now_s: f64) {
-        let Some(note) = self.notes.pop() else { return };
-        self.notes.clear();
-        let may_resume = !self.dry_run && Mode(note.owned_mode) == self.keeper.target();
-        if note.counts(boot_ms) && note.given_up {
-            self.keeper
-                .doubt(Mode(note.owned_mode), note.previous(), now_s);
-        } else if note.counts(boot_ms) && !may_resume {
-            self.tell_left_in(note, now_s);
-        } else if note.counts(boot_ms) {
-            self.neighbors.choose();
-            self.keeper.resume(note.previous(), now_s);
-            self.noted_boot_ms = Some(note.boot_ms);
-            self.resume_passing(note.item);
-            self.note(
-                now_s,
-                "resumes",
-                json!({ "previous": note.previous().name() }),
-            );
-        } else {
-            self.tell(
-                Severity::Warning,
-                "fga: an old note of a manoeuvre, mode left alone",
-                now_s,
-            );
+        let target = self.keeper.target();
+        match self.session.take_note(boot_ms, target, &mut self.voice) {
+            Some(Noted::Doubt(note)) => {
+                self.keeper
+                    .doubt(Mode(note.owned_mode), note.previous(), now_s);
+            }
+            Some(Noted::Resume(note)) => {
+                self.keeper.resume(note.previous(), now_s);
+                self.passing.resume(note.item);
+            }
+            None => {}
         }
-    }
-
-    /// Whether the vehicle that a note names may still be heard: that vehicle is ours.
-    fn waits_for_noted(&mut self, system: u8, mode: Mode, now_s: f64) -> bool {
-        if self.wanted_system().is_some()
-            || self.notes.is_empty()
-            || self.notes.iter().any(|note| note.fits(system, mode))
-        {
-            return false;
-        }
-        now_s - *self.noted_wait_s.get_or_insert(now_s) < NOTED_S
-    }
-
-    /// Reports that an earlier run left a vehicle that is not ours in a manoeuvre.
-    fn tell_left(&mut self, system: u8, mode: Mode, now_s: f64) {
-        let is_left = |note: &Note| note.fits(system, mode) && note.owned_mode == mode.0;
-        let found = self.notes.iter().position(is_left);
-        if let Some(index) = found {
-            let note = self.notes.remove(index);
-            self.tell_left_in(note, now_s);
-        }
-    }
-
-    /// Reports that an earlier run left the vehicle in a manoeuvre that this one does not take up.
-    fn tell_left_in(&mut self, note: Note, now_s: f64) {
-        let (system, mode) = (note.system_id, Mode(note.owned_mode));
-        let (mode, previous) = (mode.name(), note.previous());
-        let words = format!(
-            "fga: vehicle {system} left in {mode}: set {}",
-            previous.name()
-        );
-        self.tell(Severity::Critical, &words, now_s);
     }
 
     fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
-                self.watch_senders(data, now_s);
+                self.session
+                    .take_position(data, self.ownship.frame(), now_s);
                 let update = self.ownship.take_position(data, now_s);
                 self.after_update(update, now_s);
                 self.renew_frame(now_s);
             }
             MavMessage::ATTITUDE(data) => {
-                self.hearing.stamp(data.time_boot_ms, now_s);
-                self.senders.stamp(data.time_boot_ms, now_s);
+                self.session.stamp(data.time_boot_ms, now_s);
                 self.take_note(data.time_boot_ms, now_s);
                 let update = self.ownship.take_attitude(data, now_s);
                 if update == Update::Fresh {
-                    self.boot_ms = data.time_boot_ms;
+                    self.session.set_boot_ms(data.time_boot_ms);
                     self.learn_response(data, now_s);
                 }
                 self.after_update(update, now_s);
@@ -273,10 +154,13 @@ impl Companion {
                 }
             }
             MavMessage::SYS_STATUS(data) => {
-                let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
-                self.fence_enabled = Some(data.onboard_control_sensors_enabled.contains(fence));
+                self.boundary.take_status(data);
             }
-            MavMessage::DISTANCE_SENSOR(data) => self.take_rangefinder(data, now_s),
+            MavMessage::DISTANCE_SENSOR(data) => {
+                if let Some(distance_m) = distance_m(data) {
+                    self.take_distance(distance_m, now_s);
+                }
+            }
             MavMessage::RANGEFINDER(data) if data.distance > 0.0 => {
                 self.take_distance(f64::from(data.distance), now_s);
             }
@@ -285,7 +169,8 @@ impl Companion {
             MavMessage::SCALED_PRESSURE(data) => {
                 if let Some(altitude_m) = self.ownship.altitude_m(now_s) {
                     let hpa = f64::from(data.press_abs);
-                    self.tracks
+                    self.around
+                        .tracks_mut()
                         .levels_mut()
                         .take_pressure(hpa, altitude_m, now_s);
                 }
@@ -295,39 +180,30 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                if self.mission.contradicts_count(data) {
-                    self.read_mission_again();
-                } else if self.fence_download.contradicts_count(data) {
-                    self.read_fence_again();
-                } else if self.mission.take_count(data) {
-                    self.mission_arrived(now_s);
-                } else if self.fence_download.take_count(data) {
-                    self.fence_arrived(now_s);
-                } else {
-                    self.take_rally_count(data, now_s);
+                let has_fence = self.lists.take_count(data, &mut self.voice);
+                if has_fence {
+                    self.lay_fence();
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                self.compare_item(data);
-                if self.mission.take_item(data) {
-                    self.mission_arrived(now_s);
+                let has_fence = self.lists.take_item(data, &mut self.voice);
+                if has_fence {
+                    self.lay_fence();
                 }
-                if self.fence_download.take_item(data) {
-                    self.fence_arrived(now_s);
-                }
-                self.take_rally_point(data, now_s);
             }
-            MavMessage::MISSION_CURRENT(data) => self.take_mission_current(data),
-            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.take_position_target(data, now_s),
-            MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.take_nav(data, now_s),
+            MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
+            MavMessage::MISSION_ACK(data) => self.lists.take_ack(data),
+            MavMessage::STATUSTEXT(data) => self.lists.take_text(data),
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => {
+                let in_auto = self.session.mode() == Some(Mode::AUTO);
+                self.lists
+                    .take_position_target(data, &self.ownship, in_auto, now_s);
+            }
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
+                let in_auto = self.session.mode() == Some(Mode::AUTO);
+                self.lists.take_nav(data, &self.ownship, in_auto, now_s);
+            }
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
-            MavMessage::STATUSTEXT(data) => self.take_vehicle_text(data),
-            MavMessage::MISSION_ACK(data)
-                if data.target_system != 0 && data.target_component != OWN_COMPONENT =>
-            {
-                self.list_uploaded(data.mission_type);
-            }
-            MavMessage::MISSION_ACK(data) => self.take_mission_refusal(data),
             MavMessage::COMMAND_ACK(data) => {
                 // An answer to nobody in particular may be to somebody else's request.
                 if data.command == MavCmd::MAV_CMD_DO_SET_MODE
@@ -343,6 +219,50 @@ impl Companion {
             }
             _ => {}
         }
+    }
+
+    fn take_distance(&mut self, distance_m: f64, now_s: f64) {
+        if let (Some(at_m), Some(decided)) = (self.ownship.position_m(now_s), &self.decided) {
+            self.over
+                .take_distance(distance_m, at_m, &decided.own, &mut self.voice);
+        }
+    }
+
+    /// Gives it the heights of the ground, before the flight.
+    pub fn set_terrain(&mut self, terrain: Option<Arc<Terrain>>) {
+        if let Some(terrain) = terrain {
+            self.over.set_terrain(terrain);
+        }
+    }
+
+    /// Ground to make, if any is due: [`GroundOrder::make`] takes longer than a decision may.
+    pub fn ground_order(&mut self) -> Option<GroundOrder> {
+        self.over.take_order()
+    }
+
+    /// Makes the ground that is due, where nobody waits for a decision.
+    pub fn make_ground(&mut self, now_s: f64) {
+        if let Some(order) = self.ground_order() {
+            self.take_ground(order.make(), now_s);
+        }
+    }
+
+    /// Takes ground that was made, and what it means for the mission.
+    pub fn take_ground(&mut self, made: MadeGround, now_s: f64) {
+        let is_here = |frame| made.square.is_in(frame);
+        if self.ownship.frame().is_some_and(is_here) {
+            self.over.take_ground(made, self.voice.at(now_s));
+        }
+    }
+
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.feeds.take(status, self.voice.at(now_s));
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        self.feeds.words()
     }
 
     fn after_update(&mut self, update: Update, now_s: f64) {
@@ -363,16 +283,14 @@ impl Companion {
         if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
             return;
         }
-        self.tracks.clear();
-        self.fence = fence::Fence::default();
-        self.fence_laid = 0;
-        self.forget_ground();
-        self.way_mode = None;
-        self.watch.mode_changed(now_s);
+        self.around.tracks_mut().clear();
+        self.boundary.forget();
+        self.over.forget();
+        self.route.forget();
+        self.lists.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
-            self.note(
-                now_s,
+            self.voice.note(
                 "frame",
                 json!({
                     "latitude_deg": origin.latitude_deg,
@@ -386,98 +304,22 @@ impl Companion {
         let Some(airspeed_mps) = self.ownship.airspeed_mps() else {
             return;
         };
-        let bank_rad = -f64::from(data.roll);
         let measured_s = now_s - self.ownship.attitude_age_s(now_s).unwrap_or(0.0);
         let normal_rad = self.bank_limit_rad().unwrap_or(f64::INFINITY);
-        // What the link adds is known; the rest is estimated.
-        let measured_s = measured_s - self.link_dead_time_s;
-        let commanded_rad = self.commanded_lately.at(measured_s);
-        let is_steep = |bank_rad: f64| bank_rad.abs() > normal_rad + STEEPER_RAD;
-        let estimate = if is_steep(bank_rad) || commanded_rad.is_some_and(is_steep) {
-            &mut self.steep_response
-        } else {
-            &mut self.response
-        };
-        estimate.observe(
-            f64::from(data.time_boot_ms) * 1e-3,
-            bank_rad,
-            -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
-            airspeed_mps,
-            |before_s| self.commanded_lately.at(measured_s - before_s),
-        );
+        self.lead.learn(data, measured_s, airspeed_mps, normal_rad);
     }
 
-    /// Somebody else has just uploaded a list: reads it again.
-    fn list_uploaded(&mut self, kind: MavMissionType) {
-        if kind == self.mission.kind() {
-            self.read_mission_again();
-        }
-        if kind == self.fence_download.kind() {
-            self.read_fence_again();
-        }
-        if kind == MavMissionType::MAV_MISSION_TYPE_RALLY {
-            self.read_rally_again();
-        }
-    }
-
-    pub(super) fn mission_arrived(&mut self, now_s: f64) {
-        if let Some(system) = self.vehicle_system() {
-            self.outbox.send(self.mission.closing(system));
-        }
-        if self.mission_laid == self.mission.changes() {
-            return;
-        }
-        let again = self.mission_laid > 0;
-        self.mission_laid = self.mission.changes();
-        self.watch.read();
-        let count = self.mission.items().map_or(0, <[_]>::len);
-        self.note(now_s, "mission", json!({ "items": count }));
-        if again {
-            self.tell(Severity::Notice, "fga: the mission has changed", now_s);
-        }
-    }
-
-    pub(super) fn fence_arrived(&mut self, now_s: f64) {
-        if let Some(system) = self.vehicle_system() {
-            self.outbox.send(self.fence_download.closing(system));
-        }
-        self.lay_fence(now_s);
-    }
-
-    pub(super) fn lay_fence(&mut self, now_s: f64) {
-        let (Some(items), Some(frame)) = (self.fence_download.items(), self.ownship.frame()) else {
+    /// Lays the fence in the local frame, once both are known.
+    pub(super) fn lay_fence(&mut self) {
+        let (Some(fence), Some(frame)) = (self.lists.fence(), self.ownship.frame()) else {
             return;
         };
-        let changes = self.fence_download.changes();
-        if self.fence_laid == changes {
+        if !self.boundary.lay(fence, frame, &mut self.voice) {
             return;
         }
-        let again = self.fence_laid > 0;
-        self.fence_laid = changes;
-        let count = items.len();
-        self.fence = fence::Fence::new(items, frame);
-        self.note(
-            now_s,
-            "fence",
-            json!({ "items": count, "incomplete": self.fence.incomplete }),
-        );
-        if again {
-            self.tell(Severity::Notice, "fga: the fence has changed", now_s);
-        }
-        if self.fence.incomplete {
-            self.tell(
-                Severity::Warning,
-                "fga: part of the fence was not understood",
-                now_s,
-            );
-        }
-        let has_fence = self.fence.zones().next().is_some();
-        if has_fence {
-            self.parameters.ask_for_fence();
-        }
-        if has_fence && self.config.command.mode == CommandMode::Paper {
-            let words = "fga: Algorithm 4 knows no fence";
-            self.tell(Severity::Warning, words, now_s);
+        self.parameters.ask_for_fence();
+        if self.config.command.mode == CommandMode::Paper {
+            self.voice.warn("fga: Algorithm 4 knows no fence");
         }
     }
 
@@ -488,8 +330,7 @@ impl Companion {
             Outcome::Unanswered(command) => (command, None),
         };
         let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
-        self.note(
-            now_s,
+        self.voice.note(
             "refused",
             json!({ "command": format!("{:?}", command.command), "result": result }),
         );
@@ -502,7 +343,7 @@ impl Companion {
                 self.fault(Fault::NotFollowing, now_s);
             }
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
-                self.tell(Severity::Warning, "fga: mission item not set", now_s);
+                self.voice.warn("fga: mission item not set");
             }
             _ => {}
         }
@@ -535,7 +376,7 @@ impl Companion {
     }
 
     pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
-        if self.dry_run {
+        if self.session.is_dry_run() {
             return;
         }
         self.commands.send(Command::set_mode(to, from), true);

@@ -29,7 +29,7 @@ impl Companion {
         };
         match message {
             MavMessage::PING(data) if data.target_system == 0 && data.target_component == 0 => {
-                self.outbox.send(MavMessage::PING(PING_DATA {
+                self.voice.send(MavMessage::PING(PING_DATA {
                     time_usec: data.time_usec,
                     seq: data.seq,
                     target_system: system,
@@ -52,7 +52,7 @@ impl Companion {
             }
             MavMessage::COMMAND_LONG(data) if for_us(data.target_system, data.target_component) => {
                 let result = self.take_command(system, data, now_s);
-                self.outbox.send(MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
+                self.voice.send(MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
                     command: data.command,
                     result,
                     progress: 0,
@@ -85,7 +85,7 @@ impl Companion {
 
     fn send_switch(&mut self) {
         let value = if self.keeper.is_enabled() { 1.0 } else { 0.0 };
-        self.outbox.send(MavMessage::PARAM_VALUE(PARAM_VALUE_DATA {
+        self.voice.send(MavMessage::PARAM_VALUE(PARAM_VALUE_DATA {
             param_value: single(value),
             param_count: 1,
             param_index: 0,

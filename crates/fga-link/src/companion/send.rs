@@ -11,8 +11,6 @@ use crate::hand::{Hand, Reach, Target};
 use crate::ownship::State;
 use crate::telling;
 
-/// Interval between downloads of the fence, seconds.
-const FENCE_AGAIN_S: f64 = 10.0;
 /// Time between targets until the vehicle has confirmed the mode, seconds.
 const TAKING_PERIOD_S: f64 = 0.02;
 
@@ -21,7 +19,7 @@ impl Companion {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
             // From the beginning: a peer that waits on a UDP port answers only to a first message.
-            self.outbox.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+            self.voice.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                 custom_mode: 0,
                 mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
                 autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
@@ -35,33 +33,20 @@ impl Companion {
         };
         // Each target answers an attitude.
         let attitude_s = 1.0 / self.config.command.rate_hz;
-        self.rates.tick(attitude_s, now_s, system, &mut self.outbox);
-        self.parameters.tick(now_s, system, &mut self.outbox);
-        if self.mission.tick(now_s, system, &mut self.outbox) {
-            self.mission_arrived(now_s);
+        self.rates
+            .tick(attitude_s, now_s, system, self.voice.outbox());
+        self.parameters.tick(now_s, system, self.voice.outbox());
+        let engaged = self.keeper.is_engaged();
+        if self.lists.tick(engaged, &mut self.voice) {
+            self.lay_fence();
         }
-        if !self.mission.is_busy() && self.fence_download.tick(now_s, system, &mut self.outbox) {
-            self.fence_arrived(now_s);
+        let age_s = self.telemetry_age_s(now_s);
+        if let Some(request) = self.lead.request(age_s, system, now_s) {
+            self.voice.send(request);
         }
-        self.probe_lists(system, now_s);
-        self.look_at_rally(system, now_s);
-        self.ask_for_round_trip(system, now_s);
-        self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
             self.send_values(now_s);
-        }
-    }
-
-    /// Downloads the fence now and then: no message reports every change of it.
-    fn look_for_fence(&mut self, now_s: f64) {
-        if self.fence_download.is_busy() {
-            self.due.fence_s = now_s + FENCE_AGAIN_S;
-        } else if now_s >= self.due.fence_s
-            && self.fence_download.changes() > 0
-            && !self.keeper.is_engaged()
-        {
-            self.fence_download.begin();
         }
     }
 
@@ -69,15 +54,15 @@ impl Companion {
         let Some(system) = self.vehicle_system() else {
             return;
         };
-        let (hearing, keeper) = (&mut self.hearing, &mut self.keeper);
+        let (session, keeper) = (&mut self.session, &mut self.keeper);
         let asks = |change| {
-            let may = hearing.ask(change, now_s);
+            let may = session.ask(change, now_s);
             if may {
                 keeper.asked(change, now_s);
             }
             may
         };
-        let outcome = self.commands.tick(now_s, system, asks, &mut self.outbox);
+        let outcome = self.commands.tick(now_s, system, asks, self.voice.outbox());
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
         }
@@ -98,8 +83,8 @@ impl Companion {
             Authority::Returning { .. } => 4.0,
             Authority::Released { .. } => 5.0,
         };
-        self.outbox
-            .send(telling::value("FGA_STATE", state, self.boot_ms));
+        self.voice
+            .send(telling::value("FGA_STATE", state, self.session.boot_ms()));
     }
 
     fn send_values(&mut self, now_s: f64) {
@@ -108,17 +93,18 @@ impl Companion {
         let own = decided.own.ownship.position_m;
         let margin = |obstacle: &Obstacle| obstacle.volume.margin_m(own - obstacle.position_m);
         let least_m = self
-            .obstacles
+            .around
+            .obstacles()
             .iter()
             .map(margin)
             .fold(f64::INFINITY, f64::min);
-        let boot_ms = self.boot_ms;
+        let boot_ms = self.session.boot_ms();
         if least_m.is_finite() {
-            self.outbox
+            self.voice
                 .send(telling::value("FGA_MARGIN", least_m, boot_ms));
         }
         if let Some(threat) = decided.decision.record.threat {
-            self.outbox
+            self.voice
                 .send(telling::value("FGA_ENTRY", threat.entry_s, boot_ms));
         }
         let response = self.response();
@@ -127,7 +113,7 @@ impl Companion {
             ("FGA_LAG", response.bank_time_constant_s),
             ("FGA_DEAD", response.dead_time_s),
         ] {
-            self.outbox.send(telling::value(name, value, boot_ms));
+            self.voice.send(telling::value(name, value, boot_ms));
         }
     }
 
@@ -140,18 +126,17 @@ impl Companion {
             return;
         };
         self.due.collision_s = now_s + 0.5;
-        let icao = self.tracks.get(threat.id).map_or(0, |track| track.icao);
-        let id = if icao == 0 { threat.id } else { icao };
+        let id = self.around.number(threat.id);
         let engaged = self.keeper.is_engaged();
         let message = telling::collision(
             &decided.decision,
-            &self.obstacles,
+            self.around.obstacles(),
             &decided.own,
             engaged,
             id,
         );
         if let Some(message) = message {
-            self.outbox.send(message);
+            self.voice.send(message);
         }
     }
 
@@ -168,10 +153,8 @@ impl Companion {
         let Some(state) = self.state_ahead(now_s) else {
             return;
         };
-        if let Some(bank_rad) = self.fly(&state, now_s) {
-            self.commanded_rad = bank_rad;
-        }
-        self.commanded_lately.push(now_s, self.commanded_rad);
+        let bank_rad = self.fly(&state, now_s);
+        self.lead.command(bank_rad, now_s);
         self.send_commands(now_s);
         self.watch_following(now_s);
     }
@@ -187,7 +170,7 @@ impl Companion {
             .filter(|_| decided.decision.record.in_need);
         let (vehicle, bank_limit_rad) = in_need.unwrap_or((decider.vehicle(), normal_rad));
         let vehicle = *vehicle;
-        let elapsed_s = (now_s + self.ahead_s - decided.for_s).max(0.0);
+        let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
         let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
         self.with_hand(now_s, |hand, reach| {
             let target = Target {
@@ -218,14 +201,14 @@ impl Companion {
         now_s: f64,
         act: impl FnOnce(&mut dyn Hand, &mut Reach<'_>) -> T,
     ) -> Option<T> {
-        let system = self.vehicle_system().filter(|_| !self.dry_run)?;
+        let system = self.session.commanded_system()?;
         let mut reach = Reach {
-            outbox: &mut self.outbox,
+            outbox: self.voice.outbox(),
             commands: &mut self.commands,
             parameters: &self.parameters,
             frame: self.ownship.frame(),
             system,
-            boot_ms: self.boot_ms,
+            boot_ms: self.session.boot_ms(),
             airspeed_mps: self.ownship.airspeed_mps().unwrap_or(0.0),
             now_s,
         };
@@ -245,20 +228,11 @@ impl Companion {
 
     fn watch_following(&mut self, now_s: f64) {
         let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
-        if self.recorded || !commands || self.is_blind(now_s) {
-            self.following_since_s = None;
-            return;
-        }
+        let is_watched = commands && !self.recorded && !self.is_blind(now_s);
+        let bank_rad = self.ownship.bank_rad().filter(|_| is_watched);
         let tolerance_rad = self.config.safety.follow_tolerance_deg.to_radians();
-        let Some(bank_rad) = self.ownship.bank_rad() else {
-            return;
-        };
-        if (self.commanded_rad - bank_rad).abs() <= tolerance_rad {
-            self.following_since_s = None;
-            return;
-        }
-        let since_s = *self.following_since_s.get_or_insert(now_s);
-        if now_s - since_s > self.config.safety.follow_time_s {
+        let apart_s = self.lead.apart_s(bank_rad, tolerance_rad, now_s);
+        if apart_s > self.config.safety.follow_time_s {
             self.fault(Fault::NotFollowing, now_s);
         }
     }

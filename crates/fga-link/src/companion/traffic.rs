@@ -10,7 +10,6 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use super::Companion;
-use crate::authority::Severity;
 use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
 use crate::traffic::report::{Key, Quality, adsb_address, adsb_place};
@@ -55,7 +54,7 @@ impl Companion {
             }
             MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
-                let (remote_id, _) = self.tracks.remote_id();
+                let (remote_id, _) = self.around.tracks_mut().remote_id();
                 remote_id.take_basic_id(data, sender(Source::RemoteId), now_s);
                 None
             }
@@ -70,12 +69,12 @@ impl Companion {
                 None
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
-                let (remote_id, levels) = self.tracks.remote_id();
+                let (remote_id, levels) = self.around.tracks_mut().remote_id();
                 let taken = remote_id.take_location(data, sender(Source::RemoteId), levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
-                let (remote_id, levels) = self.tracks.remote_id();
+                let (remote_id, levels) = self.around.tracks_mut().remote_id();
                 let taken = remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s);
                 self.with_position(taken, now_s)
             }
@@ -164,6 +163,7 @@ impl Companion {
 
     /// Takes a report of traffic, from a receiver or a message.
     pub fn take_report(&mut self, report: &Report, now_s: f64) {
+        self.voice.at(now_s);
         let Some(frame) = self.ownship.frame() else {
             return;
         };
@@ -177,15 +177,18 @@ impl Companion {
             report.quality.altitude = AltitudeReference::Unknown;
         }
         let report = &report;
-        self.tracks.take(report, frame, now_s);
+        self.around.tracks_mut().take(report, frame, now_s);
         let key = report.key();
         let defects = [
-            (Defect::Old, self.tracks.is_old(report, now_s)),
+            (Defect::Old, self.around.tracks_mut().is_old(report, now_s)),
             (
                 Defect::NoAltitude,
                 report.quality.altitude == AltitudeReference::Unknown,
             ),
-            (Defect::FalseVelocity, self.tracks.contradicts_itself(key)),
+            (
+                Defect::FalseVelocity,
+                self.around.tracks_mut().contradicts_itself(key),
+            ),
         ];
         let first = defects.into_iter().find(|(_, has)| *has);
         if let Some((defect, _)) = first {
@@ -208,7 +211,7 @@ impl Companion {
             return;
         }
         if let Some(words) = self.defects.count(defect, key, is_near) {
-            self.tell(Severity::Warning, &words, now_s);
+            self.voice.warn(&words);
         }
     }
 
@@ -243,10 +246,7 @@ impl Companion {
         {
             return None;
         }
-        let response = self.response.response();
-        let state = self
-            .ownship
-            .state_at(now_s, &self.commanded_lately, &response)?;
+        let state = self.lead.state_now(&mut self.ownship, now_s)?;
         let heading_rad = self.ownship.heading_rad()?;
         let (bank_rad, pitch_rad) = match data.frame {
             // The body's axes: forward, right, down.
@@ -289,7 +289,7 @@ impl Companion {
         let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
         // Zero: the extension field is missing.
         if fixed && data.alt_ellipsoid != 0 {
-            self.tracks.levels_mut().take_geoid(
+            self.around.tracks_mut().levels_mut().take_geoid(
                 f64::from(data.alt_ellipsoid) * 1e-3,
                 f64::from(data.alt) * 1e-3,
             );

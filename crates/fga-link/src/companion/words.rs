@@ -1,32 +1,19 @@
-//! What the companion says: texts to the operator, lines of its log, a line for a terminal.
+//! The moment in words and as a picture: the threat, a line for a terminal, what a viewer draws.
 
-use serde_json::{Value, json};
+use fga::avoider::Decision;
+use fga::situation::ObstacleKind;
 
-use super::{Companion, around};
-use crate::authority::Severity;
-use crate::telling;
-
-/// Most log lines in the queue.
-const MOST_LOG_LINES: usize = 4096;
+use super::Companion;
+use super::picture::Picture;
 
 impl Companion {
-    pub(super) fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
-        self.counts.texts += 1;
-        self.outbox.send(telling::text(severity, words));
-        self.note(
-            now_s,
-            "text",
-            json!({ "severity": format!("{severity:?}"), "text": words }),
-        );
-    }
-
-    pub(super) fn tell_threat(&mut self, now_s: f64) {
+    pub(super) fn tell_threat(&mut self) {
         let threat = self
             .decided
             .and_then(|decided| decided.decision.record.threat);
         let words = match threat {
             Some(threat) => {
-                let name = self.obstacle_name(threat.id);
+                let name = self.around.name(threat.id);
                 format!(
                     "fga: avoiding {name}, {:.0} s away",
                     threat.entry_s.max(0.0)
@@ -34,45 +21,19 @@ impl Companion {
             }
             None => "fga: avoiding".to_owned(),
         };
-        self.tell(Severity::Warning, &words, now_s);
+        self.voice.warn(&words);
     }
 
-    pub(super) fn obstacle_name(&self, id: u32) -> String {
-        use crate::traffic::fence::{CEILING_ID, FLOOR_ID};
-        if let Some(track) = self.tracks.get(id) {
-            return track.name();
-        }
-        let index = usize::try_from(id).unwrap_or(usize::MAX);
-        let own = index
-            .checked_sub(around::FIRST_VIRTUAL_ID)
-            .and_then(|index| self.config.obstacle.get(index));
-        match (id, own) {
-            (FLOOR_ID, _) => "floor".to_owned(),
-            (CEILING_ID, _) => "ceiling".to_owned(),
-            (_, Some(obstacle)) if !obstacle.name.is_empty() => obstacle.name.clone(),
-            (_, Some(_)) => "virtual obstacle".to_owned(),
-            _ => "fence".to_owned(),
-        }
-    }
-
-    pub(super) fn note(&mut self, now_s: f64, kind: &str, content: Value) {
-        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
-        if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
-            line.extend(content);
-        }
-        self.push_log(line);
-    }
-
-    pub(super) fn push_log(&mut self, line: Value) {
-        if self.log.len() < MOST_LOG_LINES {
-            self.log.push(line);
-        }
+    /// Name of the obstacle that a decision is about.
+    pub(super) fn threat_name(&self, decision: &Decision) -> String {
+        let threat = decision.record.threat;
+        threat.map_or("?".to_owned(), |threat| self.around.name(threat.id))
     }
 
     /// One line for a terminal.
     pub fn status_line(&self, now_s: f64) -> String {
-        let Some(heard) = self.heard else {
-            return match self.neighbors.instead() {
+        let Some((system, mode)) = self.session.system().zip(self.session.mode()) else {
+            return match self.session.instead() {
                 Some(heard) => format!("waiting for a vehicle: {heard}"),
                 // On a link where nothing is believed, the terminal is all that the operator has.
                 None if !self.trouble.is_empty() => {
@@ -96,7 +57,7 @@ impl Companion {
                 .map_or(String::new(), |threat| {
                     format!(
                         " | {} in {:.0} s",
-                        self.obstacle_name(threat.id),
+                        self.around.name(threat.id),
                         threat.entry_s.max(0.0)
                     )
                 });
@@ -106,12 +67,50 @@ impl Companion {
         };
         format!(
             "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{threat}",
-            heard.system_id,
-            heard.mode,
-            if heard.armed { "armed" } else { "disarmed" },
+            system,
+            mode,
+            if self.session.is_armed() {
+                "armed"
+            } else {
+                "disarmed"
+            },
             self.keeper.state().name(),
-            if self.dry_run { " (dry run)" } else { "" },
-            self.tracks.tracks().len(),
+            if self.session.is_dry_run() {
+                " (dry run)"
+            } else {
+                ""
+            },
+            self.around.tracks().tracks().len(),
         )
+    }
+
+    /// Time of the last decision's state, seconds.
+    pub fn decided_for_s(&self) -> Option<f64> {
+        self.decided.map(|decided| decided.for_s)
+    }
+
+    /// The picture of the last decision; `None` before the first.
+    pub fn picture(&self) -> Option<Picture> {
+        let decided = self.decided?;
+        let threat = decided.decision.record.threat;
+        let beings = self
+            .around
+            .obstacles()
+            .iter()
+            .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
+        Some(Picture {
+            time_s: decided.for_s,
+            own: decided.own,
+            decision: decided.decision,
+            threat_name: threat.map(|threat| self.around.name(threat.id)),
+            authority: self.keeper.state(),
+            vehicle: *self.vehicle()?,
+            obstacles: beings
+                .map(|obstacle| (*obstacle, self.around.name(obstacle.id)))
+                .collect(),
+            waypoints_m: self.route.waypoints_m().to_vec(),
+            horizon_s: self.config.protection.horizon_s,
+            margin_m: self.config.protection.margin_m,
+        })
     }
 }

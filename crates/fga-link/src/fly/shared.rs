@@ -8,8 +8,8 @@ use std::time::Instant;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 
-use crate::authority::{Hearing, Owed};
-use crate::companion::{beat_of_plane, round_trip_of};
+use crate::authority::{Beat, Hearing, Owed};
+use crate::companion::round_trip_of;
 use crate::mode::ModeChange;
 use crate::outgoing::AUTOPILOT;
 
@@ -84,7 +84,7 @@ impl Shared {
         };
         let mut vehicle = locked(&self.vehicle);
         if let MavMessage::HEARTBEAT(data) = message
-            && let Some(beat) = beat_of_plane(header, data)
+            && let Some(beat) = Beat::of_plane(header, data)
         {
             if vehicle.system_id == 0 {
                 vehicle.system_id = system_id;

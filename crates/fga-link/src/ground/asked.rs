@@ -5,6 +5,7 @@
 use alloc::sync::Arc;
 use std::path::PathBuf;
 
+use fga_formats::geodesy::Geodetic;
 use fga_formats::terrain::{Datum, RequestedBlock, Stated, Taken, Terrain, TerrainFile};
 use mavlink::dialects::ardupilotmega::{TERRAIN_DATA_DATA, TERRAIN_REQUEST_DATA};
 
@@ -163,10 +164,15 @@ impl AskedBlocks {
         self.laid.1
     }
 
-    /// Whether all that is wanted has come, or nobody answers.
-    pub(crate) fn is_settled(&self) -> bool {
+    /// Whether the ground of a place that is still unknown was asked for and will not come: all that is wanted has, or nobody answers.
+    pub(crate) fn is_settled(&self, place: &Geodetic) -> bool {
+        let block = RequestedBlock::around([place.latitude_deg, place.longitude_deg], SPACING_M);
+        let corner_e7 = block.map(|block| block.corner_e7());
         let mut wanted = self.blocks.iter().take(self.wanted);
-        self.is_unanswered() || self.wanted > 0 && wanted.all(|block| block.mask() == 0)
+        let is_wanted = wanted
+            .clone()
+            .any(|block| Some(block.corner_e7()) == corner_e7);
+        is_wanted && (self.is_unanswered() || wanted.all(|block| block.mask() == 0))
     }
 
     /// Whether requests have stayed without an answer for long.
@@ -195,5 +201,35 @@ impl AskedBlocks {
             return None;
         }
         Terrain::new(vec![file]).ok().map(Arc::new)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A piece of ground at a height of 100 m answers each missing one of a request.
+    fn answer(asked: &mut AskedBlocks, request: &TERRAIN_REQUEST_DATA) {
+        for gridbit in (0..56).filter(|bit| request.mask >> bit & 1 == 1) {
+            let told = asked.take(&TERRAIN_DATA_DATA {
+                lat: request.lat,
+                lon: request.lon,
+                grid_spacing: request.grid_spacing,
+                gridbit,
+                data: [100; 16],
+            });
+            assert_eq!(told, None);
+        }
+    }
+
+    #[test]
+    fn ground_that_was_not_asked_for_is_not_settled() {
+        let here = Geodetic::new(37.62, -122.37, 0.0).expect("a place");
+        let far = Geodetic::new(37.80, -122.37, 0.0).expect("a place");
+        let mut asked = AskedBlocks::default();
+        let request = asked.request(0.0, || vec![[here.latitude_deg, here.longitude_deg]]);
+        assert!(!asked.is_settled(&here) && !asked.is_settled(&far));
+        answer(&mut asked, &request.expect("a request"));
+        assert!(asked.is_settled(&here) && !asked.is_settled(&far));
     }
 }

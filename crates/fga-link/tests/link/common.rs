@@ -182,6 +182,8 @@ pub struct World {
     pub uplink_queue_s: f64,
     /// The pitot tube is blocked: the vehicle reports no airspeed.
     pub blocked_pitot: bool,
+    /// The vehicle reports this rate of descent beside its own, metres per second, and keeps its altitude: it swings in turns.
+    pub reported_sink_mps: f64,
     /// The vehicle's signing, and the companion's.
     pub signing: Option<(Signing, Signing)>,
     /// Frames that the companion refused, and those that the vehicle refused.
@@ -351,6 +353,7 @@ impl World {
             fence_answers: 0,
             uplink_queue_s: 0.0,
             blocked_pitot: false,
+            reported_sink_mps: 0.0,
             signing: None,
             refused: [0; 2],
             fates: [1, 2, 3, 4].map(|sender| Random::new(seed.wrapping_mul(4) + sender)),
@@ -427,6 +430,9 @@ impl World {
                 && self.blocked_pitot
             {
                 data.airspeed = 0.0;
+            }
+            if let MavMessage::GLOBAL_POSITION_INT(data) = &mut message {
+                data.vz += (100.0 * self.reported_sink_mps) as i16;
             }
             let signed = self.signing.as_ref().map(|(vehicle, companion)| {
                 let signer = if to_vehicle { companion } else { vehicle };

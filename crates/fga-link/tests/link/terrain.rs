@@ -176,6 +176,28 @@ fn a_ridge_that_a_manoeuvre_without_ground_hits_is_passed_on_the_other_side() {
     );
 }
 
+/// In a turn ArduPlane climbs and sinks by some degrees. An earlier version took that to last for as long as it looked ahead: over
+/// ground 10 m below what it takes, nothing was certified any more, and the manoeuvre changed with each swing.
+#[test]
+fn a_vehicle_that_keeps_its_altitude_is_not_expected_to_sink_into_the_ground() {
+    let terrain = tile(|_, _| Some(50));
+    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut log = Vec::new();
+    while world.time_s < 130.0 {
+        world.reported_sink_mps = if (world.time_s % 4.0) < 2.0 {
+            1.5
+        } else {
+            -1.5
+        };
+        world.step();
+        log.extend(world.companion.take_log());
+    }
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert!(!is_told(&world, "ground"), "{:?}", world.emulator.texts());
+    let has = |words: &str| log.iter().filter(|line| line["reason"] == words).count();
+    assert!(has("maneuver-chosen") == 1 && has("best-available") == 0);
+}
+
 #[test]
 fn without_a_choice_of_its_own_the_ground_changes_no_manoeuvre() {
     let (terrain, settings) = (flat(), Settings::default());
@@ -297,8 +319,12 @@ struct Station<'a> {
 
 /// A flight past a head-on intruder with ground that a ground station sends.
 fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
+    asked_with(Settings::default(), says, until_s)
+}
+
+fn asked_with(settings: Settings, says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
     let config = "[terrain]\nsource = \"ground-station\"\nclearance_m = 30.0\n";
-    let mut world = World::new(config, GOOD, 8);
+    let mut world = World::with(settings, config, GOOD, 8);
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
     intruder.shown_m = 1200.0;
     world.add(intruder);
@@ -393,6 +419,23 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
     assert_eq!(
         (pieces(&flown, "wrong"), pieces(&flown, "contradicting")),
         (0, 0)
+    );
+}
+
+/// A ground station needs minutes for the way of a flight.
+#[test]
+fn before_the_vehicle_moves_the_ground_is_asked_for_and_the_operator_reads_what_is_missing() {
+    let stands = Settings {
+        armed: false,
+        ..Settings::default()
+    };
+    let (world, flown, _) = asked_with(stands, &[&|_, _, _| Some(4)], 60.0);
+    assert!(pieces(&flown, "taken") > 200, "{}", pieces(&flown, "taken"));
+    assert!(is_told(&world, "fga: not ready: vehicle is disarmed"));
+    assert!(
+        !is_told(&world, "telemetry"),
+        "{:?}",
+        world.emulator.texts()
     );
 }
 

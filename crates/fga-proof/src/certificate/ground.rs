@@ -24,7 +24,7 @@ const MOST_LOOKS: u32 = 10_000;
 impl Ground<'_> {
     /// How high a line over the ground and all within a distance of it is above what it takes to clear the ground, metres, where that is
     /// least, and the moment, seconds after its start: 0 if it clears it; otherwise what is known of it, or anything below a stop.
-    pub fn lowest(
+    pub(super) fn lowest(
         &self,
         line: &Line,
         (beside_m, stop_m): (f64, f64),
@@ -66,8 +66,14 @@ impl Ground<'_> {
         (f64::NEG_INFINITY, from_s)
     }
 
-    /// The least margin of a line over the ground, metres, and its moment, seconds, if it is below one; negative, by how deep a place of it
-    /// is, if it comes lower than it takes to clear the ground. Minus infinity if the meter refuses work.
+    /// How deep a line is lower than it takes to clear the ground, metres, negative, where that is most, and the moment, seconds after its
+    /// start; 0 if it clears it.
+    pub fn deepest(&self, line: &Line, binding: Binding, meter: &Meter) -> (f64, f64) {
+        self.lowest(line, (0.0, f64::NEG_INFINITY), binding, meter)
+    }
+
+    /// The least margin of a line over the ground, metres, and its moment, seconds, if it is below one; negative, by how deep it is, if it comes
+    /// lower than it takes to clear the ground. Minus infinity if the meter refuses work.
     pub fn least_on_line(
         &self,
         line: &Line,
@@ -81,7 +87,7 @@ impl Ground<'_> {
         if found.0 >= 0.0 {
             return None;
         }
-        let entered = above(0.0);
+        let entered = self.deepest(line, binding, meter);
         if entered.0 < 0.0 {
             (margin_m, found) = (entered.0, entered);
         }

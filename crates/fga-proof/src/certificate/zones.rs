@@ -72,7 +72,7 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or entered.
+    /// Least margin on a line and its time, where it is lower than another one; of the ground no more than that it is below a floor, or how deep it is entered.
     pub fn lower(
         &self,
         line: &Line,
@@ -91,9 +91,10 @@ impl Fixed<'_> {
             let asked = ((floor_m - spare_m).max(0.0), 0.0);
             let (above_m, after_s) = ground.lowest(&over, asked, zones.binding, meter);
             if above_m < 0.0 {
-                let at_m = over.from_m + over.velocity_mps * after_s;
-                let is_entered = ground.above_m((at_m, at_m), 0.0, zones.binding) < 0.0;
-                let below_m = if is_entered { 0.0 } else { floor_m.max(0.0) } - ROUNDED_M;
+                let (below_m, after_s) = match ground.deepest(&over, zones.binding, meter) {
+                    entered if entered.0 < 0.0 => entered,
+                    _ => (floor_m.max(0.0) - ROUNDED_M, after_s),
+                };
                 least = (least.0.min(below_m), line.at_s + after_s);
             }
         }

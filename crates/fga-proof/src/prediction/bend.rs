@@ -6,7 +6,7 @@
 
 use crate::Vec3;
 use crate::prediction::motion::arc::unit;
-use crate::prediction::motion::{Bend, End, Ends, Flyer, MotionState, NODES, Target};
+use crate::prediction::motion::{Bend, End, Ends, FIRST, Flyer, MotionState, NODES, Target};
 
 /// Most turn between two pieces of a roll-in, radians.
 const NODE_RAD: f64 = 0.35;
@@ -65,25 +65,12 @@ impl<const MOST: usize> Ends<MOST> {
         self.kept.get(..self.len).unwrap_or(&[])
     }
 
-    /// Of a roll-in from a bank, piece by piece, until it is over or `is_known`.
-    pub(super) fn roll(
-        &mut self,
-        flyer: &Flyer,
-        bank_rad: f64,
-        mut is_known: impl FnMut(&MotionState) -> bool,
-    ) {
-        let mut state = MotionState::ahead(bank_rad);
-        self.len = 0;
-        for slot in &mut self.kept {
-            *slot = End::now(flyer, &state);
+    /// Adds the end of a turn that begins to roll out at a state.
+    fn push(&mut self, end: End, state: &MotionState) {
+        if let Some(slot) = self.kept.get_mut(self.len) {
+            *slot = end;
             self.len += 1;
-            self.rolled_in = state;
-            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
-            if piece.bank_command_rad == state.bank_rad || is_known(&state) {
-                break;
-            }
-            let for_s = piece.duration_s.min(NODE_RAD / flyer.course_rate_radps());
-            state = flyer.advance(&state, &piece, for_s);
+            self.rolled_in = *state;
         }
     }
 
@@ -106,43 +93,88 @@ impl<const MOST: usize> Ends<MOST> {
     }
 }
 
+impl Flyer {
+    /// Keeps the roll-in from the largest bank to that of the other side.
+    pub(super) fn keep_roll_in(&mut self) {
+        let mut state = MotionState::ahead(-self.full_bank_rad());
+        self.roll_in.len = 0;
+        for _ in 0..NODES {
+            let end = End::now(self, &state);
+            self.roll_in.push(end, &state);
+            let Some(next) = self.rolls_in(&state) else {
+                break;
+            };
+            state = next;
+        }
+    }
+
+    /// The aircraft after the next piece of a roll-in to the left; `None` once that is over.
+    fn rolls_in(&self, state: &MotionState) -> Option<MotionState> {
+        let piece = self.next_piece(state, &Target::TURNING_LEFT);
+        let for_s = piece.duration_s.min(NODE_RAD / self.course_rate_radps());
+        let is_over = piece.bank_command_rad == state.bank_rad;
+        (!is_over).then(|| self.advance(state, &piece, for_s))
+    }
+}
+
 impl Bend {
-    /// Turns from a bank towards their side.
-    pub fn new(flyer: &Flyer, bank_rad: f64) -> Self {
-        let mut bend = Self {
-            bank_rad,
-            first: Ends::none(),
-            next: NODES,
-            joins: [(MotionState::ahead(0.0), (1.0, 0.0)); 2],
-            last: End::default(),
-            rolled_in: (1.0, 0.0),
-            least_full: (1.0, 0.0),
-            roll_out_m: (0.0, 0.0),
-        };
-        bend.first.len = 1;
+    /// No turns: zeros, which are written without a copy.
+    pub const NONE: Self = Self {
+        bank_rad: 0.0,
+        first: Ends::NONE,
+        next: 0,
+        joins: {
+            let here = (MotionState::ahead(0.0), (0.0, 0.0));
+            [here, here]
+        },
+        last: End::NONE,
+        rolled_in: (0.0, 0.0),
+        least_full: (0.0, 0.0),
+        roll_out_m: (0.0, 0.0),
+    };
+
+    /// Becomes the turns from a bank towards their side.
+    #[inline(never)]
+    pub fn set(&mut self, flyer: &Flyer, bank_rad: f64) {
+        (self.bank_rad, self.first.len, self.next) = (bank_rad, 0, NODES);
+        (self.rolled_in, self.least_full, self.roll_out_m) = ((1.0, 0.0), (1.0, 0.0), (0.0, 0.0));
+        self.joins = [(MotionState::ahead(0.0), (1.0, 0.0)); 2];
+        let mut state = MotionState::ahead(bank_rad);
         if flyer.is_ideal() {
-            return bend;
+            self.last = End::NONE;
+            return self.first.push(End::NONE, &state);
         }
-        let (roll_in, mut joined) = (flyer.roll_in(), None);
-        bend.first.roll(flyer, bank_rad, |state| {
+        let (roll_in, mut joined) = (&flyer.roll_in, None);
+        for _ in 0..FIRST {
+            self.first.push(End::now(flyer, &state), &state);
+            let Some(next) = flyer.rolls_in(&state) else {
+                break;
+            };
             joined = roll_in.at(flyer, state.bank_rad);
-            joined.is_some()
-        });
-        let mut end = bend.first.rolled_in;
-        if let Some((next, there)) = joined {
-            bend.next = next;
-            bend.joins = [there, end].map(|state| (state, unit(state.course_rad)));
-            end = roll_in.rolled_in;
+            if joined.is_some() {
+                break;
+            }
+            state = next;
         }
-        let last = roll_in.all().last().filter(|_| joined.is_some());
-        let last = last.map(|last| bend.placed(last));
-        bend.last = last
-            .or(bend.first.all().last().copied())
-            .unwrap_or_default();
-        bend.rolled_in = bend.turned(unit(end.course_rad));
-        bend.least_full = bend.turned(unit(end.course_rad + flyer.rollout_rad(end.bank_rad)));
-        bend.roll_out_m = flyer.roll_out_m(end.bank_rad);
-        bend
+        let mut end = self.first.rolled_in;
+        let last = match joined {
+            Some((next, there)) => {
+                self.next = next;
+                self.joins = [there, end].map(|state| (state, unit(state.course_rad)));
+                end = roll_in.rolled_in;
+                roll_in.all().last().map(|last| self.placed(last))
+            }
+            None => self.first.all().last().copied(),
+        };
+        self.last = last.unwrap_or(End::NONE);
+        self.rolled_in = self.turned(unit(end.course_rad));
+        self.least_full = self.turned(unit(end.course_rad + flyer.rollout_rad(end.bank_rad)));
+        self.roll_out_m = flyer.roll_out_m(end.bank_rad);
+    }
+
+    /// Has no turns any more.
+    pub const fn clear(&mut self) {
+        self.first.len = 0;
     }
 
     /// A vector of the flyer's roll-in, as it is here.
@@ -172,7 +204,7 @@ impl Bend {
         if let Some(end) = self.first.all().get(place) {
             return Some(*end);
         }
-        let rest = flyer.roll_in().all().get(self.next..)?;
+        let rest = flyer.roll_in.all().get(self.next..)?;
         rest.get(place - self.first.len).map(|end| self.placed(end))
     }
 
@@ -183,7 +215,7 @@ impl Bend {
         (of, value): (fn(&End) -> f64, f64),
         placed: impl Fn(f64) -> f64,
     ) -> Option<usize> {
-        let (first, rest) = (self.first.all(), flyer.roll_in().all().get(self.next..));
+        let (first, rest) = (self.first.all(), flyer.roll_in.all().get(self.next..));
         let place = first.iter().position(|end| of(end) > value);
         place.or_else(|| {
             let place = rest?.iter().position(|end| placed(of(end)) > value)?;
@@ -203,7 +235,7 @@ impl Bend {
 
     /// Whether it holds for a bank.
     pub fn is_from(&self, bank_rad: f64) -> bool {
-        self.bank_rad == bank_rad
+        self.bank_rad == bank_rad && self.first.len > 0
     }
 
     /// The least turn: rolling out at once, radians.
@@ -318,6 +350,12 @@ mod tests {
     use crate::prediction::FlightPath;
     use crate::vehicle::Vehicle;
 
+    fn bend(flyer: &Flyer, bank_rad: f64) -> Bend {
+        let mut bend = Bend::NONE;
+        bend.set(flyer, bank_rad);
+        bend
+    }
+
     #[test]
     fn a_roll_in_with_more_ends_than_there_is_room_for_is_nearly_over() {
         for (turn_radius_m, airspeed_mps, lag_s) in
@@ -329,7 +367,7 @@ mod tests {
                 ..Vehicle::lagged(lag_s)
             };
             let flyer = Flyer::new(&vehicle);
-            let bend = Bend::new(&flyer, 0.0);
+            let bend = bend(&flyer, 0.0);
             let last = bend.last;
             let exit = bend.exit(&flyer, last.turn_rad + 1.0).unwrap();
             assert!(flyer.full_bank_rad() - last.bank_rad < 1e-5, "{last:?}");
@@ -341,7 +379,7 @@ mod tests {
     fn a_turn_shorter_than_the_least_one_ends_where_that_does() {
         for bank in [0.0, 0.3, 0.99, 1.0] {
             let flyer = Flyer::new(&Vehicle::lagged(0.6));
-            let bend = Bend::new(&flyer, bank * flyer.full_bank_rad());
+            let bend = bend(&flyer, bank * flyer.full_bank_rad());
             let (least, less) = (bend.least_rad(), bend.least_rad() - 0.1);
             let at = |turn_rad: f64| bend.exit(&flyer, turn_rad).unwrap().from_m;
             assert_eq!(at(less), at(least), "{bank}");
@@ -370,7 +408,7 @@ mod tests {
             };
             for share in [0.0, 0.4, -0.6, 1.0, 1.4, -1.4] {
                 let bank_rad = share * full_rad;
-                let bend = Bend::new(&flyer, bank_rad);
+                let bend = bend(&flyer, bank_rad);
                 for k in 0..40 {
                     let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
                     let exit = bend.exit(&flyer, turn_rad).unwrap();

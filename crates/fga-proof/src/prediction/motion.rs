@@ -32,7 +32,10 @@ const ROLL_OUTS: usize = 65;
 pub(super) const NODES: usize = 48;
 
 /// Most of them from beyond the largest banks.
-const FIRST: usize = 8;
+pub(super) const FIRST: usize = 8;
+
+/// Rolls whose first pieces are kept.
+const BEGUN: usize = 5;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -155,7 +158,7 @@ impl Piece {
 }
 
 /// A turn whose roll-out begins at a moment.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct End {
     /// The turn once rolled out, radians.
     pub(super) turn_rad: f64,
@@ -169,6 +172,16 @@ pub(super) struct End {
     pub(super) bank_rad: f64,
 }
 
+impl End {
+    pub(super) const NONE: Self = Self {
+        turn_rad: 0.0,
+        time_s: 0.0,
+        at_m: (0.0, 0.0),
+        from_m: (0.0, 0.0),
+        bank_rad: 0.0,
+    };
+}
+
 /// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ends<const MOST: usize> {
@@ -177,17 +190,12 @@ pub(super) struct Ends<const MOST: usize> {
     pub(super) rolled_in: MotionState,
 }
 
-/// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
-pub(super) type RollIn = Ends<NODES>;
-
 impl<const MOST: usize> Ends<MOST> {
-    pub(super) fn none() -> Self {
-        Self {
-            kept: [End::default(); MOST],
-            len: 0,
-            rolled_in: MotionState::ahead(0.0),
-        }
-    }
+    pub(super) const NONE: Self = Self {
+        kept: [End::NONE; MOST],
+        len: 0,
+        rolled_in: MotionState::ahead(0.0),
+    };
 }
 
 /// Turns to one side from a bank, in level flight.
@@ -235,54 +243,52 @@ pub struct Flyer {
     rolling_over: Rolls,
     rolling_out: Rolls,
     /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
-    begun: [Roll; 5],
+    begun: [Roll; BEGUN],
     roll_outs_m: RollOuts,
-    roll_in: RollIn,
+    /// The roll-in from the largest bank to that of the other side, in which those from banks between are contained.
+    pub(super) roll_in: Ends<NODES>,
     /// Turns from level flight, and from the bank of now to the left and to the right.
-    bends: [Option<Bend>; 3],
+    bends: [Bend; 3],
 }
 
 impl Flyer {
     /// The motion of a vehicle at its airspeed.
     pub fn new(vehicle: &Vehicle) -> Self {
-        let mut flyer = Self::blank(vehicle);
+        let mut flyer = Self::NONE;
         flyer.set(vehicle);
         flyer
     }
 
-    /// Of no use before [`Self::set`]: what is large of it is zeros, which are written without a copy.
-    pub fn blank(vehicle: &Vehicle) -> Self {
-        let response = vehicle.response;
-        Self {
-            airspeed_mps: vehicle.airspeed_mps,
-            course_rate_radps: vehicle.course_rate_radps(),
-            climb_rate_radps: vehicle.climb_rate_radps,
-            climb_min_rad: vehicle.climb_min_rad,
-            climb_max_rad: vehicle.climb_max_rad,
-            bank_time_constant_s: response.bank_time_constant_s,
-            turn_rate_factor: response.turn_rate_factor,
-            gain_radps: response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps,
-            full_bank_rad: 0.0,
-            full_roll_out_rad: 0.0,
-            pace: 1.0,
-            rolling_over: Rolls::default(),
-            rolling_out: Rolls::default(),
-            begun: [Roll::default(); 5],
-            roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
-            roll_in: RollIn::none(),
-            bends: [None; 3],
-        }
-    }
+    /// Of no use before [`Self::set`]: zeros, which are written without a copy.
+    pub const NONE: Self = Self {
+        airspeed_mps: 0.0,
+        course_rate_radps: 0.0,
+        climb_rate_radps: 0.0,
+        climb_min_rad: 0.0,
+        climb_max_rad: 0.0,
+        bank_time_constant_s: 0.0,
+        turn_rate_factor: 0.0,
+        gain_radps: 0.0,
+        full_bank_rad: 0.0,
+        full_roll_out_rad: 0.0,
+        pace: 0.0,
+        rolling_over: Rolls::NONE,
+        rolling_out: Rolls::NONE,
+        begun: [Roll::NONE; BEGUN],
+        roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
+        roll_in: Ends::NONE,
+        bends: [Bend::NONE, Bend::NONE, Bend::NONE],
+    };
 
     /// Takes the motion of a vehicle.
     pub fn set(&mut self, vehicle: &Vehicle) {
-        self.take(vehicle, None);
+        self.take(vehicle, false);
     }
 
     /// Takes the motion of a vehicle, and its roll-outs in exchange for those of the one before.
     pub fn exchange(&mut self, vehicle: &Vehicle, roll_outs_m: &mut RollOuts) {
-        let known_m = core::mem::replace(roll_outs_m, self.roll_outs_m);
-        self.take(vehicle, Some(&known_m));
+        core::mem::swap(roll_outs_m, &mut self.roll_outs_m);
+        self.take(vehicle, true);
     }
 
     /// The roll-outs of its vehicle.
@@ -290,20 +296,27 @@ impl Flyer {
         &self.roll_outs_m
     }
 
-    fn take(&mut self, vehicle: &Vehicle, roll_outs_m: Option<&RollOuts>) {
-        *self = Self::blank(vehicle);
+    fn take(&mut self, vehicle: &Vehicle, has_roll_outs: bool) {
+        let response = vehicle.response;
+        self.airspeed_mps = vehicle.airspeed_mps;
+        self.course_rate_radps = vehicle.course_rate_radps();
+        self.climb_rate_radps = vehicle.climb_rate_radps;
+        self.climb_min_rad = vehicle.climb_min_rad;
+        self.climb_max_rad = vehicle.climb_max_rad;
+        self.bank_time_constant_s = response.bank_time_constant_s;
+        self.turn_rate_factor = response.turn_rate_factor;
+        self.gain_radps = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps;
+        (self.full_bank_rad, self.full_roll_out_rad) = (0.0, 0.0);
+        self.begun = [Roll::NONE; BEGUN];
+        self.bends.iter_mut().for_each(Bend::clear);
         if !self.is_ideal() {
             self.prepare_rolls();
-            match roll_outs_m {
-                Some(known_m) => self.roll_outs_m = *known_m,
-                None => self.roll_out_from_all(),
+            if !has_roll_outs {
+                self.roll_out_from_all();
             }
-            let mut roll_in = RollIn::none();
-            roll_in.roll(self, -self.full_bank_rad, |_| false);
-            self.roll_in = roll_in;
+            self.keep_roll_in();
         }
-        let level = Bend::new(self, 0.0);
-        self.bends = [Some(level), None, None];
+        self.keep_bend(0, 0.0);
     }
 
     /// Time constant of the bank, seconds.

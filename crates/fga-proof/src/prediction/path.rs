@@ -91,10 +91,10 @@ struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    fn new(flyer: &'a Flyer, start: &MotionState, maneuver: &'a Maneuver) -> Self {
+    fn new(flyer: &'a Flyer, start: &MotionState, stages: &'a [Stage]) -> Self {
         Self {
             flyer,
-            stages: maneuver.stages().iter().peekable(),
+            stages: stages.iter().peekable(),
             target: Target {
                 course_rad: start.course_rad,
                 climb_rad: start.climb_rad,
@@ -121,18 +121,18 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted; before it if the meter refuses
+/// The aircraft at the end of the flight of some stages up to `limit_s`, with its pieces counted; before it if the meter refuses
 /// one. Without a limit, where its last piece begins.
 pub fn flown(
     flyer: &Flyer,
     start: &MotionState,
-    maneuver: &Maneuver,
+    stages: &[Stage],
     limit_s: f64,
     meter: &Meter,
 ) -> MotionState {
     let work = flyer.piece_work();
     let mut state = *start;
-    let mut pieces = Pieces::new(flyer, start, maneuver);
+    let mut pieces = Pieces::new(flyer, start, stages);
     for _ in 0..MAX_NODES {
         if state.time_s >= limit_s {
             break;
@@ -233,6 +233,7 @@ impl FlightPath {
 
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
     /// `None` if the nodes ran out, or the meter refuses them.
+    #[inline(never)]
     fn fly_piece(
         &mut self,
         flyer: &Flyer,
@@ -315,7 +316,7 @@ impl FlightPath {
             return;
         }
         let mut state = *start;
-        let mut pieces = Pieces::new(flyer, start, maneuver);
+        let mut pieces = Pieces::new(flyer, start, maneuver.stages());
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;

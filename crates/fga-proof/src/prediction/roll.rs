@@ -44,7 +44,7 @@ const SHORTEST: f64 = 0.02;
 
 /// A piece of a roll, with time in units of the time constant and course in units of the turn at a bank of
 /// 45° in one.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Roll {
     /// Bank at its beginning, radians.
     pub from_rad: f64,
@@ -69,6 +69,19 @@ pub(super) struct Roll {
 }
 
 impl Roll {
+    pub(super) const NONE: Self = Self {
+        from_rad: 0.0,
+        command_rad: 0.0,
+        lasts: 0.0,
+        turn: 0.0,
+        rate: 0.0,
+        growth: 0.0,
+        curve: 0.0,
+        to_rad: 0.0,
+        fastest: 0.0,
+        bow: 0.0,
+    };
+
     /// The next piece of a roll, at most `most` long; `pace` stretches the usual length.
     pub(super) fn new(from_rad: f64, command_rad: f64, most: f64, pace: f64) -> Self {
         let size = (from_rad - command_rad).abs();
@@ -167,7 +180,7 @@ impl Roll {
             growth,
             curve,
             fastest: fastest.max(rate.abs()).max(end.abs()),
-            ..Self::default()
+            ..Self::NONE
         }
     }
 }
@@ -267,28 +280,30 @@ pub(super) fn roll_out(bank_rad: f64) -> f64 {
 /// The pieces of a common roll.
 ///
 /// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rolls {
-    /// How far their banks at the beginning are from the command, radians.
-    off_rad: [f64; KEPT_ROLLS],
     pieces: [Roll; KEPT_ROLLS],
     len: usize,
 }
 
 impl Rolls {
-    pub(super) fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
-        let mut kept = Self::default();
+    pub(super) const NONE: Self = Self {
+        pieces: [Roll::NONE; KEPT_ROLLS],
+        len: 0,
+    };
+
+    /// Becomes the pieces of a roll from one bank to another.
+    pub(super) fn set(&mut self, from_rad: f64, to_rad: f64, pace: f64) {
         let mut bank_rad = from_rad;
-        for (slot, off_rad) in kept.pieces.iter_mut().zip(&mut kept.off_rad) {
+        self.len = 0;
+        for slot in &mut self.pieces {
             if bank_rad == to_rad {
                 break;
             }
             *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
-            *off_rad = (bank_rad - to_rad).abs();
             bank_rad = slot.to_rad;
-            kept.len += 1;
+            self.len += 1;
         }
-        kept
     }
 
     /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
@@ -301,9 +316,11 @@ impl Rolls {
             return None;
         }
         let off_rad = off_rad.abs();
-        let kept_rad = self.off_rad.get(..self.len)?;
-        let next = kept_rad.iter().position(|kept_rad| *kept_rad <= off_rad)?;
-        let piece = self.pieces.get(next)?;
+        // How far its bank at the beginning is from the command, radians.
+        let kept_rad = |piece: &Roll| (piece.from_rad - command_rad).abs();
+        let kept = self.pieces.get(..self.len)?;
+        let next = kept.iter().position(|piece| kept_rad(piece) <= off_rad)?;
+        let piece = kept.get(next)?;
         if piece.from_rad == bank_rad {
             return Some(if piece.lasts <= most {
                 *piece
@@ -314,14 +331,10 @@ impl Rolls {
         if next == 0 {
             return None;
         }
-        let rest = self.pieces.get(next..self.len)?;
-        let (to_rad, lasts) = rest
-            .iter()
-            .zip(kept_rad.get(next..)?)
-            .find_map(|(to, off)| {
-                let lasts = libm::log(off_rad / off);
-                (lasts >= SHORTEST).then_some((to.from_rad, lasts))
-            })?;
+        let (to_rad, lasts) = kept.get(next..)?.iter().find_map(|to| {
+            let lasts = libm::log(off_rad / kept_rad(to));
+            (lasts >= SHORTEST).then_some((to.from_rad, lasts))
+        })?;
         Some(if lasts <= most {
             Roll {
                 to_rad,

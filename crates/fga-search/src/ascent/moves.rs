@@ -189,7 +189,7 @@ mod tests {
 
     use super::*;
     use crate::SecondTurn;
-    use fga_proof::maneuver::{Maneuver, Stage};
+    use fga_proof::maneuver::Stage;
     use fga_proof::meter::Meter;
     use fga_proof::prediction::flown;
     use fga_proof::vehicle::Vehicle;
@@ -223,24 +223,14 @@ mod tests {
     fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
         let first = to_turns(at);
         let second = first.second.unwrap();
-        let mut maneuver = Maneuver::hold();
-        for (start_s, course_rad, climb_rad) in [
-            (first.wait_s, first.turn_rad, first.climb_rad),
-            (
-                first.wait_s + second.after_s,
-                first.turn_rad + second.turn_rad,
-                second.climb_rad,
-            ),
-        ] {
-            maneuver.push(Stage {
-                start_s,
-                course_rad,
-                climb_rad,
-                rate_share: 1.0,
-            });
-        }
+        let again_s = first.wait_s + second.after_s;
+        let again_rad = first.turn_rad + second.turn_rad;
+        let stages = [
+            Stage::turn(first.wait_s, first.turn_rad, first.climb_rad),
+            Stage::turn(again_s, again_rad, second.climb_rad),
+        ];
         let start = MotionState::ahead(0.0);
-        flown(flyer, &start, &maneuver, at_s, &Meter::unlimited()).position_m
+        flown(flyer, &start, &stages, at_s, &Meter::unlimited()).position_m
     }
 
     /// Displacements by differences of flights, and in closed form.
@@ -255,7 +245,7 @@ mod tests {
         let departure = flown(
             flyer,
             &MotionState::ahead(0.0),
-            &Maneuver::hold(),
+            &[],
             at[0],
             &Meter::unlimited(),
         );

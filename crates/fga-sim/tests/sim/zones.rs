@@ -2,6 +2,7 @@
 //!
 //! 60 flights by default; `FGA_ZONE_FLIGHTS` sets another number.
 
+use alloc::sync::Arc;
 use core::f64::consts::TAU;
 
 use fga::Vec2;
@@ -13,7 +14,7 @@ use fga_sim::engine::{DecisionMoment, Engine, Observer};
 use fga_sim::plan::Plan;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::world::{WorldOutline, WorldZone};
+use fga_sim::world::{WorldGround, WorldOutline, WorldZone};
 
 use crate::drawn::{add_intruders, drawn_settings};
 use crate::random::Random;
@@ -190,10 +191,26 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
     }
 }
 
-/// A vehicle that takes 70 m to turn, in a corridor of 200 m with 8 m/s of wind across and along it. Beside the edge that the wind comes
-/// from there was no room to turn round to either side, and it flew the corridor backwards until its end.
+/// A valley along the corridor, whose walls are 300 m high.
+fn corridor_of_ground() -> WorldGround {
+    let (columns, rows) = (1600, 80);
+    let posts = (0..columns * rows).map(|index| {
+        let north_m = 10 * (index / columns) - 400;
+        if (-60..=140).contains(&north_m) {
+            0.0
+        } else {
+            300.0
+        }
+    });
+    let place = (Vec2::new(-3000.0, -400.0), Vec2::splat(10.0));
+    WorldGround::new(place, 1600, posts.collect(), (5.0, 20.0)).unwrap()
+}
+
+/// A vehicle that takes 70 m to turn, in a corridor of 200 m with 8 m/s of wind across and along it, a zone or a valley. Beside the edge that
+/// the wind comes from there was no room to turn round to either side, and it flew the corridor backwards until its end.
 #[test]
 fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
+    let valley = Arc::new(corridor_of_ground());
     let folder = tempfile::tempdir().unwrap();
     let vehicle = folder.path().join("vehicle.toml");
     let text = "name = 'slow'\nairspeed_mps = 22.0\nmax_bank_deg = 45.0\nclimb_min_deg = 0.0\nclimb_max_deg = 0.0\nclimb_rate_radps = 0.2\n\
@@ -203,7 +220,8 @@ fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
     std::fs::write(&vehicle, text).unwrap();
     let model = VehicleModel::read(&vehicle).unwrap();
     let scenario = folder.path().join("corridor.toml");
-    for number in 0..48 {
+    let flights = (0..48).flat_map(|number| [(number, false), (number, true)]);
+    for (number, is_valley) in flights {
         let random = &mut Random(number);
         let (wind_east_mps, wind_north_mps) =
             [(0, 8), (0, -8), (8, 0), (-8, 0)][usize::try_from(number % 4).unwrap()];
@@ -228,11 +246,20 @@ fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
             velocity_mps.y,
         );
         std::fs::write(&scenario, text).unwrap();
-        let plan = fga_sim::scenario::read(&scenario, Some(model.clone())).unwrap();
+        let mut plan = fga_sim::scenario::read(&scenario, Some(model.clone())).unwrap();
+        if is_valley {
+            plan.world.zones.clear();
+            plan.world.ground = Some(Arc::clone(&valley));
+        }
         let policy = PolicyChoice::Avoider(Start::Free);
         let log = fga_sim::run::fly(plan, &policy, &mut |_| ()).unwrap();
         let last = log.samples.last().unwrap();
         assert!(log.zones_kept(), "{number}: {:?}", log.zones);
+        let mut above_m = log
+            .samples
+            .iter()
+            .map(|sample| valley.above_m(sample.position_m));
+        assert!(!is_valley || above_m.all(|m| m > Some(25.0)), "{number}");
         assert!(log.outcome.min_margin_m >= 0.0, "{number}");
         assert!(last.position_m.y.abs() < 5.0, "{number}: {last:?}");
     }

@@ -103,13 +103,13 @@ impl Avoider<dyn Places + '_> {
     /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
     pub(super) fn ask(&mut self, demand: &Demand, beyond_m: f64) {
         let freedom = Freedom::Share(demand.share);
-        self.withstand(|_| freedom, (beyond_m, demand.margin_m));
+        self.withstand(&|_| freedom, (beyond_m, demand.margin_m));
     }
 
     /// Takes motions of aircraft as hazards, with a distance beyond their volumes and the margin that is asked for, metres.
     pub(super) fn withstand(
         &mut self,
-        freedom: impl Fn(&Hazard) -> Freedom,
+        freedom: &dyn Fn(&Hazard) -> Freedom,
         (beyond_m, margin_m): (f64, f64),
     ) {
         if !self.tracks.has_aircraft() {

@@ -198,19 +198,21 @@ impl Reason {
 impl Decision {
     /// A decision with nothing on record but its reason.
     pub fn new(state: State, command: &Maneuver, reason: Reason) -> Self {
-        let mut decision = Self::default();
-        decision.set(state, command, reason);
+        let mut decision = Self {
+            command: *command,
+            ..Self::default()
+        };
+        decision.set(state, reason);
         decision
     }
 
-    /// The same in its place: what is large on record is not written.
-    pub(super) fn set(&mut self, state: State, command: &Maneuver, reason: Reason) {
-        (self.state, self.command) = (state, *command);
+    /// All but its command and its alternative in its place: what is large on record is not written.
+    pub(super) fn set(&mut self, state: State, reason: Reason) {
+        self.state = state;
         let record = &mut self.record;
         (record.reason, record.work) = (reason, Work::default());
         (record.threat, record.certified) = (None, None);
-        (record.chosen, record.alternative) = (None, None);
-        (record.start_s, record.latest_start_s) = (None, None);
+        (record.chosen, record.start_s, record.latest_start_s) = (None, None, None);
         (record.resilience, record.straight_aircraft) = (None, 0);
         (record.in_need, record.clock_set_back) = (false, false);
     }
@@ -242,7 +244,7 @@ mod tests {
             start_s: Some(1.0),
             chosen,
             certified: None,
-            alternative: chosen,
+            alternative: None,
             resilience: Some(1.0),
             straight_aircraft: 1,
             in_need: true,
@@ -256,7 +258,7 @@ mod tests {
             record,
             ..Decision::default()
         };
-        decision.set(State::Cruise, &hold, Reason::Clear);
+        decision.set(State::Cruise, Reason::Clear);
         assert_eq!(decision, Decision::default());
     }
 }

@@ -174,11 +174,6 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
     }
 
-    /// Whether any zone is near.
-    pub(super) fn has_zones(&self) -> bool {
-        !self.zones.is_empty()
-    }
-
     /// All places of obstacles.
     fn all_known(&self) -> &[Known] {
         self.places.all().0
@@ -224,7 +219,7 @@ impl<P: Places + ?Sized> Tracks<P> {
     /// hazards left beside one for each other obstacle. `None` if the meter refuses work.
     fn turning(
         &self,
-        freedom: &impl Fn(&Hazard) -> Freedom,
+        freedom: &dyn Fn(&Hazard) -> Freedom,
         meter: &Meter,
     ) -> Option<(usize, (f64, usize), usize)> {
         let mut left = self.places.all().1.len().saturating_sub(self.count);
@@ -268,7 +263,7 @@ impl<P: Places + ?Sized> Tracks<P> {
     /// missing if the meter refuses work.
     pub(super) fn withstand(
         &mut self,
-        freedom: impl Fn(&Hazard) -> Freedom,
+        freedom: &dyn Fn(&Hazard) -> Freedom,
         clearance: Clearance,
         meter: &Meter,
     ) {
@@ -277,7 +272,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         if !meter.take(self.count) {
             return;
         }
-        let Some((turning, last, left)) = self.turning(&freedom, meter) else {
+        let Some((turning, last, left)) = self.turning(freedom, meter) else {
             return;
         };
         let straight = usize::from(left >= self.count - turning);
@@ -604,7 +599,7 @@ mod tests {
                 is_unproven: false,
             };
             let meter = Meter::unlimited();
-            tracks.withstand(|_| Freedom::Share(1.0), exact, &meter);
+            tracks.withstand(&|_| Freedom::Share(1.0), exact, &meter);
             for id in 0..count {
                 let has = tracks.rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

@@ -20,7 +20,7 @@ use crate::avoider::{
 };
 use crate::certificate::{Asked, Certified, certify_set, prove};
 use crate::limit::Limit as _;
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, Stage};
 use crate::meter::BEND;
 use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
@@ -113,6 +113,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether this is one of the many cycles in which the leg ahead is straight and clear; then with its decision.
+    #[inline(never)]
     fn is_quiet(
         &mut self,
         situation: &Situation<'_>,
@@ -138,55 +139,63 @@ impl Avoider<dyn Places + '_> {
             Some(kept) => kept.is_clear_of(&line),
         };
         if is_clear {
-            let command = Maneuver::turn(0.0, course_rad, now.climb_rad);
-            self.say(decision, &command, Reason::Clear);
+            let along = Stage::turn(0.0, course_rad, now.climb_rad);
+            decision.command.set([along]);
+            self.say(decision, Reason::Clear);
         }
         is_clear
     }
 
     /// On the mission: is it clear, and if not, when and where should the aircraft turn?
+    #[inline(never)]
     fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
+        decision.record.alternative = None;
         if self.state == State::Threatened
             && let Some(mut plan) = self.plan
-            && self.kept_rung(&mut plan, situation, now) == Some(plan.rung)
         {
-            self.plan = Some(plan);
-            if plan.start_s > time_s {
-                return self.report(decision, &plan, time_s, Reason::WaitingForStart);
+            self.go_on(&plan, time_s, &mut decision.command);
+            if self.kept_rung(&mut plan, &decision.command, now) == Some(plan.rung) {
+                self.plan = Some(plan);
+                if plan.start_s > time_s {
+                    return self.report(decision, &plan, time_s, Reason::WaitingForStart);
+                }
+                self.state = State::Avoiding;
+                return self.report(decision, &plan, time_s, Reason::ManeuverChosen);
             }
-            self.state = State::Avoiding;
-            return self.report(decision, &plan, time_s, Reason::ManeuverChosen);
         }
         self.plan = None;
-        let (nominal, _) = self.guidance(situation, now);
-        let demand = self.first_demand();
-        self.withstand(|_| Freedom::Expected, (0.0, demand.margin_m));
-        let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
+        let (nominal, far_s) = (&mut decision.command, self.far_s);
+        self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, far_s, nominal)
+        });
+        let (nominal, demand) = (&decision.command, self.first_demand());
+        self.withstand(&|_| Freedom::Expected, (0.0, demand.margin_m));
+        let Some((threat, against)) = self.first_threat(nominal, now, &demand) else {
             self.state = State::Cruise;
-            return self.say(decision, &nominal, Reason::Clear);
+            return self.say(decision, Reason::Clear);
         };
         self.grids = 0;
         let is_urgent = self.settings.start == Start::AtDetection;
         // A threat that may turn or is minutes ahead is waited for: a manoeuvre planned minutes ahead takes minutes.
         let may_wait = self.tracks.has_aircraft() || threat.entry_s > self.settings.horizon_s;
-        if !is_urgent && may_wait && self.has_reserve(&nominal, now) {
-            match self.small_now(&nominal, now, &threat) {
+        if !is_urgent && may_wait && self.has_reserve(nominal, now) {
+            match self.small_now(nominal, now, &threat) {
                 Some(small) => self.begin(situation, &small, (threat, against), decision),
-                None => self.wait(&nominal, &threat, decision),
+                None => self.wait(&threat, decision),
             }
         } else {
-            self.plan_anew(situation, now, &nominal, (threat, against), decision);
+            self.plan_anew(situation, now, (threat, against), decision);
         }
         decision.record.work.threats = 1;
     }
 
-    /// Chooses a manoeuvre and its start.
+    /// Chooses a manoeuvre and its start, in place of the command of a decision.
+    #[inline(never)]
     fn plan_anew(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
-        nominal: &Maneuver,
         threat: (Threat, Against),
         decision: &mut Decision,
     ) {
@@ -197,22 +206,27 @@ impl Avoider<dyn Places + '_> {
             self.settings.start
         };
         let moments = (threat.0.entry_s, self.settings.decision_period_s);
-        let (mut latest_s, mut other) = (None, None);
+        let mut latest_s = None;
+        let Decision {
+            command, record, ..
+        } = decision;
+        let (nominal, other) = (&*command, &mut record.alternative);
         let answer = self.highest(0..RUNGS, nominal, now, |search| {
-            choice::choose(search, start, moments, (&mut latest_s, &mut other))
+            choice::choose(search, start, moments, (&mut latest_s, other))
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
-            return self.say(decision, nominal, Reason::BestAvailable);
+            *other = None;
+            return self.say(decision, Reason::BestAvailable);
         };
         self.begin(situation, &answer, threat, decision);
         if let Some(plan) = &mut self.plan {
             plan.latest_start_s = latest_s.map(|latest_s| situation.time_s + latest_s);
         }
         decision.record.latest_start_s = latest_s;
-        decision.record.alternative = other;
     }
 
-    /// Begins to avoid with a manoeuvre, or waits for its start.
+    /// Begins to avoid with a manoeuvre, or waits for its start. The one before it is left in the tables.
+    #[inline(never)]
     fn begin(
         &mut self,
         situation: &Situation<'_>,
@@ -235,7 +249,8 @@ impl Avoider<dyn Places + '_> {
             against,
             next_start_s: None,
         };
-        (self.plan, self.flown) = (Some(plan), self.tables.answer);
+        self.plan = Some(plan);
+        core::mem::swap(&mut self.flown, &mut self.tables.answer);
         let (state, reason) = if !answer.proof.is_certified() {
             (State::Avoiding, self.unproven())
         } else if plan.start_s > time_s {
@@ -257,6 +272,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Flying the manoeuvre: returns, keeps it, or replaces it.
+    #[inline(never)]
     fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
         let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
@@ -264,32 +280,33 @@ impl Avoider<dyn Places + '_> {
             self.state = State::Cruise;
             return self.watch(situation, now, decision);
         };
+        let looks = (LOOK_BACK_EVERY, f64::INFINITY);
         if self.has_begun(&plan, situation, now)
-            && let Some(back) =
-                self.way_back(situation, now, &plan, (LOOK_BACK_EVERY, f64::INFINITY))
+            && let Some(back) = self.way_back(situation, now, &plan, looks, &mut decision.command)
         {
-            (self.plan, self.flown) = (Some(back), self.back);
+            (self.plan, self.flown) = (Some(back), decision.command);
             self.state = State::Recovering;
             return self.report(decision, &back, time_s, Reason::RejoinChosen);
         }
-        let (flown, hold) = (self.remaining(&plan, time_s), &Maneuver::HOLD);
-        let kept = self.kept_rung(&mut plan, situation, now);
+        self.go_on(&plan, time_s, &mut decision.command);
+        let (flown, hold) = (&decision.command, &Maneuver::HOLD);
+        let kept = self.kept_rung(&mut plan, flown, now);
         // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
-        let is_waiting = is_bare && self.has_reserve(&flown, now);
+        let is_waiting = is_bare && self.has_reserve(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
         let answer = match kept {
             _ if is_waiting => None,
-            Some(_) => is_due.then(|| self.better(&plan, situation, now)).flatten(),
+            Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
             None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_beside(0..RUNGS, now))
-                .or_else(|| self.best(Some((&mut plan, &flown)), hold, now)),
+                .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
             None => None,
         };
         if let Some(answer) = &answer {
             let margin_m = self.demand_of(answer.rung).margin_m;
             plan = plan.with(answer, time_s);
-            plan.against = self.also_against(&flown, now, plan.against, margin_m);
+            plan.against = self.also_against(flown, now, plan.against, margin_m);
             self.flown = self.tables.answer;
         }
         let reason = match (plan.proof.is_certified(), answer) {
@@ -317,6 +334,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Keeps the rolls from the bank of now, from which many predictions are about to begin.
+    #[inline(never)]
     fn keep_rolls(&mut self, now: &MotionState) {
         let is_kept = self.flyer.keeps_rolls_from(now.bank_rad);
         if !is_kept && self.meter.take(2 * BEND) {
@@ -396,8 +414,8 @@ impl Avoider<dyn Places + '_> {
     /// The decision to fly the rest of a plan.
     fn report(&self, decision: &mut Decision, plan: &Plan, time_s: f64, reason: Reason) {
         let elapsed_s = time_s - plan.threat_found_s;
-        let command = self.remaining(plan, time_s);
-        self.say(decision, &command, reason);
+        self.go_on(plan, time_s, &mut decision.command);
+        self.say(decision, reason);
         let demand = self.demand_of(plan.rung);
         let record = &mut decision.record;
         // After the predicted entry the threat is history.
@@ -416,7 +434,7 @@ impl Avoider<dyn Places + '_> {
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
         record.certified = plan.proof.certified();
         record.chosen = Some(Candidate {
-            maneuver: command,
+            maneuver: decision.command,
             margin_m: plan.margin_m,
             cost: plan.cost,
             verdict: if plan.proof.is_certified() {

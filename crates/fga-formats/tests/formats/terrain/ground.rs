@@ -155,29 +155,66 @@ fn the_least_clearance_is_that_of_fine_steps() {
     assert!(checked > 50);
 }
 
-/// The posts of a flight have the heights of the file at the exact latitude and longitude of each.
+/// The posts of a flight have the heights of the file at the exact latitude and longitude of each, and are higher by what the
+/// ground between them would be too low by.
 #[test]
 fn local_ground_has_the_heights_of_the_file() {
     let terrain = terrain(&["strips.tif"]);
     let origin = Geodetic::new(46.55, 9.26, 700.0).unwrap();
     let frame = LocalFrame::new(origin, Earth::Wgs84);
     let ground = LocalGround::around(&terrain, &frame, &[DVec3::ZERO], 50.0).unwrap();
+    assert_eq!(ground.error_m(), terrain.vertical_error_m());
     let size_m = DVec2::splat(6_000.0);
     let (spacing_m, count) = terrain.posts(46.55, size_m).unwrap();
+    let exact_m = |at_m: DVec2| {
+        let place = frame.to_geodetic(at_m.extend(0.0));
+        let height_m = terrain.height_m(place.latitude_deg, place.longitude_deg)?;
+        Some(height_m - 700.0)
+    };
     let mut known = 0;
     for (column, row) in (0..count.x as u32).flat_map(|x| (0..count.y as u32).map(move |y| (x, y)))
     {
         let steps = DVec2::new(f64::from(column), f64::from(row));
-        let at_m = -0.5 * size_m + spacing_m * steps;
-        let place = frame.to_geodetic(at_m.extend(0.0));
-        let exact_m = terrain.height_m(place.latitude_deg, place.longitude_deg);
-        if let (Some(exact_m), Some(height_m)) = (exact_m, ground.height_m(at_m)) {
-            assert!(
-                (exact_m - 700.0 - height_m).abs() < 0.02,
-                "{exact_m} {height_m}"
-            );
-            known += 1;
+        for (beside, most_m) in [
+            ((0.0, 0.0), 1.0),
+            ((0.5, 0.0), 2.0),
+            ((0.0, 0.5), 2.0),
+            ((0.5, 0.5), 2.0),
+        ] {
+            let at_m = -0.5 * size_m + spacing_m * (steps + DVec2::from(beside));
+            if let Some((exact_m, height_m)) = exact_m(at_m).zip(ground.height_m(at_m)) {
+                let higher_m = height_m - exact_m;
+                assert!((-0.02..most_m).contains(&higher_m), "{higher_m} at {at_m}");
+                known += 1;
+            }
         }
     }
-    assert!(known > 500, "{known}");
+    assert!(known > 2000, "{known}");
+}
+
+/// A cliff makes the ground uncertain beside it, and nowhere else.
+#[test]
+fn local_ground_is_higher_beside_a_cliff_only() {
+    let mut heights = Vec::new();
+    for _ in 0..1201 {
+        for column in 0..1201 {
+            let height_m: i16 = if column < 601 { 100 } else { 600 };
+            heights.extend(height_m.to_be_bytes());
+        }
+    }
+    let file = parse(&heights, Path::new("N46E009.hgt"), &Given::default()).unwrap();
+    let terrain = Terrain::new(vec![file]).unwrap();
+    let origin = Geodetic::new(46.5, 9.5, 0.0).unwrap();
+    let frame = LocalFrame::new(origin, Earth::Wgs84);
+    let ground = LocalGround::around(&terrain, &frame, &[DVec3::ZERO], 50.0).unwrap();
+    assert_eq!(ground.error_m(), terrain.vertical_error_m());
+    // Posts are 64 m apart.
+    let height_m = |east_m: f64| ground.height_m(DVec2::new(east_m, 0.0)).unwrap();
+    for east_m in (-2900..2900).map(f64::from) {
+        let place = frame.to_geodetic(DVec3::new(east_m, 0.0, 0.0));
+        let exact_m = terrain.height_m(place.latitude_deg, place.longitude_deg);
+        let higher_m = height_m(east_m) - exact_m.unwrap();
+        let most_m = if east_m.abs() < 260.0 { 500.0 } else { 0.02 };
+        assert!(higher_m < most_m, "{higher_m} at {east_m}");
+    }
 }

@@ -3,10 +3,8 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::limit::{Limit as _, whole};
-use crate::prediction::motion::{
-    Bend, Flyer, MotionState, Piece, REACHED_RAD, ROLL_OUTS, RollIn, Target,
-};
-use crate::prediction::roll::{Roll, Rolls, roll_out, tan_share};
+use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD, ROLL_OUTS, Target};
+use crate::prediction::roll::{Roll, roll_out, tan_share};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
@@ -43,8 +41,8 @@ impl Flyer {
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
         self.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
-        self.rolling_over = Rolls::new(-full_rad, full_rad, self.pace);
-        self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
+        self.rolling_over.set(-full_rad, full_rad, self.pace);
+        self.rolling_out.set(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
     }
 
@@ -163,11 +161,17 @@ impl Flyer {
     pub fn keep_rolls_from(&mut self, bank_rad: f64) {
         if !self.keeps_rolls_from(bank_rad) {
             self.begin_rolls_from(bank_rad);
-            let left = Bend::new(self, bank_rad);
-            let right = Bend::new(self, -bank_rad);
-            let [_, kept_left, kept_right] = &mut self.bends;
-            *kept_left = Some(left);
-            *kept_right = Some(right);
+            self.keep_bend(1, bank_rad);
+            self.keep_bend(2, -bank_rad);
+        }
+    }
+
+    /// Keeps the turns from a bank in a place.
+    pub(super) fn keep_bend(&mut self, place: usize, bank_rad: f64) {
+        let mut bend = Bend::NONE;
+        bend.set(self, bank_rad);
+        if let Some(slot) = self.bends.get_mut(place) {
+            *slot = bend;
         }
     }
 
@@ -181,21 +185,18 @@ impl Flyer {
             (bank_rad, -full_rad),
             (bank_rad, 0.0),
         ];
-        self.begun = rolls.map(|(from_rad, to_rad)| self.roll(from_rad, to_rad, f64::INFINITY));
+        for (place, (from_rad, to_rad)) in rolls.into_iter().enumerate() {
+            let roll = self.roll(from_rad, to_rad, f64::INFINITY);
+            if let Some(slot) = self.begun.get_mut(place) {
+                *slot = roll;
+            }
+        }
     }
 
     /// Turns from a bank that is positive towards their side, if they are kept.
     #[inline]
     pub fn bend_from(&self, bank_rad: f64) -> Option<&Bend> {
-        self.bends
-            .iter()
-            .flatten()
-            .find(|bend| bend.is_from(bank_rad))
-    }
-
-    /// The roll-in from the largest bank to that of the other side.
-    pub(in crate::prediction) const fn roll_in(&self) -> &RollIn {
-        &self.roll_in
+        self.bends.iter().find(|bend| bend.is_from(bank_rad))
     }
 
     /// The bank of the largest course rate, radians.

@@ -137,8 +137,7 @@ fn bound(
             lines.iter().fold(most_m, |least_m: f64, line| {
                 match ground.least_on_line(line, least_m, binding, meter) {
                     Some((margin_m, _)) if margin_m < 0.0 => {
-                        let deepest = (0.0, f64::NEG_INFINITY);
-                        least_m.min(ground.lowest(line, deepest, binding, meter).0)
+                        least_m.min(ground.deepest(line, binding, meter).0)
                     }
                     found => found.map_or(least_m, |(margin_m, _)| margin_m),
                 }
@@ -203,6 +202,7 @@ fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
 }
 
 /// Whether the aircraft is on the wrong side of a zone that binds, or lower than it takes to clear the ground where its mission does.
+#[inline(never)]
 pub(in crate::avoider) fn has_entered(
     situation: &Situation<'_>,
     leg: usize,
@@ -213,7 +213,7 @@ pub(in crate::avoider) fn has_entered(
     let mut zones = situation.mission.zones.iter();
     let is_low = |ground: &Ground<'_>| {
         let meter = Meter::new(GROUND_WORK, GROUND_WORK);
-        let here = ground.lowest(&Line::at(own_m), (0.0, 0.0), Binding::ALL, &meter);
+        let here = ground.deepest(&Line::at(own_m), Binding::ALL, &meter);
         here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
     };
     zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, &ahead(), 0.0) >= 0.0)

@@ -18,15 +18,7 @@ pub(super) fn choose(
         Start::AtDetection => return search.cheapest(0.0),
         Start::Free => {
             let [found, beside] = search.least_departure(entry_s);
-            *other = beside
-                .filter(|beside| search.prove(beside).is_some())
-                .map(|beside| Candidate {
-                    maneuver: search
-                        .maneuver(&beside.turns, &search.departure(beside.turns.wait_s)),
-                    margin_m: beside.margin_m,
-                    cost: beside.cost,
-                    verdict: Verdict::Certified,
-                });
+            show(search, beside, other);
             return found;
         }
         Start::Latest => 1.0,
@@ -45,6 +37,22 @@ pub(super) fn choose(
             0.0
         };
     }
+}
+
+/// Puts a manoeuvre on record if it is certified.
+#[inline(never)]
+fn show(search: &mut Search<'_>, found: Option<Found>, on_record: &mut Option<Candidate>) {
+    *on_record = found
+        .filter(|found| search.prove(found).is_some())
+        .map(|found| {
+            search.keep(&found.turns);
+            Candidate {
+                maneuver: *search.maneuver(),
+                margin_m: found.margin_m,
+                cost: found.cost,
+                verdict: Verdict::Certified,
+            }
+        });
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between zones.
+//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between walls: zones and ground.
 
 use crate::avoider::{Avoider, Places};
-use crate::maneuver::Maneuver;
+use crate::maneuver::Stage;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
-/// After the time of this turn without a way back the search also covers detours, radians; between zones after twice that time.
+/// After the time of this turn without a way back the search also covers detours, radians; between walls after twice that time.
 const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
@@ -30,21 +30,22 @@ const FAR_AFTER_RAD: f64 = 60.0;
 const SPREAD: [f64; 2] = [0.754_878, 0.569_840];
 
 impl Avoider<dyn Places + '_> {
-    /// A turn away from an obstacle alongside, or between zones, with a straight flight after it, one of many, and the aircraft after it;
+    /// A turn away from an obstacle alongside, or between walls, with a straight flight after it, one of many, and the aircraft after it;
     /// none while a way back without one may still be found.
     pub(super) fn detour(
         &self,
         situation: &Situation<'_>,
         now: &MotionState,
         (waited_s, which): (f64, usize),
-    ) -> Option<(Maneuver, MotionState)> {
+    ) -> Option<(Stage, MotionState)> {
         let rate_radps = self.flyer.course_rate_radps();
         let waited_rad = waited_s * rate_radps;
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        let is_between_zones = self.tracks.has_zones() && waited_rad > 2.0 * AFTER_RAD;
-        if !is_between_zones && !self.is_accompanied(situation) {
+        let has_walls = !self.tracks.around(&situation.mission).fixed.is_empty();
+        let is_between_walls = has_walls && waited_rad > 2.0 * AFTER_RAD;
+        if !is_between_walls && !self.is_accompanied(situation) {
             return None;
         }
         let [aside, along] = SPREAD.map(|spread| {
@@ -54,9 +55,9 @@ impl Avoider<dyn Places + '_> {
         let is_far = waited_rad > FAR_AFTER_RAD && which % 2 == 1;
         let most = if is_far { FAR } else { STRAIGHT };
         let turn_rad = TURN_RAD * (1.0 - 2.0 * aside);
-        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let first = Stage::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + most * libm::sqrt(along)) / rate_radps;
-        Some((maneuver, self.after(now, &maneuver, until_s)))
+        Some((first, self.after(now, &[first], until_s)))
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.
@@ -84,7 +85,7 @@ mod tests {
             let rows = [sphere(1, (0.0, 60.0), velocity_mps)];
             among(&rows, |avoider, situation, now| {
                 let detour = avoider.detour(situation, now, (waited_s, which));
-                detour.map(|(maneuver, _)| maneuver.stages()[0].course_rad)
+                detour.map(|(first, _)| first.course_rad)
             })
         };
         let alongside = (18.0, 0.0);

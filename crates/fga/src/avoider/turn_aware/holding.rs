@@ -2,8 +2,8 @@
 
 use crate::avoider::demand::{RUNGS, WANTED};
 use crate::avoider::{Avoider, Now, Places, Plan};
+use crate::maneuver::Maneuver;
 use crate::search::Proof;
-use crate::situation::Situation;
 
 /// A manoeuvre continues while this share of the margin is certified, over at least this share of the horizon ...
 pub(super) const KEEP_SHARE: f64 = 0.5;
@@ -12,12 +12,12 @@ pub(super) const KEEP_SHARE: f64 = 0.5;
 const KEEP_SHORTER_S: f64 = 1.0;
 
 impl Avoider<dyn Places + '_> {
-    /// The highest rung whose demand the rest of a plan keeps, with a new certificate in the plan; the longer horizon only where
+    /// The highest rung whose demand the rest of the manoeuvre of a plan keeps, with a new certificate in the plan; the longer horizon only where
     /// it was planned for it.
     pub(super) fn kept_rung(
         &mut self,
         plan: &mut Plan,
-        situation: &Situation<'_>,
+        rest: &Maneuver,
         now: &Now<'_>,
     ) -> Option<usize> {
         if plan.proof.is_certified() {
@@ -41,8 +41,7 @@ impl Avoider<dyn Places + '_> {
                 demand.margin_m,
             );
             let certified = self.within_limits(&demand, |avoider| {
-                let rest = avoider.remaining(plan, situation.time_s);
-                avoider.predict(&rest, now, asked.0);
+                avoider.predict(rest, now, asked.0);
                 avoider.prove(now, asked)
             });
             if let Some(certified) = certified {
@@ -66,7 +65,8 @@ mod tests {
         among(&[row], |avoider, situation, now| {
             avoider.drift_m = 9.0;
             let mut plan = plan(avoider, situation, (0.0, WANTED));
-            let kept = avoider.kept_rung(&mut plan, situation, now);
+            let rest = avoider.flown;
+            let kept = avoider.kept_rung(&mut plan, &rest, now);
             assert_eq!(plan.proof.is_certified(), kept.is_some());
             kept
         })

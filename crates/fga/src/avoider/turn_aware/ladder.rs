@@ -35,6 +35,7 @@ impl Avoider<dyn Places + '_> {
     pub(super) fn better(
         &mut self,
         plan: &Plan,
+        flown: &Maneuver,
         situation: &Situation<'_>,
         now: &Now<'_>,
     ) -> Option<Answer> {
@@ -44,11 +45,11 @@ impl Avoider<dyn Places + '_> {
             return None;
         }
         let (hold, variety) = (&Maneuver::HOLD, self.cycle / LOOK_EVERY);
-        let flown = self.remaining(plan, situation.time_s);
+        let flown = Turns::of(flown, now.course_rad);
         let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
             let rungs = 0..if has_aircraft { 0 } else { plan.rung };
             self.highest(rungs, hold, now, |search| {
-                let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
+                let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
                 proof.is_certified().then_some(found)
             })
         });
@@ -151,7 +152,7 @@ impl Avoider<dyn Places + '_> {
             left if left > 0 && flown.is_some() => Effort::Grids(left),
             _ => Effort::WHOLE,
         };
-        let from = flown.as_ref().map(|(_, flown)| *flown);
+        let from = (flown.as_ref()).and_then(|(_, flown)| Turns::of(flown, now.course_rad));
         let best = self.search(nominal, now, &demand, |search| {
             let best = search.best(from, effort, variety)?;
             Some(Answer::new(search, best, lowest))
@@ -167,9 +168,9 @@ impl Avoider<dyn Places + '_> {
         let differs = cylinders || self.tracks.uncertain;
         if best.found.margin_m < 0.0 && differs && self.meter.left() >= DEPTH_WORK {
             self.by_depth();
-            let from = self.tables.answer;
+            let from = Turns::of(&self.tables.answer, now.course_rad);
             deepest = self.search(&Maneuver::HOLD, now, &demand, |search| {
-                let (found, _) = search.best(Some(&from), Effort::Quick, variety)?;
+                let (found, _) = search.best(from, Effort::Quick, variety)?;
                 Some(Answer::new(search, (found, best.proof), lowest))
             });
         }
@@ -190,7 +191,7 @@ impl Avoider<dyn Places + '_> {
             is_unproven: true,
         };
         self.tracks
-            .withstand(|_| Freedom::Share(0.0), clearance, &self.meter);
+            .withstand(&|_| Freedom::Share(0.0), clearance, &self.meter);
     }
 }
 
@@ -260,7 +261,8 @@ mod tests {
             let (is_free, better) = among(&[row], |avoider, situation, now| {
                 let plan = plan(avoider, situation, (1.4, 0));
                 let is_free = avoider.is_free(now) || avoider.all_pass(&plan, situation, now);
-                (is_free, avoider.better(&plan, situation, now))
+                let flown = avoider.flown;
+                (is_free, avoider.better(&plan, &flown, situation, now))
             });
             let turn_rad = better.map(|better| better.found.turns.turn_rad);
             assert!(is_free || turn_rad.is_none(), "{ahead_m} m");

@@ -6,6 +6,7 @@
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
+use crate::maneuver::Maneuver;
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -19,19 +20,19 @@ const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
-    fn keeps_back(&mut self, plan: &mut Plan, situation: &Situation<'_>, now: &Now<'_>) -> bool {
+    fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
-            return self.kept_rung(plan, situation, now) == Some(plan.rung);
+            return self.kept_rung(plan, back, now) == Some(plan.rung);
         }
         let demand = self.demand_of(plan.rung);
         let keep_m = KEEP_SHARE * demand.margin_m;
-        let back = self.remaining(plan, situation.time_s);
-        self.withstand(|_| Freedom::Expected, (0.0, self.wanted_m()));
+        self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
+        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
     }
 
     /// On the way back.
+    #[inline(never)]
     pub(super) fn come_back(
         &mut self,
         situation: &Situation<'_>,
@@ -53,10 +54,11 @@ impl Avoider<dyn Places + '_> {
                 }
                 return;
             }
-            let holds = self.keeps_back(&mut plan, situation, now);
-            if holds {
-                if let Some(sooner) = self.sooner_back(situation, now, &plan) {
-                    (self.plan, self.flown) = (Some(sooner), self.back);
+            self.go_on(&plan, time_s, &mut decision.command);
+            if self.keeps_back(&mut plan, &decision.command, now) {
+                let back = &mut decision.command;
+                if let Some(sooner) = self.sooner_back(situation, now, &plan, back) {
+                    (self.plan, self.flown) = (Some(sooner), *back);
                     return self.report(decision, &sooner, time_s, Reason::RejoinChosen);
                 }
                 self.plan = Some(plan);
@@ -70,6 +72,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
     /// the manoeuvre of the way back is flown.
+    #[inline(never)]
     fn meet_next(
         &mut self,
         (plan, start_s): (&Plan, f64),
@@ -79,7 +82,7 @@ impl Avoider<dyn Places + '_> {
         let next = plan.threat.zip(self.returned);
         let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
         if !is_again {
-            (self.plan, self.back) = (None, self.flown);
+            self.plan = None;
             self.state = State::Cruise;
             self.meter.reserve(HALVES);
             self.watch(situation, now, decision);
@@ -87,7 +90,9 @@ impl Avoider<dyn Places + '_> {
             if !decision.record.reason.is_unproven() {
                 return;
             }
-            self.flown = self.back;
+            if self.plan.is_some() {
+                core::mem::swap(&mut self.flown, &mut self.tables.answer);
+            }
         }
         self.plan = Some(Plan {
             start_s,
@@ -104,23 +109,14 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &Now<'_>,
         plan: &Plan,
+        back: &mut Maneuver,
     ) -> Option<Plan> {
         let left_s = plan.joined_s - situation.time_s;
         if plan.next_start_s.is_some() || left_s < SOONER_S {
             return None;
         }
-        let before = (self.progress, self.returned);
-        let back = self.way_back(
-            situation,
-            now,
-            plan,
-            (LOOK_EVERY / 2, plan.joined_s - SOONER_S),
-        )?;
-        if back.next_start_s.is_none() && back.joined_s < plan.joined_s - SOONER_S {
-            return Some(back);
-        }
-        (self.progress, self.returned) = before;
-        None
+        let looks = (LOOK_EVERY / 2, plan.joined_s - SOONER_S);
+        self.way_back(situation, now, plan, looks, back)
     }
 }
 
@@ -136,7 +132,8 @@ mod tests {
         let keeps = |row: Obstacle| {
             among(&[row], |avoider, situation, now| {
                 let mut plan = plan(avoider, situation, (0.0, WANTED));
-                avoider.keeps_back(&mut plan, situation, now)
+                let back = avoider.flown;
+                avoider.keeps_back(&mut plan, &back, now)
             })
         };
         assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));

@@ -47,7 +47,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
     pub(super) fn is_free(&mut self, now: &Now<'_>) -> bool {
-        self.withstand(|_| Freedom::Brief, (0.0, self.wanted_m()));
+        self.withstand(&|_| Freedom::Brief, (0.0, self.wanted_m()));
         self.has_turn(&Maneuver::HOLD, now, (0.0, PI))
     }
 
@@ -66,9 +66,9 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Flies on along the mission while a threat is known.
-    pub(super) fn wait(&mut self, nominal: &Maneuver, threat: &Threat, decision: &mut Decision) {
+    pub(super) fn wait(&mut self, threat: &Threat, decision: &mut Decision) {
         self.state = State::Threatened;
-        self.say(decision, nominal, Reason::WaitingForStart);
+        self.say(decision, Reason::WaitingForStart);
         decision.record.threat = Some(*threat);
         decision.record.start_s = Some(WAIT_S);
     }

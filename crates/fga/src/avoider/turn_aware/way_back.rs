@@ -7,7 +7,7 @@ use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
 use crate::mission::leg::Leg;
 use crate::prediction::MotionState;
@@ -96,14 +96,15 @@ const fn place_of(look: usize) -> usize {
 }
 
 impl Avoider<dyn Places + '_> {
-    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; `None` where it
-    /// joins the mission after `latest_s`.
+    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; with `latest_s` only
+    /// one that joins the mission sooner than then, without another encounter. `back` takes its manoeuvre.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
         plan: &Plan,
         (every, latest_s): (u32, f64),
+        back: &mut Maneuver,
     ) -> Option<Plan> {
         if !self.cycle.is_multiple_of(every) || self.meter.is_met() {
             return None;
@@ -123,8 +124,10 @@ impl Avoider<dyn Places + '_> {
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = given_up > 2;
-        let (mut first, from) = detour.unwrap_or((Maneuver::hold(), now.state));
+        let is_long = waited_s * self.flyer.course_rate_radps() > 2.0 * PI
+            && given_up > usize::from(self.gives_way(plan, situation));
+        let mut first = detour.map(|(first, _)| first);
+        let from = detour.map_or(now.state, |(_, from)| from);
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
         let asked_rad = if is_any && latest_s.is_finite() {
@@ -143,43 +146,60 @@ impl Avoider<dyn Places + '_> {
             if way.is_some() {
                 break;
             }
-            first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
-            let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
+            let away = Stage::turn(0.0, now.course_rad + turn_rad, 0.0);
+            first = Some(away);
+            let from = self.after(now, &[away], radii / self.flyer.course_rate_radps());
+            self.progress = before;
             way = self.on_mission(situation, |progress, route| {
                 progress.direct_way(route, &from)
             });
         }
-        let joined = way?;
-        if situation.time_s + joined.joined_s > latest_s {
+        let in_time = |joined: &Join| situation.time_s + joined.joined_s <= latest_s;
+        let Some(joined) = way.filter(in_time) else {
             self.progress = before;
             return None;
-        }
-        let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
-        // Two that flee from each other side by side would never return: after the time of a full circle, what keeps a way back
-        // suffices, and then what is clear of the expected motion.
+        };
+        back.set(first.into_iter().chain(joined.stages().iter().copied()));
+        let found = self.fly_back(&joined, plan, (situation, now), rung, back);
+        // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
+        // clear of the expected motion. Who has the other one on the right waits longer: two that do the same would go on.
         let is_robust = |avoider: &mut Self| {
-            let back = &{ avoider.back };
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
-        let Some(back) = back.filter(|_| is_robust(self)) else {
+        let found = found.filter(|_| is_robust(self));
+        let is_sooner = |found: &Plan| found.next_start_s.is_none() && found.joined_s < latest_s;
+        let Some(found) = found.filter(|found| latest_s.is_infinite() || is_sooner(found)) else {
             self.progress = before;
             return None;
         };
         self.return_to(&joined, plan, (situation, now));
-        Some(back)
+        Some(found)
     }
 
-    /// The plan to fly a manoeuvre and a join of the leg that begins at a waypoint after it; `None` where it leads to an obstacle,
-    /// or to another encounter that cannot be avoided.
+    /// Whether an aircraft that a plan avoids is on the right.
+    fn gives_way(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
+        let (own_m, ours_mps) = (
+            situation.ownship.position_m,
+            situation.ownship.velocity_mps(),
+        );
+        self.tracks.rows().iter().any(|hazard| {
+            let offset_m = hazard.position_m - own_m;
+            plan.against.contains(hazard.id) && ours_mps.x * offset_m.y < ours_mps.y * offset_m.x
+        })
+    }
+
+    /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
+    /// avoided.
+    #[inline(never)]
     fn fly_back(
         &mut self,
-        first: &Maneuver,
         joined: &Join,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &Now<'_>),
         rung: usize,
+        maneuver: &mut Maneuver,
     ) -> Option<Plan> {
         let far = Demand {
             horizon_s: self.far_s,
@@ -191,14 +211,9 @@ impl Avoider<dyn Places + '_> {
         } else {
             f64::INFINITY
         };
-        let mut maneuver = *first;
-        for stage in joined.stages() {
-            maneuver.push(*stage);
-        }
         self.on_mission(situation, |progress, route| {
-            progress.round_corners(route, far.horizon_s, &mut maneuver, joined)
+            progress.round_corners(route, far.horizon_s, maneuver, joined)
         });
-        self.back = maneuver;
         let mut back = Plan {
             decided_s: situation.time_s,
             start_s: situation.time_s,
@@ -209,7 +224,7 @@ impl Avoider<dyn Places + '_> {
             next_start_s: None,
             ..*plan
         };
-        self.predict(&maneuver, now, far.horizon_s);
+        self.predict(maneuver, now, far.horizon_s);
         match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
             WayAhead::Blocked => None,
             WayAhead::Clear => {
@@ -220,7 +235,9 @@ impl Avoider<dyn Places + '_> {
                     back
                 })
             }
-            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now, &far),
+            WayAhead::NextEncounter => {
+                self.way_back_and_on(&back, joined.joined_s, now, &far, maneuver)
+            }
         }
     }
 
@@ -248,15 +265,15 @@ impl Avoider<dyn Places + '_> {
         joined_s: f64,
         now: &Now<'_>,
         demand: &Demand,
+        maneuver: &mut Maneuver,
     ) -> Option<Plan> {
-        let maneuver = self.back;
-        let (threat, against) = self.first_threat(&maneuver, now, demand)?;
-        let found = self.search(&maneuver, now, demand, |search| {
+        let (threat, against) = self.first_threat(maneuver, now, demand)?;
+        let found = self.search(maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let proven = search.proven(found)?;
             Some(Answer::new(search, proven, back.rung))
         })?;
-        self.back = self.tables.answer;
+        *maneuver = self.tables.answer;
         Some(Plan {
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
@@ -267,6 +284,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
+    #[inline(never)]
     fn way_ahead(
         &self,
         plan: &Plan,
@@ -324,6 +342,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
+    #[inline(never)]
     fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, target_m: f64) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
@@ -355,7 +374,7 @@ impl Avoider<dyn Places + '_> {
                 Freedom::Brief
             }
         };
-        self.withstand(freedom, (0.0, target_m));
+        self.withstand(&freedom, (0.0, target_m));
         self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 }

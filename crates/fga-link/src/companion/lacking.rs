@@ -1,0 +1,215 @@
+//! What is missing for a take-over, and which of it the operator has read.
+
+use super::voice::Voice;
+use crate::authority::Severity;
+
+/// The companion reports what is missing after this long, s …
+const LOST_S: f64 = 1.0;
+/// … and if it was never ready, after this long, seconds.
+const NEVER_READY_S: f64 = 8.0;
+
+/// A missing condition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lacking {
+    Link,
+    Contradiction,
+    Rate,
+    Telemetry,
+    Disarmed,
+    Height,
+    Slow,
+    Mode,
+    Mission,
+    TakeOffOrLanding,
+    Limits,
+    FenceAction,
+    BankLimit,
+    Decision,
+    TwoVehicles,
+    Listens,
+    TwoSenders,
+    FeedUnreadable,
+    FeedSilent,
+    OtherAvoider,
+    SlowLink,
+    Ground,
+}
+
+impl Lacking {
+    /// What the operator reads.
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Link => "fga: not ready: no heartbeat",
+            Self::Contradiction => "fga: not ready: heartbeats contradict",
+            Self::Rate => "fga: not ready: telemetry comes too seldom",
+            Self::Telemetry => "fga: not ready: no fresh telemetry",
+            Self::Disarmed => "fga: not ready: vehicle is disarmed",
+            Self::Height => "fga: not ready: too low",
+            Self::Slow => "fga: not ready: too slow to fly a turn",
+            Self::Mode => "fga: not ready: mode is not to be taken over",
+            Self::Mission => "fga: not ready: mission is not known",
+            Self::TakeOffOrLanding => "fga: not ready: take-off or landing",
+            Self::FenceAction => "fga: not ready: FENCE_ACTION uses GUIDED",
+            Self::Listens => "fga: not ready: listens for other vehicles",
+            Self::TwoSenders => "fga: not ready: two senders with one id",
+            Self::TwoVehicles => "fga: not ready: two vehicles, set system_id",
+            Self::Limits => "fga: not ready: vehicle's limits not known",
+            Self::OtherAvoider => "fga: not ready: AVD_F_ACTION avoids by itself",
+            Self::SlowLink => "fga: not ready: link answers too late",
+            Self::BankLimit => "fga: not ready: bank limit cannot be flown",
+            Self::Decision => "fga: not ready: no decision possible",
+            Self::FeedUnreadable => "fga: not ready: traffic feed not understood",
+            Self::FeedSilent => "fga: not ready: no traffic feed",
+            Self::Ground => "fga: not ready: the ground is not made yet",
+        }
+    }
+
+    /// The operator's own action is no news for the operator.
+    const fn severity(self) -> Severity {
+        match self {
+            Self::Mode | Self::Disarmed | Self::TakeOffOrLanding => Severity::Info,
+            _ => Severity::Warning,
+        }
+    }
+}
+
+/// The reports about readiness and need.
+#[derive(Debug, Clone, Copy, Default)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each report is made once, by itself"
+)]
+pub(super) struct Told {
+    /// Missing now, and since when, seconds.
+    lacking: Option<(Lacking, f64)>,
+    /// Whether the operator has read that the companion is ready.
+    ready: bool,
+    /// The last report.
+    last: Option<Lacking>,
+    /// Whether the bank in need was reported.
+    need: bool,
+    /// Whether an obstacle without a way round was reported.
+    no_way: bool,
+    /// Whether a failing airspeed sensor was reported, and since when it fails, seconds.
+    airspeed: bool,
+    airspeed_fails_s: Option<f64>,
+}
+
+impl Told {
+    /// A manoeuvre begins.
+    pub(super) const fn begin(&mut self) {
+        self.need = false;
+    }
+
+    /// Reports once in a manoeuvre that it uses the bank in need.
+    pub(super) fn need(&mut self, voice: &mut Voice) {
+        if !core::mem::replace(&mut self.need, true) {
+            voice.warn("fga: bank in need");
+        }
+    }
+
+    /// Takes the name of an obstacle without a way round, if there is one, and reports the first.
+    pub(super) fn no_way(&mut self, round: Option<String>, voice: &mut Voice) {
+        let was_told = core::mem::replace(&mut self.no_way, round.is_some());
+        if let Some(name) = round.filter(|_| !was_told) {
+            voice.warn(&format!("fga: no way round {name} keeps it, not begun"));
+        }
+    }
+
+    /// Reports once that ground speed and wind stand in for the airspeed sensor.
+    pub(super) fn airspeed(&mut self, fails: bool, voice: &mut Voice) {
+        let now_s = voice.now_s();
+        if !fails {
+            self.airspeed_fails_s = None;
+            return;
+        }
+        // In a take-off run the airspeed comes after the ground speed.
+        let since_s = *self.airspeed_fails_s.get_or_insert(now_s);
+        if now_s - since_s >= LOST_S && !core::mem::replace(&mut self.airspeed, true) {
+            voice.warn("fga: airspeed sensor fails, ground speed used");
+        }
+    }
+
+    /// The companion is ready.
+    pub(super) const fn ready(&mut self) {
+        self.ready = true;
+        self.last = None;
+    }
+
+    /// Reports to the operator of a vehicle a lost ability, or why it does not come.
+    pub(super) fn lacking(&mut self, lacking: Option<Lacking>, voice: &mut Voice) {
+        let now_s = voice.now_s();
+        let Some(lacking) = lacking else {
+            self.lacking = None;
+            return;
+        };
+        let since_s = match self.lacking {
+            Some((before, since_s)) if before == lacking => since_s,
+            _ => now_s,
+        };
+        self.lacking = Some((lacking, since_s));
+        let after_s = if self.ready { LOST_S } else { NEVER_READY_S };
+        if now_s - since_s >= after_s && self.last != Some(lacking) {
+            self.ready = false;
+            self.last = Some(lacking);
+            voice.tell(lacking.severity(), lacking.words());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_fits_into_one_message() {
+        for lacking in [
+            Lacking::Link,
+            Lacking::Contradiction,
+            Lacking::Rate,
+            Lacking::Telemetry,
+            Lacking::Disarmed,
+            Lacking::Height,
+            Lacking::Slow,
+            Lacking::Mode,
+            Lacking::Mission,
+            Lacking::TakeOffOrLanding,
+            Lacking::Limits,
+            Lacking::FenceAction,
+            Lacking::BankLimit,
+            Lacking::Decision,
+            Lacking::TwoVehicles,
+            Lacking::Listens,
+            Lacking::TwoSenders,
+            Lacking::FeedUnreadable,
+            Lacking::FeedSilent,
+            Lacking::OtherAvoider,
+            Lacking::SlowLink,
+            Lacking::Ground,
+        ] {
+            assert!(lacking.words().len() <= 50, "{lacking:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_told_once_after_a_while_and_sooner_where_it_was_there() {
+        let (mut told, mut voice) = (Told::default(), Voice::default());
+        let mut texts_at = |lacking, now_s| {
+            told.lacking(lacking, voice.at(now_s));
+            voice.texts()
+        };
+        let rate = Some(Lacking::Rate);
+        assert_eq!(texts_at(rate, 0.0), 0);
+        assert_eq!(texts_at(rate, 7.9), 0);
+        assert_eq!(texts_at(rate, 8.0), 1);
+        assert_eq!(texts_at(rate, 20.0), 1, "once");
+        assert_eq!(texts_at(None, 21.0), 1);
+        told.ready();
+        let mut texts_at = |lacking, now_s| {
+            told.lacking(lacking, voice.at(now_s));
+            voice.texts()
+        };
+        assert_eq!(texts_at(rate, 30.0), 1);
+        assert_eq!(texts_at(rate, 31.0), 2);
+    }
+}

@@ -1,0 +1,243 @@
+//! What is known now: the state, how old it is, and what is missing to act on it.
+
+use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
+
+use super::Companion;
+use super::boundary::acts_in_guided;
+use super::decider::Decider;
+use super::gap::{self, MOST_BLIND_S};
+use super::lacking::Lacking;
+use super::session::SILENT_S;
+use super::trips::round_trip_of;
+use crate::authority::{Authority, Fault};
+use crate::mission::is_take_off_or_landing;
+use crate::mode::Mode;
+use crate::ownship::State;
+
+/// After this long without a decision no decision is possible, seconds.
+const NO_DECISION_S: f64 = 0.5;
+
+/// Telemetry is stale after this many of its measured intervals, if these are long.
+const STALE_INTERVALS: f64 = 2.5;
+/// Below this share of its least airspeed a vehicle does not fly on its wing.
+const SLOW_SHARE: f64 = 0.7;
+
+impl Companion {
+    /// The state to decide about, with what is missing reported; `None` while it is not known.
+    pub(super) fn observe(&mut self, now_s: f64) -> Option<State> {
+        self.lead.follow(now_s);
+        let fresh = !self.is_blind(now_s);
+        let state = if fresh || self.flies_blind(now_s) {
+            self.state_ahead(now_s)
+        } else {
+            None
+        };
+        let lacking = self.lacking(now_s, state.as_ref().filter(|_| fresh));
+        let before = self.keeper.state();
+        let actions = self.keeper.readiness(lacking.is_none(), now_s);
+        self.perform(&actions, now_s);
+        self.tell_readiness(lacking);
+        if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
+            self.forget_plan();
+        }
+        // Before the take-off too: a ground station needs minutes.
+        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
+        self.over.order(route, lists, &self.ownship, voice);
+        let state = state?;
+        self.lay_fence();
+        if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
+            self.fault(Fault::BelowFloor, now_s);
+        }
+        if !self.keeper.commands() {
+            self.hand.watch(&state);
+        }
+        Some(state)
+    }
+
+    /// The state at the moment at which a command sent now takes effect.
+    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
+        let in_need = self.is_in_need();
+        self.lead.state(&mut self.ownship, in_need, now_s)
+    }
+
+    /// Whether the last decision uses the bank in need.
+    fn is_in_need(&self) -> bool {
+        self.decided
+            .is_some_and(|decided| decided.decision.record.in_need)
+    }
+
+    /// Age of the telemetry, seconds; infinite before the first.
+    pub(super) fn telemetry_age_s(&self, now_s: f64) -> f64 {
+        self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the telemetry is too old to use unchanged.
+    pub(super) fn is_blind(&self, now_s: f64) -> bool {
+        self.telemetry_age_s(now_s) > self.stale_s()
+    }
+
+    /// Whether the companion flies on without telemetry.
+    pub(super) fn flies_blind(&self, now_s: f64) -> bool {
+        self.keeper.commands()
+            && self.decider.as_ref().is_some_and(Decider::certifies)
+            && self.decided.is_some()
+            && self.is_blind(now_s)
+            && self.telemetry_age_s(now_s) <= MOST_BLIND_S
+    }
+
+    /// Whether heartbeats are missing, so that requests have no visible effect.
+    pub(super) fn is_silent(&self, now_s: f64) -> bool {
+        self.session.silent_s(now_s).is_some_and(|s| s > SILENT_S)
+    }
+
+    /// Extra uncertainty of our own position, m.
+    pub(super) fn growth_m(&self, now_s: f64) -> f64 {
+        if self.is_blind(now_s) {
+            gap::growth_m(self.telemetry_age_s(now_s))
+        } else {
+            0.0
+        }
+    }
+
+    /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
+    /// if the vehicle sends them slowly.
+    pub(super) fn stale_s(&self) -> f64 {
+        let configured_s = self.config.safety.telemetry_stale_s;
+        let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
+        interval_s.map_or(configured_s, |s| configured_s.max(STALE_INTERVALS * s))
+    }
+
+    /// Measured airspeed, or cruise airspeed, metres per second.
+    pub(super) fn airspeed_mps(&self) -> Option<f64> {
+        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
+        measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
+    }
+
+    /// The largest bank to command now, radians.
+    pub(super) fn bank_limit_rad(&self) -> Option<f64> {
+        self.parameters
+            .bank_limit_rad(&self.config, self.airspeed_mps()?)
+    }
+
+    /// The largest bank to command in need, radians; `None` without a separate one.
+    pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
+        self.parameters
+            .bank_in_need_rad(&self.config, self.airspeed_mps()?)
+    }
+
+    /// Reports what has changed about readiness.
+    fn tell_readiness(&mut self, lacking: Option<Lacking>) {
+        let voice = &mut self.voice;
+        self.told.airspeed(self.ownship.airspeed_fails(), voice);
+        if self.keeper.state() == Authority::Ready {
+            self.told.ready();
+            self.session.choose();
+        }
+        // Before the first heartbeat there is nobody to tell.
+        if lacking.is_none() || self.session.system().is_some() {
+            self.told.lacking(lacking, voice);
+        }
+    }
+
+    /// Takes the vehicle's answer to what its clock reads.
+    pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
+        self.lead.take_round_trip(data, now_s);
+        if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
+            self.ownship.round_trip(sent_s, boot_s, now_s);
+            self.session.round_trip(sent_s, boot_s, now_s);
+        }
+    }
+
+    /// Whether decisions are made.
+    pub(super) fn can_decide(&self, now_s: f64) -> bool {
+        self.undecided_s
+            .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
+    }
+
+    /// Whether the vehicle is too slow to fly on its wing: a quadplane that hovers in AUTO would speed up in GUIDED.
+    fn is_slow(&self) -> bool {
+        let least_mps = self.parameters.get("AIRSPEED_MIN");
+        let airspeed_mps = self.ownship.airspeed_mps();
+        airspeed_mps
+            .zip(least_mps)
+            .is_some_and(|(airspeed_mps, least_mps)| airspeed_mps < SLOW_SHARE * least_mps)
+    }
+
+    /// Whether the vehicle takes off or lands in its mission.
+    fn takes_off_or_lands(&self) -> bool {
+        let item = self.lists.item();
+        item.and_then(|item| self.lists.mission_item(item))
+            .is_some_and(is_take_off_or_landing)
+    }
+
+    /// The missing condition for a take-over, or for flying on.
+    pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
+        let engaged = self.keeper.is_engaged();
+        let link_lost_s = self.config.safety.link_lost_s;
+        if let Some(lacking) = self.session.lacking(link_lost_s, engaged, now_s) {
+            return Some(lacking);
+        }
+        let mode = self.session.mode()?;
+        // Before all that changes with the mode: two avoiders would take turns.
+        if !engaged && self.parameters.avoids_by_itself() {
+            return Some(Lacking::OtherAvoider);
+        }
+        if !engaged && self.lead.is_too_long(now_s) {
+            return Some(Lacking::SlowLink);
+        }
+        if !self.rates.is_usable() {
+            return Some(Lacking::Rate);
+        }
+        if self.is_blind(now_s) {
+            return Some(Lacking::Telemetry);
+        }
+        // Before the vehicle is armed the operator can still mend it.
+        if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
+            return Some(lacking);
+        }
+        if !self.session.is_armed() {
+            return Some(Lacking::Disarmed);
+        }
+        // It stands or rolls.
+        let Some(state) = state else {
+            return Some(if self.takes_off_or_lands() {
+                Lacking::TakeOffOrLanding
+            } else {
+                Lacking::Slow
+            });
+        };
+        let floor_m = self.config.limits.floor_m;
+        // A little above the floor at first, so that the manoeuvre does not cross it at once.
+        let high_enough = state.above_home_m >= floor_m + 5.0
+            || (engaged && state.above_home_m >= floor_m - 10.0);
+        if !high_enough {
+            return Some(Lacking::Height);
+        }
+        if !engaged && self.is_slow() {
+            return Some(Lacking::Slow);
+        }
+        if !(engaged || self.take_over.contains(&mode)) {
+            return Some(Lacking::Mode);
+        }
+        let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(mode);
+        if mode == Mode::AUTO && !self.lists.is_way_known(now_s) {
+            return Some(Lacking::Mission);
+        }
+        if mode == Mode::AUTO && !engaged && self.takes_off_or_lands() {
+            return Some(Lacking::TakeOffOrLanding);
+        }
+        if !self.parameters.is_sufficient() {
+            return Some(Lacking::Limits);
+        }
+        if !engaged && acts_in_guided(&self.parameters) {
+            return Some(Lacking::FenceAction);
+        }
+        if !engaged && self.over.is_awaited() {
+            return Some(Lacking::Ground);
+        }
+        if self.bank_limit_rad().is_none() {
+            return Some(Lacking::BankLimit);
+        }
+        (!self.can_decide(now_s)).then_some(Lacking::Decision)
+    }
+}
