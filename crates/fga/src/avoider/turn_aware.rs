@@ -76,7 +76,6 @@ impl Plan {
             margin_m: answer.found.margin_m,
             cost: answer.found.cost,
             next_start_s: None,
-            is_small: false,
             ..*self
         }
     }
@@ -249,7 +248,6 @@ impl Avoider<dyn Places + '_> {
             threat_found_s: time_s,
             against,
             next_start_s: None,
-            is_small: self.is_small(answer, threat.id),
         };
         self.plan = Some(plan);
         core::mem::swap(&mut self.flown, &mut self.tables.answer);
@@ -293,37 +291,26 @@ impl Avoider<dyn Places + '_> {
         self.go_on(&plan, time_s, &mut decision.command);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
         let kept = self.kept_rung(&mut plan, flown, now);
-        // Whether it withstands no turn of an aircraft: then a better one cannot wait.
+        // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
-        if is_bare && plan.is_small && self.has_reserve(flown, now) {
-            self.plan = Some(plan);
-            // It stays on its rung, but claims what is proven now.
-            plan.rung = kept.unwrap_or(plan.rung);
-            return self.report(decision, &plan, time_s, Reason::WaitingForStart);
-        }
+        let is_waiting = is_bare && self.has_reserve(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
-        let answer = if kept.is_some() {
-            is_due
-                .then(|| self.better(&plan, flown, situation, now))
-                .flatten()
-        } else if is_due || self.grids < GRIDS_A_SEARCH {
-            self.highest_beside(0..RUNGS, now)
-                .or_else(|| self.best(Some((&mut plan, flown)), hold, now))
-        } else {
-            None
+        let answer = match kept {
+            _ if is_waiting => None,
+            Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
+            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_beside(0..RUNGS, now))
+                .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
+            None => None,
         };
         if let Some(answer) = &answer {
             let margin_m = self.demand_of(answer.rung).margin_m;
-            let threat = plan.threat.filter(|_| plan.is_small);
-            plan = Plan {
-                against: self.also_against(flown, now, plan.against, margin_m),
-                is_small: threat.is_some_and(|threat| self.is_small(answer, threat.id)),
-                ..plan.with(answer, time_s)
-            };
+            plan = plan.with(answer, time_s);
+            plan.against = self.also_against(flown, now, plan.against, margin_m);
             self.flown = self.tables.answer;
         }
         let reason = match (plan.proof.is_certified(), answer) {
+            _ if is_waiting => Reason::WaitingForStart,
             (true, Some(_)) => Reason::ManeuverReplaced,
             (true, None) => Reason::ManeuverKept,
             (false, _) => Reason::BestAvailable,
@@ -601,6 +588,23 @@ mod tests {
         };
         // It comes nearer by 1.5 m/s.
         assert!(!plans(RADIUS_M + 1.5 * 61.0) && plans(RADIUS_M + 1.5 * 59.0));
+    }
+
+    /// As on the mission: an aircraft that turns towards it is not yet a reason to turn again.
+    #[test]
+    fn a_manoeuvre_goes_on_while_a_turn_remains_in_reserve() {
+        let flies = |ahead_m| {
+            let row = aircraft(1, (ahead_m, 0.0), (-20.0, 0.0));
+            among(&[row], |avoider, situation, now| {
+                plan(avoider, situation, (0.0, WANTED));
+                let flown = avoider.flown;
+                let mut decision = Decision::default();
+                avoider.avoid(situation, now, &mut decision);
+                (decision.record.reason, avoider.flown == flown)
+            })
+        };
+        assert_eq!(flies(900.0), (Reason::WaitingForStart, true));
+        assert_eq!(flies(200.0), (Reason::ManeuverReplaced, false));
     }
 
     #[test]

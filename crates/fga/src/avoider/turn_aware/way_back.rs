@@ -124,7 +124,8 @@ impl Avoider<dyn Places + '_> {
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = given_up > 2;
+        let is_long = waited_s * self.flyer.course_rate_radps() > 2.0 * PI
+            && given_up > usize::from(self.gives_way(plan, situation));
         let mut first = detour.map(|(first, _)| first);
         let from = detour.map_or(now.state, |(_, from)| from);
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
@@ -161,7 +162,7 @@ impl Avoider<dyn Places + '_> {
         back.set(first.into_iter().chain(joined.stages().iter().copied()));
         let found = self.fly_back(&joined, plan, (situation, now), rung, back);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
-        // clear of the expected motion.
+        // clear of the expected motion. Who has the other one on the right waits longer: two that do the same would go on.
         let is_robust = |avoider: &mut Self| {
             avoider.is_robust_back(back, now, demand.margin_m)
                 || is_long && avoider.has_reserve(back, now)
@@ -175,6 +176,18 @@ impl Avoider<dyn Places + '_> {
         };
         self.return_to(&joined, plan, (situation, now));
         Some(found)
+    }
+
+    /// Whether an aircraft that a plan avoids is on the right.
+    fn gives_way(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
+        let (own_m, ours_mps) = (
+            situation.ownship.position_m,
+            situation.ownship.velocity_mps(),
+        );
+        self.tracks.rows().iter().any(|hazard| {
+            let offset_m = hazard.position_m - own_m;
+            plan.against.contains(hazard.id) && ours_mps.x * offset_m.y < ours_mps.y * offset_m.x
+        })
     }
 
     /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
@@ -209,7 +222,6 @@ impl Avoider<dyn Places + '_> {
             rung,
             cost: 0.0,
             next_start_s: None,
-            is_small: false,
             ..*plan
         };
         self.predict(maneuver, now, far.horizon_s);
@@ -340,15 +352,14 @@ impl Avoider<dyn Places + '_> {
         }
         let own_m = now.position_m;
         let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
-        let first_rad = back.stages().first().map(|stage| stage.course_rad);
+        let first = back.stages().first();
+        let first_rad = first.map_or(now.course_rad, |stage| stage.course_rad);
         // An aircraft moves away if it does so now, on the way back and on the mission.
-        let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
-            let course_rad = course_rad.unwrap_or(now.course_rad);
-            self.flyer.velocity_mps(&MotionState {
-                course_rad,
-                ..now.state
-            })
+        let ours = [now.course_rad, first_rad, mission_rad].map(|course_rad| MotionState {
+            course_rad,
+            ..now.state
         });
+        let ours_mps = ours.map(|state| self.flyer.velocity_mps(&state));
         let leaves = |hazard: &Hazard| {
             let offset_m = hazard.position_m - own_m;
             // What is above or below is clear by its height alone, and may change that.
