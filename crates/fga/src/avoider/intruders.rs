@@ -59,6 +59,8 @@ pub(super) enum Freedom {
     Share(f64),
     /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
     Brief,
+    /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
+    Wide,
 }
 
 /// The distance that a search keeps beyond the volumes of aircraft.
@@ -152,7 +154,7 @@ fn turns(
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share) => (share, bounds.turn_rate_radps),
-        Freedom::Brief => (1.0, bounds.brief_turn_rate_radps),
+        Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
     let expected = (expected_radps != 0.0).then_some((expected_radps, TURNS_ON_S));
@@ -195,12 +197,14 @@ pub(super) fn add_aircraft(
     let Some(bounds) = obstacle.movement.bounds() else {
         return add(hazard);
     };
-    let (climbs, brief_s) = match freedom {
-        Freedom::Expected => (1.0, 0.0),
-        Freedom::Share(share) => (share, 0.0),
-        Freedom::Brief => (1.0, SPEED_CHANGES_S),
+    let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
+    let (climbs, at_once_m, speeds_m) = match freedom {
+        Freedom::Expected => (1.0, 0.0, 0.0),
+        Freedom::Share(share) => (share, 0.0, 0.0),
+        Freedom::Brief => (1.0, 0.0, speeds_m),
+        Freedom::Wide => (1.0, speeds_m, 0.0),
     };
-    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs));
+    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + at_once_m);
     let may_mps = climbs * bounds.climb_change_mps;
     let change_mps = may_mps.max(trend.climb_change_mps(obstacle));
     let age_s = obstacle.age_s.max(0.0);
@@ -208,7 +212,7 @@ pub(super) fn add_aircraft(
         age_s,
         change_mps,
         end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
-        speeds_m: 0.5 * bounds.acceleration_mps2 * brief_s * brief_s,
+        speeds_m,
     };
     if motions == 0 {
         hazard.volume = hazard.volume.grown(since.speeds_m);
@@ -538,9 +542,10 @@ mod tests {
         turning.rate_radps = 0.05;
         for trend in [Trend::STRAIGHT, turning] {
             let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(Freedom::Share);
-            for freedom in shares
-                .into_iter()
-                .chain([Freedom::Expected, Freedom::Brief])
+            for freedom in
+                shares
+                    .into_iter()
+                    .chain([Freedom::Expected, Freedom::Brief, Freedom::Wide])
             {
                 let most = super::most_hazards(freedom, (&obstacle, trend));
                 let taken = motions(freedom, trend).rows().len();
@@ -623,9 +628,10 @@ mod tests {
                     assert!(is_within(&motions, place_m, at_s), "{side} {at_s} s");
                 }
             }
-            let all_m = TRACKING_M + faster_m(10.0);
-            let place_m = seen.position_m - ahead * all_m;
+            let place_m = seen.position_m - ahead * (TRACKING_M + faster_m(10.0));
             assert!(!is_within(&motions, place_m, 0.0), "{age_s} s old");
+            let motions = motions_of(&seen, Freedom::Wide, MOTIONS);
+            assert!(is_within(&motions, place_m, 0.0), "{age_s} s old");
         }
     }
 

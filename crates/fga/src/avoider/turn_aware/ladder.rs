@@ -92,7 +92,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The course of a plan, radians from that of the mission.
-    fn away_rad(&self, now: &MotionState) -> f64 {
+    pub(super) fn away_rad(&self, now: &MotionState) -> f64 {
         let course_rad =
             (self.flown.stages().last()).map_or(now.course_rad, |last| last.course_rad);
         course_rad - now.course_rad - self.progress.leg(now).turn_onto_rad(now)

@@ -1,8 +1,8 @@
 //! A large turn in reserve: while one that begins later still withstands what may come, the aircraft flies on, along its
-//! mission, a manoeuvre or a way back.
+//! mission, a manoeuvre near its course, or a way back.
 //!
 //! A large turn late departs by the width of the volume. A climb or a slight turn that begins some seconds sooner departs by
-//! much less, but the intruder may follow it. So the policy flies a manoeuvre like the mission: as long as a large turn remains.
+//! much less, but the intruder may follow it. So the policy flies it like the mission: as long as a large turn remains.
 
 use core::f64::consts::PI;
 
@@ -21,7 +21,7 @@ const WAIT_S: f64 = 2.0;
 const RESERVE_RAD: f64 = 1.3;
 
 /// A small manoeuvre turns by at most this, radians (23°).
-const SMALL_TURN_RAD: f64 = 0.4;
+pub(super) const SMALL_TURN_RAD: f64 = 0.4;
 
 /// A small manoeuvre begins at most this long before the entry, seconds: sooner than that an intruder mostly turns before it
 /// comes.

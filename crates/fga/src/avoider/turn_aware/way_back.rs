@@ -124,8 +124,7 @@ impl Avoider<dyn Places + '_> {
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = waited_s * self.flyer.course_rate_radps() > 2.0 * PI
-            && given_up > usize::from(self.gives_way(plan, situation));
+        let is_long = given_up > 2;
         let mut first = detour.map(|(first, _)| first);
         let from = detour.map_or(now.state, |(_, from)| from);
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
@@ -161,10 +160,15 @@ impl Avoider<dyn Places + '_> {
         };
         back.set(first.into_iter().chain(joined.stages().iter().copied()));
         let found = self.fly_back(&joined, plan, (situation, now), rung, back);
+        let freedom = if given_up == 0 {
+            Freedom::Wide
+        } else {
+            Freedom::Brief
+        };
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
-        // clear of the expected motion. Who has the other one on the right waits longer: two that do the same would go on.
+        // clear of the expected motion.
         let is_robust = |avoider: &mut Self| {
-            avoider.is_robust_back(back, now, demand.margin_m)
+            avoider.is_robust_back(back, now, (freedom, demand.margin_m))
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
@@ -176,18 +180,6 @@ impl Avoider<dyn Places + '_> {
         };
         self.return_to(&joined, plan, (situation, now));
         Some(found)
-    }
-
-    /// Whether an aircraft that a plan avoids is on the right.
-    fn gives_way(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
-        let (own_m, ours_mps) = (
-            situation.ownship.position_m,
-            situation.ownship.velocity_mps(),
-        );
-        self.tracks.rows().iter().any(|hazard| {
-            let offset_m = hazard.position_m - own_m;
-            plan.against.contains(hazard.id) && ours_mps.x * offset_m.y < ours_mps.y * offset_m.x
-        })
     }
 
     /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
@@ -343,7 +335,12 @@ impl Avoider<dyn Places + '_> {
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
     #[inline(never)]
-    fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, target_m: f64) -> bool {
+    fn is_robust_back(
+        &mut self,
+        back: &Maneuver,
+        now: &Now<'_>,
+        (freedom, target_m): (Freedom, f64),
+    ) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
         }
@@ -371,7 +368,7 @@ impl Avoider<dyn Places + '_> {
             if leaves(hazard) {
                 Freedom::Expected
             } else {
-                Freedom::Brief
+                freedom
             }
         };
         self.withstand(&freedom, (0.0, target_m));
