@@ -357,11 +357,8 @@ impl Avoider<dyn Places + '_> {
     ) -> T {
         self.within_limits(demand, |avoider| {
             avoider.keep_rolls(now);
-            let most = if avoider.plan.is_none() || !avoider.flyer.is_ideal() {
-                u32::MAX
-            } else {
-                GRID_WORK
-            };
+            let is_whole = avoider.plan.is_none() || !avoider.flyer.is_ideal();
+            let most = if is_whole { u32::MAX } else { GRID_WORK };
             let leg = avoider.progress.leg(now);
             let (low, high) = avoider.climb_limits_rad();
             let scene = Scene {
@@ -594,21 +591,28 @@ mod tests {
         assert!(!plans(RADIUS_M + 1.5 * 61.0) && plans(RADIUS_M + 1.5 * 59.0));
     }
 
-    /// As on the mission: an aircraft that turns towards it is not yet a reason to turn again.
+    /// As on the mission: an aircraft that turns towards it is not yet a reason to turn again. Another course leads away.
     #[test]
-    fn a_manoeuvre_goes_on_while_a_turn_remains_in_reserve() {
-        let flies = |ahead_m| {
-            let row = aircraft(1, (ahead_m, 0.0), (-20.0, 0.0));
+    fn along_the_mission_a_manoeuvre_goes_on_while_a_turn_remains_in_reserve() {
+        let flies = |turn_rad: f64, ahead_m: f64| {
+            let (sin, cos) = turn_rad.sin_cos();
+            let row = aircraft(
+                1,
+                (ahead_m * cos, ahead_m * sin),
+                (-20.0 * cos, -20.0 * sin),
+            );
             among(&[row], |avoider, situation, now| {
-                plan(avoider, situation, (0.0, WANTED));
+                plan(avoider, situation, (turn_rad, WANTED));
                 let flown = avoider.flown;
                 let mut decision = Decision::default();
                 avoider.avoid(situation, now, &mut decision);
                 (decision.record.reason, avoider.flown == flown)
             })
         };
-        assert_eq!(flies(900.0), (Reason::WaitingForStart, true));
-        assert_eq!(flies(200.0), (Reason::ManeuverReplaced, false));
+        assert_eq!(flies(0.0, 900.0), (Reason::WaitingForStart, true));
+        assert_eq!(flies(0.3, 900.0), (Reason::WaitingForStart, true));
+        assert_eq!(flies(0.5, 900.0), (Reason::ManeuverReplaced, false));
+        assert_eq!(flies(0.0, 200.0), (Reason::ManeuverReplaced, false));
     }
 
     #[test]

@@ -106,10 +106,10 @@ fn a_replaced_maneuver_keeps_the_time_at_which_its_threat_was_expected() {
     };
     let (mut expected_s, mut replaced) = (None, 0);
     for _ in 0..1200 {
-        // Once the aircraft avoids it the intruder turns after it, so fast that no turn in reserve is left.
+        // Once the aircraft avoids it the intruder turns after it.
         if expected_s.is_some() {
             let side = -flight.own.position_m.y.signum();
-            let (sin, cos) = (side * 0.06 * PERIOD_S).sin_cos();
+            let (sin, cos) = (side * 0.05 * PERIOD_S).sin_cos();
             let v = intruder.velocity_mps;
             intruder.velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
         }
@@ -117,9 +117,6 @@ fn a_replaced_maneuver_keeps_the_time_at_which_its_threat_was_expected() {
         let decision = flight.cycle(&mut rows);
         intruder = rows[0];
         if decision.state != State::Avoiding {
-            if expected_s.is_some() {
-                break;
-            }
             continue;
         }
         if let Some(threat) = decision.record.threat {
