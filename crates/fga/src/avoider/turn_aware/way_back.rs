@@ -109,7 +109,6 @@ impl Avoider<dyn Places + '_> {
         // After a long search without room for the wanted margin less is enough.
         let given_up = plan.given_up(situation.time_s);
         let rung = (WANTED + given_up).min(RUNGS - 2);
-        let demand = &self.demand_of(rung);
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
@@ -371,8 +370,8 @@ mod tests {
     #[test]
     fn an_early_way_back_keeps_more_room_than_a_later_one() {
         let mut counts = [0; 3];
-        for aside_m in (300..700).step_by(10) {
-            let row = aircraft(1, (0.0, f64::from(aside_m)), (20.0, -1.0));
+        for aside_m in (0..400).step_by(2) {
+            let row = aircraft(1, (200.0, f64::from(aside_m)), (-20.0, 0.0));
             let is_robust = |rung| {
                 among(&[row], |avoider, _, now| {
                     avoider.is_robust_back(&Maneuver::HOLD, now, rung)
