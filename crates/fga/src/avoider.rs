@@ -89,8 +89,6 @@ struct Plan {
     next_start_s: Option<f64>,
     /// Identifiers of the obstacles that it avoids: the way back must be clear of them.
     against: Against,
-    /// Whether it is a small manoeuvre, which another one may still follow.
-    is_small: bool,
 }
 
 /// A chosen way back: its obstacles, leg and time.

@@ -59,6 +59,8 @@ pub(super) enum Freedom {
     Share(f64),
     /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
     Brief,
+    /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
+    Wide,
 }
 
 /// The distance that a search keeps beyond the volumes of aircraft.
@@ -152,7 +154,7 @@ fn turns(
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share) => (share, bounds.turn_rate_radps),
-        Freedom::Brief => (1.0, bounds.brief_turn_rate_radps),
+        Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
     let expected = (expected_radps != 0.0).then_some((expected_radps, TURNS_ON_S));
@@ -175,7 +177,8 @@ pub(super) fn most_hazards(freedom: Freedom, (obstacle, trend): (&Obstacle, Tren
         return 1;
     };
     let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
-    motions.flatten().map(|turn| chords(turn) + 2).sum()
+    let legs = 2 + usize::from(freedom == Freedom::Brief);
+    motions.flatten().map(|turn| chords(turn) + legs).sum()
 }
 
 /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
@@ -194,13 +197,14 @@ pub(super) fn add_aircraft(
     let Some(bounds) = obstacle.movement.bounds() else {
         return add(hazard);
     };
-    let (climbs, brief_s) = match freedom {
-        Freedom::Expected => (1.0, 0.0),
-        Freedom::Share(share) => (share, 0.0),
-        Freedom::Brief => (1.0, SPEED_CHANGES_S),
+    let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
+    let (climbs, at_once_m, speeds_m) = match freedom {
+        Freedom::Expected => (1.0, 0.0, 0.0),
+        Freedom::Share(share) => (share, 0.0, 0.0),
+        Freedom::Brief => (1.0, 0.0, speeds_m),
+        Freedom::Wide => (1.0, speeds_m, 0.0),
     };
-    let speeds_m = 0.5 * bounds.acceleration_mps2 * brief_s * brief_s;
-    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
+    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + at_once_m);
     let may_mps = climbs * bounds.climb_change_mps;
     let change_mps = may_mps.max(trend.climb_change_mps(obstacle));
     let age_s = obstacle.age_s.max(0.0);
@@ -208,8 +212,10 @@ pub(super) fn add_aircraft(
         age_s,
         change_mps,
         end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
+        speeds_m,
     };
     if motions == 0 {
+        hazard.volume = hazard.volume.grown(since.speeds_m);
         let at = since.report(&hazard);
         hazard.velocity_mps = at.velocity_mps;
         hazard.position_m = at.position_m + at.velocity_mps * age_s;
@@ -232,9 +238,17 @@ fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn
     let (rate_radps, for_s) = turn;
     for _ in 0..chords {
         let next = at.turned(rate_radps, for_s / chords as f64);
-        add_leg(add, &hazard, &at, &next, rate_radps);
+        let faster = since.faster(&hazard, next.at_s);
+        add_leg(add, &faster, &at, &next, rate_radps);
         at = next;
     }
+    let left_s = begins_s + SPEED_CHANGES_S - at.at_s;
+    if left_s > 0.0 && since.speeds_m > 0.0 {
+        let next = at.turned(0.0, left_s);
+        add_leg(add, &since.faster(&hazard, next.at_s), &at, &next, 0.0);
+        at = next;
+    }
+    hazard.volume = hazard.volume.grown(since.speeds_m);
     let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
     if left_s > 0.0 && since.change_mps > 0.0 {
         let next = at.turned(0.0, left_s);
@@ -272,12 +286,14 @@ fn add_leg(
     });
 }
 
-/// How heights may have changed since a report, and may change: by a change of climb, and by its end.
+/// How heights and speeds may have changed since a report, and may change: by a change of climb, by its end, by a change of speed.
 struct Since {
     age_s: f64,
     change_mps: f64,
     /// Half of the climb that may end.
     end_mps: f64,
+    /// The way that a change of speed makes in its time, metres.
+    speeds_m: f64,
 }
 
 impl Since {
@@ -288,6 +304,17 @@ impl Since {
             at_s: -self.age_s,
             position_m,
             velocity_mps: hazard.velocity_mps - Vec3::new(0.0, 0.0, self.end_mps),
+        }
+    }
+
+    /// The hazard while the speed changes, up to a moment, seconds: the way ½ a t² is below its chord.
+    fn faster(&self, hazard: &Hazard, until_s: f64) -> Hazard {
+        let grows_mps =
+            self.speeds_m * (until_s + self.age_s) / (SPEED_CHANGES_S * SPEED_CHANGES_S);
+        Hazard {
+            volume: hazard.volume.grown(grows_mps * self.age_s),
+            growth_mps: hazard.growth_mps + grows_mps,
+            ..*hazard
         }
     }
 
@@ -435,7 +462,7 @@ mod tests {
         motions.rows().iter().any(|hazard| {
             let (from_s, until_s) = hazard.window_s;
             let volume = intruder().volume;
-            let room_m = hazard.volume.radius_m() - volume.radius_m();
+            let room_m = hazard.volume.radius_m() - volume.radius_m() + hazard.growth_mps * at_s;
             let (now_m, more_mps) = hazard.stretch_m;
             let off = place_m - (hazard.position_m + hazard.velocity_mps * at_s);
             (from_s..=until_s).contains(&at_s)
@@ -515,9 +542,10 @@ mod tests {
         turning.rate_radps = 0.05;
         for trend in [Trend::STRAIGHT, turning] {
             let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(Freedom::Share);
-            for freedom in shares
-                .into_iter()
-                .chain([Freedom::Expected, Freedom::Brief])
+            for freedom in
+                shares
+                    .into_iter()
+                    .chain([Freedom::Expected, Freedom::Brief, Freedom::Wide])
             {
                 let most = super::most_hazards(freedom, (&obstacle, trend));
                 let taken = motions(freedom, trend).rows().len();
@@ -577,6 +605,33 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// An earlier version widened the volume at once by all that the speed may change in ten seconds.
+    #[test]
+    fn a_change_of_speed_takes_its_time() {
+        let faster_m = |at_s: f64| 0.5 * BOUNDS.acceleration_mps2 * at_s * at_s;
+        for age_s in [0.0, 2.0] {
+            let reported = intruder();
+            let seen = Obstacle {
+                position_m: reported.position_m + reported.velocity_mps * age_s,
+                age_s,
+                ..reported
+            };
+            let motions = motions_of(&seen, Freedom::Brief, MOTIONS);
+            let ahead = reported.velocity_mps.with_z(0.0).normalize();
+            for side in [-1.0, 1.0] {
+                for at_s in [0.0, 1.3, 4.0, 7.7, 10.0 - age_s] {
+                    let straight_m = seen.position_m + seen.velocity_mps * at_s;
+                    let place_m = straight_m + side * ahead * faster_m(age_s + at_s);
+                    assert!(is_within(&motions, place_m, at_s), "{side} {at_s} s");
+                }
+            }
+            let place_m = seen.position_m - ahead * (TRACKING_M + faster_m(10.0));
+            assert!(!is_within(&motions, place_m, 0.0), "{age_s} s old");
+            let motions = motions_of(&seen, Freedom::Wide, MOTIONS);
+            assert!(is_within(&motions, place_m, 0.0), "{age_s} s old");
         }
     }
 

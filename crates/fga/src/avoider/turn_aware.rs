@@ -26,6 +26,8 @@ use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
 
+use reserve::SMALL_TURN_RAD;
+
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
 /// searches can still reach.
@@ -76,7 +78,6 @@ impl Plan {
             margin_m: answer.found.margin_m,
             cost: answer.found.cost,
             next_start_s: None,
-            is_small: false,
             ..*self
         }
     }
@@ -249,7 +250,6 @@ impl Avoider<dyn Places + '_> {
             threat_found_s: time_s,
             against,
             next_start_s: None,
-            is_small: self.is_small(answer, threat.id),
         };
         self.plan = Some(plan);
         core::mem::swap(&mut self.flown, &mut self.tables.answer);
@@ -293,37 +293,28 @@ impl Avoider<dyn Places + '_> {
         self.go_on(&plan, time_s, &mut decision.command);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
         let kept = self.kept_rung(&mut plan, flown, now);
-        // Whether it withstands no turn of an aircraft: then a better one cannot wait.
+        // Whether it withstands no turn of an aircraft: then a better one waits only where a large turn remains, near the mission's
+        // course. On another one waiting costs departure.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
-        if is_bare && plan.is_small && self.has_reserve(flown, now) {
-            self.plan = Some(plan);
-            // It stays on its rung, but claims what is proven now.
-            plan.rung = kept.unwrap_or(plan.rung);
-            return self.report(decision, &plan, time_s, Reason::WaitingForStart);
-        }
+        let is_along = self.away_rad(now).abs() <= SMALL_TURN_RAD;
+        let is_waiting = is_bare && is_along && self.has_reserve(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
-        let answer = if kept.is_some() {
-            is_due
-                .then(|| self.better(&plan, flown, situation, now))
-                .flatten()
-        } else if is_due || self.grids < GRIDS_A_SEARCH {
-            self.highest_beside(0..RUNGS, now)
-                .or_else(|| self.best(Some((&mut plan, flown)), hold, now))
-        } else {
-            None
+        let answer = match kept {
+            _ if is_waiting => None,
+            Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
+            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_beside(0..RUNGS, now))
+                .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
+            None => None,
         };
         if let Some(answer) = &answer {
             let margin_m = self.demand_of(answer.rung).margin_m;
-            let threat = plan.threat.filter(|_| plan.is_small);
-            plan = Plan {
-                against: self.also_against(flown, now, plan.against, margin_m),
-                is_small: threat.is_some_and(|threat| self.is_small(answer, threat.id)),
-                ..plan.with(answer, time_s)
-            };
+            plan = plan.with(answer, time_s);
+            plan.against = self.also_against(flown, now, plan.against, margin_m);
             self.flown = self.tables.answer;
         }
         let reason = match (plan.proof.is_certified(), answer) {
+            _ if is_waiting => Reason::WaitingForStart,
             (true, Some(_)) => Reason::ManeuverReplaced,
             (true, None) => Reason::ManeuverKept,
             (false, _) => Reason::BestAvailable,
@@ -366,11 +357,8 @@ impl Avoider<dyn Places + '_> {
     ) -> T {
         self.within_limits(demand, |avoider| {
             avoider.keep_bends(now);
-            let most = if avoider.plan.is_none() || !avoider.flyer.is_ideal() {
-                u32::MAX
-            } else {
-                GRID_WORK
-            };
+            let is_whole = avoider.plan.is_none() || !avoider.flyer.is_ideal();
+            let most = if is_whole { u32::MAX } else { GRID_WORK };
             let leg = avoider.progress.leg(now);
             let (low, high) = avoider.climb_limits_rad();
             let scene = Scene {
@@ -600,6 +588,30 @@ mod tests {
         };
         // It comes nearer by 1.5 m/s.
         assert!(!plans(RADIUS_M + 1.5 * 61.0) && plans(RADIUS_M + 1.5 * 59.0));
+    }
+
+    /// As on the mission: an aircraft that turns towards it is not yet a reason to turn again. Another course leads away.
+    #[test]
+    fn along_the_mission_a_manoeuvre_goes_on_while_a_turn_remains_in_reserve() {
+        let flies = |turn_rad: f64, ahead_m: f64| {
+            let (sin, cos) = turn_rad.sin_cos();
+            let row = aircraft(
+                1,
+                (ahead_m * cos, ahead_m * sin),
+                (-20.0 * cos, -20.0 * sin),
+            );
+            among(&[row], |avoider, situation, now| {
+                plan(avoider, situation, (turn_rad, WANTED));
+                let flown = avoider.flown;
+                let mut decision = Decision::default();
+                avoider.avoid(situation, now, &mut decision);
+                (decision.record.reason, avoider.flown == flown)
+            })
+        };
+        assert_eq!(flies(0.0, 900.0), (Reason::WaitingForStart, true));
+        assert_eq!(flies(0.3, 900.0), (Reason::WaitingForStart, true));
+        assert_eq!(flies(0.5, 900.0), (Reason::ManeuverReplaced, false));
+        assert_eq!(flies(0.0, 200.0), (Reason::ManeuverReplaced, false));
     }
 
     #[test]

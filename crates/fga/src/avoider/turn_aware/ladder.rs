@@ -41,23 +41,20 @@ impl Avoider<dyn Places + '_> {
     ) -> Option<Answer> {
         let has_aircraft = self.tracks.has_aircraft();
         if has_aircraft && plan.rung == WANTED + 1 {
-            // An intruder may answer each change: a large turn of this rung is kept.
-            if !plan.is_small {
-                return None;
-            }
-        } else {
-            let (hold, variety) = (&Maneuver::HOLD, self.cycle / LOOK_EVERY);
-            let flown = Turns::of(flown, now.course_rad);
-            let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
-                let rungs = 0..if has_aircraft { 0 } else { plan.rung };
-                self.highest(rungs, hold, now, |search| {
-                    let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
-                    proof.is_certified().then_some(found)
-                })
-            });
-            if higher.is_some() || !has_aircraft || plan.rung > WANTED {
-                return higher;
-            }
+            // An intruder may answer each change.
+            return None;
+        }
+        let (hold, variety) = (&Maneuver::HOLD, self.cycle / LOOK_EVERY);
+        let flown = Turns::of(flown, now.course_rad);
+        let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
+            let rungs = 0..if has_aircraft { 0 } else { plan.rung };
+            self.highest(rungs, hold, now, |search| {
+                let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
+                proof.is_certified().then_some(found)
+            })
+        });
+        if higher.is_some() || !has_aircraft || plan.rung > WANTED {
+            return higher;
         }
         // A course nearer to the mission uses up what was kept for the aircraft.
         if !self.all_pass(plan, situation, now) && !self.is_free(now) {
@@ -95,7 +92,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The course of a plan, radians from that of the mission.
-    fn away_rad(&self, now: &MotionState) -> f64 {
+    pub(super) fn away_rad(&self, now: &MotionState) -> f64 {
         let course_rad =
             (self.flown.stages().last()).map_or(now.course_rad, |last| last.course_rad);
         course_rad - now.course_rad - self.progress.leg(now).turn_onto_rad(now)

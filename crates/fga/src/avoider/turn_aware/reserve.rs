@@ -1,5 +1,5 @@
 //! A large turn in reserve: while one that begins later still withstands what may come, the aircraft flies on, along its
-//! mission or along a small manoeuvre.
+//! mission, a manoeuvre near its course, or a way back.
 //!
 //! A large turn late departs by the width of the volume. A climb or a slight turn that begins some seconds sooner departs by
 //! much less, but the intruder may follow it. So the policy flies it like the mission: as long as a large turn remains.
@@ -21,7 +21,7 @@ const WAIT_S: f64 = 2.0;
 const RESERVE_RAD: f64 = 1.3;
 
 /// A small manoeuvre turns by at most this, radians (23°).
-const SMALL_TURN_RAD: f64 = 0.4;
+pub(super) const SMALL_TURN_RAD: f64 = 0.4;
 
 /// A small manoeuvre begins at most this long before the entry, seconds: sooner than that an intruder mostly turns before it
 /// comes.
@@ -87,12 +87,7 @@ impl Avoider<dyn Places + '_> {
         self.highest(0..WANTED + 1, &Maneuver::HOLD, now, |search| {
             search.cheapest(0.0)
         })
-        .filter(|answer| self.is_small(answer, threat.id))
-    }
-
-    /// Whether a manoeuvre about an obstacle is a small one, which another one may still follow.
-    pub(super) fn is_small(&self, answer: &Answer, id: u32) -> bool {
-        answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD && self.pays_small(id)
+        .filter(|answer| answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD)
     }
 
     /// Whether a small manoeuvre saves much and may be followed by a large one: the volume is wide, the intruder not much faster.
@@ -111,9 +106,8 @@ impl Avoider<dyn Places + '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{aircraft, among, plan};
+    use super::super::tests::{aircraft, among};
     use super::*;
-    use crate::search::{Found, Proof, Turns};
     use crate::situation::{Obstacle, ProtectedVolume};
 
     fn has_reserve(row: Obstacle) -> bool {
@@ -129,38 +123,21 @@ mod tests {
         assert!(!has_reserve(aircraft(1, (200.0, 0.0), (-20.0, 0.0))));
     }
 
-    /// About a wide volume of an intruder that is not much faster, with a turn of less than 23°.
+    /// About a wide volume of an intruder that is not much faster.
     #[test]
-    fn a_manoeuvre_is_small_where_it_saves_much() {
-        let is_small = |turn_rad: f64, radius_m: f64, speed_mps: f64| {
+    fn a_small_manoeuvre_pays_where_it_saves_much() {
+        let pays = |radius_m: f64, speed_mps: f64| {
             let row = Obstacle {
                 volume: ProtectedVolume::Sphere { radius_m },
                 ..aircraft(1, (900.0, 0.0), (-speed_mps, 0.0))
             };
-            among(&[row], |avoider, situation, _| {
-                plan(avoider, situation, (turn_rad, WANTED));
-                let turns = Turns {
-                    wait_s: 0.0,
-                    turn_rad,
-                    climb_rad: 0.1,
-                    second: None,
-                };
-                let answer = Answer {
-                    found: Found {
-                        turns,
-                        margin_m: 0.0,
-                        cost: 0.0,
-                    },
-                    proof: Proof::Open,
-                    rung: WANTED,
-                };
-                assert!(!avoider.is_small(&answer, 2));
-                avoider.is_small(&answer, 1)
+            among(&[row], |avoider, _, _| {
+                assert!(!avoider.pays_small(2));
+                avoider.pays_small(1)
             })
         };
-        assert!(is_small(0.39, 400.0, 20.0) && is_small(-0.39, 400.0, 20.0));
-        assert!(!is_small(0.41, 400.0, 20.0));
-        assert!(!is_small(0.39, 10.0, 20.0));
-        assert!(!is_small(0.39, 400.0, 60.0));
+        assert!(pays(400.0, 20.0));
+        assert!(!pays(10.0, 20.0));
+        assert!(!pays(400.0, 60.0));
     }
 }

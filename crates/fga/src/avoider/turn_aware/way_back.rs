@@ -78,11 +78,8 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
     let relative = own.velocity_mps() - hazard.velocity_mps;
     let square = relative.length_squared().max(1e-9);
     let slow_mps = ALONGSIDE * own.velocity_mps().length();
-    let longest_s = if square < slow_mps * slow_mps {
-        LONGEST_PASS_S
-    } else {
-        f64::MAX
-    };
+    let is_slow = square < slow_mps * slow_mps;
+    let longest_s = if is_slow { LONGEST_PASS_S } else { f64::MAX };
     (offset.dot(relative) / square).limited(0.0, longest_s)
 }
 
@@ -112,14 +109,12 @@ impl Avoider<dyn Places + '_> {
         // After a long search without room for the wanted margin less is enough.
         let given_up = plan.given_up(situation.time_s);
         let rung = (WANTED + given_up).min(RUNGS - 2);
-        let demand = &self.demand_of(rung);
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let waited_s = situation.time_s - plan.start_s;
-        let skips = waited_s >= SKIP_AFTER_S;
-        let skipped = if skips { MAX_SKIPPED } else { 0 };
+        let skipped = MAX_SKIPPED * usize::from(waited_s >= SKIP_AFTER_S);
         let detour = (look % 2 == 1)
             .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
@@ -163,7 +158,7 @@ impl Avoider<dyn Places + '_> {
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
         // clear of the expected motion.
         let is_robust = |avoider: &mut Self| {
-            avoider.is_robust_back(back, now, demand.margin_m)
+            avoider.is_robust_back(back, now, rung)
                 || is_long && avoider.has_reserve(back, now)
                 || waited_s > FLEES_S
         };
@@ -209,7 +204,6 @@ impl Avoider<dyn Places + '_> {
             rung,
             cost: 0.0,
             next_start_s: None,
-            is_small: false,
             ..*plan
         };
         self.predict(maneuver, now, far.horizon_s);
@@ -329,9 +323,10 @@ impl Avoider<dyn Places + '_> {
         })
     }
 
-    /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
+    /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it, with all room for changes
+    /// of speed while it has all of the wanted margin: one that leads into another turn is another encounter.
     #[inline(never)]
-    fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, target_m: f64) -> bool {
+    fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, rung: usize) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
         }
@@ -340,15 +335,14 @@ impl Avoider<dyn Places + '_> {
         }
         let own_m = now.position_m;
         let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
-        let first_rad = back.stages().first().map(|stage| stage.course_rad);
+        let first = back.stages().first();
+        let first_rad = first.map_or(now.course_rad, |stage| stage.course_rad);
         // An aircraft moves away if it does so now, on the way back and on the mission.
-        let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
-            let course_rad = course_rad.unwrap_or(now.course_rad);
-            self.flyer.velocity_mps(&MotionState {
-                course_rad,
-                ..now.state
-            })
+        let ours = [now.course_rad, first_rad, mission_rad].map(|course_rad| MotionState {
+            course_rad,
+            ..now.state
         });
+        let ours_mps = ours.map(|state| self.flyer.velocity_mps(&state));
         let leaves = |hazard: &Hazard| {
             let offset_m = hazard.position_m - own_m;
             // What is above or below is clear by its height alone, and may change that.
@@ -356,13 +350,12 @@ impl Avoider<dyn Places + '_> {
             let mut ours_mps = ours_mps.iter();
             is_beside && ours_mps.all(|own_mps| offset_m.dot(hazard.velocity_mps - own_mps) > 0.0)
         };
-        let freedom = |hazard: &Hazard| {
-            if leaves(hazard) {
-                Freedom::Expected
-            } else {
-                Freedom::Brief
-            }
+        let freedom = |hazard: &Hazard| match rung {
+            _ if leaves(hazard) => Freedom::Expected,
+            WANTED => Freedom::Wide,
+            _ => Freedom::Brief,
         };
+        let target_m = self.demand_of(rung).margin_m;
         self.withstand(&freedom, (0.0, target_m));
         self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
@@ -370,7 +363,26 @@ impl Avoider<dyn Places + '_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{aircraft, among};
     use super::*;
+
+    /// With all of the wanted margin it keeps all that a change of speed can make in ten seconds.
+    #[test]
+    fn an_early_way_back_keeps_more_room_than_a_later_one() {
+        let mut counts = [0; 3];
+        for aside_m in (0..400).step_by(2) {
+            let row = aircraft(1, (200.0, f64::from(aside_m)), (-20.0, 0.0));
+            let is_robust = |rung| {
+                among(&[row], |avoider, _, now| {
+                    avoider.is_robust_back(&Maneuver::HOLD, now, rung)
+                })
+            };
+            let (early, later) = (is_robust(WANTED), is_robust(WANTED + 1));
+            assert!(later || !early, "{aside_m} m");
+            counts[usize::from(early) + usize::from(later)] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
+    }
 
     /// An earlier version derived the angle from the cycle: at one period in four each look had the same.
     #[test]
