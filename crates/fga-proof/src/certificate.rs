@@ -239,12 +239,14 @@ fn bounded_from<H: HazardSet + ?Sized>(
                 worst.margin_m >= floor_m
             })
     });
-    // Then the unsplit chords: no margin is larger than the least of one and its bow, so only chords that are nearer may decide.
+    // Then the unsplit chords, if there is anything between floor and ceiling: no margin is larger than the least of one and its bow, so
+    // only chords that are nearer may decide.
     let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
     let above = above
-        && each_near(scene, path, &mut worst, |chord, hazard, least, worst| {
-            lower(worst, least.0 + chord.bow_m, least.1, hazard);
-        });
+        && (floor_m >= enough_m
+            || each_near(scene, path, &mut worst, |chord, hazard, least, worst| {
+                lower(worst, least.0 + chord.bow_m, least.1, hazard);
+            }));
     // Those are split until the bow no longer matters.
     let above = above
         && each_near(scene, path, &mut worst, |chord, hazard, _, worst| {
