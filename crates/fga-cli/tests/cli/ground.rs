@@ -12,10 +12,10 @@ fn a_flight_over_ground_keeps_above_it_and_says_so() {
     let flown = fga_in(folder.path(), &arguments);
     assert_eq!(flown.status.code(), Some(0), "{}", errors(&flown));
     let words = String::from_utf8_lossy(&flown.stdout).into_owned();
-    let told = "ground: least height 107.1 m at";
+    let told = "ground: least height 107.0 m at";
     assert!(words.contains(told), "{words}");
     let drawn = fs::read_to_string(folder.path().join("f/profile.svg")).unwrap();
-    assert!(drawn.contains("Lowest 107.1 m above the ground"));
+    assert!(drawn.contains("Lowest 107.0 m above the ground"));
     // A mission through the ridge is flown; a warning comes before the flight.
     let text = fs::read_to_string(&scenario).unwrap();
     let text = text.replace(

@@ -26,8 +26,6 @@ use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
 
-use reserve::SMALL_TURN_RAD;
-
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
 /// searches can still reach.
@@ -293,11 +291,9 @@ impl Avoider<dyn Places + '_> {
         self.go_on(&plan, time_s, &mut decision.command);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
         let kept = self.kept_rung(&mut plan, flown, now);
-        // Whether it withstands no turn of an aircraft: then a better one waits only where a large turn remains, near the mission's
-        // course. On another one waiting costs departure.
+        // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
-        let is_along = self.away_rad(now).abs() <= SMALL_TURN_RAD;
-        let is_waiting = is_bare && is_along && self.has_reserve(flown, now);
+        let is_waiting = is_bare && self.may_go_on(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
         let answer = match kept {

@@ -21,7 +21,7 @@ const WAIT_S: f64 = 2.0;
 const RESERVE_RAD: f64 = 1.3;
 
 /// A small manoeuvre turns by at most this, radians (23°).
-pub(super) const SMALL_TURN_RAD: f64 = 0.4;
+const SMALL_TURN_RAD: f64 = 0.4;
 
 /// A small manoeuvre begins at most this long before the entry, seconds: sooner than that an intruder mostly turns before it
 /// comes.
@@ -37,6 +37,11 @@ impl Avoider<dyn Places + '_> {
     /// Whether a large turn that begins later along a path withstands all that is wanted.
     pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
         self.may_wait(along, now, RESERVE_RAD)
+    }
+
+    /// Whether a manoeuvre goes on like the mission: near its course, where waiting costs no departure, with a large turn in reserve.
+    pub(super) fn may_go_on(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
+        self.away_rad(now).abs() <= SMALL_TURN_RAD && self.has_reserve(along, now)
     }
 
     fn may_wait(&mut self, along: &Maneuver, now: &Now<'_>, most_turn_rad: f64) -> bool {
