@@ -28,8 +28,8 @@ const DIFFERENCE: f64 = 1e-4;
 /// The work of the linear program, for each obstacle.
 const PROGRAM_WORK: usize = 8;
 
-/// The work of the slopes, for each obstacle.
-const SLOPES_WORK: usize = 25;
+/// The work of the slopes, beyond one unit for each obstacle.
+const SLOPES_WORK: usize = 30;
 
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
@@ -43,11 +43,8 @@ const LEAST_SHARE: f64 = 0.005;
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        // The path is that of another one.
         if self.approaches.len() < search.scene.around.rows.len() {
             self.find_closest(search);
-        } else {
-            self.done |= !predict(search, &self.turns(&self.at));
         }
         // Certified margins are a little less than these.
         let enough_m = search.scene.target_m + LEAST_GAIN_M;
@@ -181,23 +178,37 @@ impl Ascent {
     fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.around.rows;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        if !search.meter.take(SLOPES_WORK * self.approaches.len()) {
+        if !search.meter.take(SLOPES_WORK + self.approaches.len()) {
             return slopes;
         }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
-        let (flyer, path) = (search.scene.flyer, &*search.path);
-        for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
-            let Some(hazard) = hazards.get(known.place) else {
-                continue;
-            };
-            let moves = moves(flyer, path, (&departure, &turns), known.at_s);
-            for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
-                let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
-                let margin_m = hazard.margin_m(moved_m, known.at_s);
-                *slope = (margin_m - known.margin_m) / DIFFERENCE;
-            }
-        }
+        let last_s = self
+            .approaches
+            .iter()
+            .fold(0.0, |last: f64, a| last.max(a.at_s));
+        moves(
+            search.scene.flyer,
+            &departure,
+            &turns,
+            last_s,
+            |from_s, until_s, at| {
+                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+                    if known.at_s < from_s || known.at_s > until_s {
+                        continue;
+                    }
+                    let Some(hazard) = hazards.get(known.place) else {
+                        continue;
+                    };
+                    let moves = at(known.at_s - from_s);
+                    for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
+                        let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
+                        let margin_m = hazard.margin_m(moved_m, known.at_s);
+                        *slope = (margin_m - known.margin_m) / DIFFERENCE;
+                    }
+                }
+            },
+        );
         for slope in &mut slopes {
             for unused in slope.iter_mut().skip(self.used) {
                 *unused = 0.0;

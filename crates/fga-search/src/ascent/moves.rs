@@ -1,124 +1,186 @@
-//! How the parameters of a manoeuvre move the aircraft.
+//! How the parameters of a manoeuvre move the aircraft, in closed form.
 //!
-//! A larger turn turns all that follows about the place where the turn ends, and a later start turns all turns back: each parameter
-//! turns parts of the flight. Course and climb angle change at constant rates. With bank lag this is nearly true if the turns begin
-//! later: good enough for a slope, because each step is flown before it counts.
+//! Turns and changes of climb have constant rates. A larger turn therefore turns all that follows about the point where the
+//! turn ended, and a later start moves the whole flight in time. With bank lag this is nearly true if the turns begin later:
+//! good enough for a slope, because each step is flown before it counts.
 
 use crate::Turns;
 use crate::climbs::PARAMETERS;
 use fga_proof::Vec3;
-use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::prediction::{Flyer, MotionState, Piece};
 
 /// Displacements of the aircraft, metres per unit of each parameter.
 pub(super) type Moves = [Vec3; PARAMETERS];
 
+/// Most pieces of constant rates: two turns and two changes of climb, each with its beginning and its end.
+const MOST_PIECES: usize = 12;
+
+/// Moments closer than this are the same, seconds.
+const SAME_S: f64 = 1e-9;
+
 /// A smaller angle than this is none, radians.
 const REACHED_RAD: f64 = 1e-9;
 
-/// A part of the flight from one moment to another, seconds, and by how much a parameter turns it, radians per unit.
-struct Part {
-    parameter: usize,
-    turns: f64,
-    window_s: (f64, f64),
+/// An angle that follows two commands one after the other at a constant rate.
+#[derive(Clone, Copy)]
+struct Followed {
+    rate_radps: f64,
+    /// The commands and when they begin, seconds.
+    commands: [(f64, f64); 2],
+    /// How many have begun.
+    begun: usize,
+    /// Its rate if the second command came a little later; none if the first one was done by then.
+    before_radps: f64,
 }
 
-/// The parts of the flight that the wait (parameter 0), a first angle, the time from the first command to the second one (parameter 3)
-/// and a second angle turn.
-///
-/// The angle follows the two commands, each with its moment, seconds, and its parameter. A second turn adds to the first one; a second climb
-/// angle takes its place.
-fn parts(
-    (from_rad, rate_radps): (f64, f64),
-    [(begins_s, first_rad, first), (again_s, second_rad, second)]: [(f64, f64, usize); 2],
-    is_relative: bool,
-) -> [Part; 6] {
-    let towards = |left_rad: f64| {
-        if left_rad.abs() < REACHED_RAD || rate_radps <= 0.0 {
-            return (0.0, 0.0);
+impl Followed {
+    const fn new(rate_radps: f64, commands: [(f64, f64); 2]) -> Self {
+        Self {
+            rate_radps,
+            commands,
+            begun: 0,
+            before_radps: 0.0,
         }
-        let radps = libm::copysign(rate_radps, left_rad);
-        (radps, left_rad / radps)
-    };
-    let (first_radps, takes_s) = towards(first_rad - from_rad);
-    let reached_s = begins_s + takes_s;
-    let is_reached = reached_s <= again_s;
-    let (before_radps, at_rad) = if is_reached {
-        (0.0, first_rad)
-    } else {
-        (first_radps, from_rad + first_radps * (again_s - begins_s))
-    };
-    let (second_radps, takes_s) = towards(second_rad - at_rad);
-    let over_s = again_s + takes_s;
-    let first_s = if is_reached { reached_s } else { over_s };
-    let until_s = if is_relative { f64::INFINITY } else { over_s };
-    let moves = (again_s, over_s);
-    let part = |parameter, turns, window_s| Part {
-        parameter,
-        turns,
-        window_s,
-    };
-    [
-        part(0, -first_radps, (begins_s, reached_s.min(again_s))),
-        part(0, -second_radps, moves),
-        part(first, 1.0, (first_s, again_s)),
-        part(first, 1.0, (first_s.max(again_s), until_s)),
-        part(3, before_radps - second_radps, moves),
-        part(second, 1.0, (over_s, f64::INFINITY)),
-    ]
+    }
+
+    fn towards(&self, from_rad: f64, to_rad: f64) -> f64 {
+        let left_rad = to_rad - from_rad;
+        if left_rad.abs() < REACHED_RAD || self.rate_radps <= 0.0 {
+            0.0
+        } else {
+            libm::copysign(self.rate_radps, left_rad)
+        }
+    }
+
+    /// The rate from a moment on, and how long it lasts, seconds.
+    fn next(&mut self, now_s: f64, angle_rad: f64) -> (f64, f64) {
+        let [first, second] = self.commands;
+        let begins = |at_s: f64| at_s <= now_s + SAME_S;
+        while self
+            .commands
+            .get(self.begun)
+            .is_some_and(|(at_s, _)| begins(*at_s))
+        {
+            self.begun += 1;
+            if self.begun == 2 {
+                self.before_radps = self.towards(angle_rad, first.1);
+            }
+        }
+        let (to_rad, until_s) = match self.begun {
+            0 => return (0.0, first.0 - now_s),
+            1 => (first.1, second.0),
+            _ => (second.1, f64::INFINITY),
+        };
+        let rate_radps = self.towards(angle_rad, to_rad);
+        let left_s = until_s - now_s;
+        if rate_radps == 0.0 {
+            (0.0, left_s)
+        } else {
+            (rate_radps, left_s.min((to_rad - angle_rad) / rate_radps))
+        }
+    }
+
+    /// How much the angle in this piece grows with the first angle, with the second one, and with the time of the second
+    /// command. A second turn adds to the first one; a second climb angle takes its place.
+    fn grows(&self, rate_radps: f64, is_relative: bool) -> [f64; 3] {
+        let still = rate_radps == 0.0;
+        match (self.begun, still) {
+            (1, true) => [1.0, 0.0, 0.0],
+            (2, _) => {
+                let is_done = self.before_radps == 0.0;
+                let first = if is_relative {
+                    still || is_done
+                } else {
+                    !still && is_done
+                };
+                let later = if still {
+                    0.0
+                } else {
+                    self.before_radps - rate_radps
+                };
+                [f64::from(first), f64::from(still), later]
+            }
+            _ => [0.0; 3],
+        }
+    }
 }
 
-/// The moves at a moment of the flight of some turns, which the path is.
+/// Shows the pieces of the flight of some turns from their departure until a moment: from and until when each lasts, seconds,
+/// and the moves a time after its beginning.
 pub(super) fn moves(
     flyer: &Flyer,
-    path: &FlightPath,
-    (departure, turns): (&MotionState, &Turns),
-    at_s: f64,
-) -> Moves {
+    departure: &MotionState,
+    turns: &Turns,
+    until_s: f64,
+    mut visit: impl FnMut(f64, f64, &dyn Fn(f64) -> Moves),
+) {
     let later_s = flyer.turns_later_s();
-    let begins_s = turns.wait_s;
+    let second = turns.second;
+    let start_s = turns.wait_s;
+    let again_s = second.map_or(f64::INFINITY, |second| start_s + second.after_s);
     let first_rad = departure.course_rad + turns.turn_rad;
-    let (again_s, second_rad, second_climb) = match turns.second {
-        Some(second) => (
-            begins_s + second.after_s,
-            first_rad + second.turn_rad,
-            second.climb_rad,
-        ),
-        None => (f64::INFINITY, first_rad, turns.climb_rad),
+    let second_rad = second.map_or(first_rad, |second| first_rad + second.turn_rad);
+    let mut course = Followed::new(
+        flyer.course_rate_radps(),
+        [
+            (start_s + later_s, first_rad),
+            (again_s + later_s, second_rad),
+        ],
+    );
+    let second_climb = second.map_or(turns.climb_rad, |second| second.climb_rad);
+    let mut climb = Followed::new(
+        flyer.climb_rate_radps(),
+        [(start_s, turns.climb_rad), (again_s, second_climb)],
+    );
+    let mut state = MotionState {
+        time_s: start_s,
+        position_m: Vec3::ZERO,
+        course_rad: departure.course_rad + flyer.rollout_rad(departure.bank_rad),
+        climb_rad: departure.climb_rad,
+        bank_rad: 0.0,
     };
-    let course_rad = departure.course_rad + flyer.rollout_rad(departure.bank_rad);
-    let courses = [
-        (begins_s + later_s, first_rad, 1),
-        (again_s + later_s, second_rad, 4),
-    ];
-    let climbs = [(begins_s, turns.climb_rad, 2), (again_s, second_climb, 5)];
-    let climbed = (departure.climb_rad, flyer.climb_rate_radps());
-    let place_m = |time_s: f64| {
-        let there = path.state_at(flyer, time_s);
-        there.map_or(Vec3::ZERO, |there| there.position_m)
-    };
-    let mut moves = [Vec3::ZERO; PARAMETERS];
-    let mut turn = |part: &Part, turned: &dyn Fn(Vec3, f64) -> Vec3| {
-        let [from_s, until_s] = [part.window_s.0, part.window_s.1].map(|time_s| time_s.min(at_s));
-        if part.turns != 0.0
-            && from_s < until_s
-            && let Some(move_m) = moves.get_mut(part.parameter)
-        {
-            let flown_m = place_m(until_s) - place_m(from_s);
-            *move_m += turned(flown_m, until_s - from_s) * part.turns;
+    let mut moved: Moves = [Vec3::ZERO; PARAMETERS];
+    for _ in 0..MOST_PIECES {
+        if state.time_s >= until_s {
+            return;
         }
-    };
-    for part in parts((course_rad, flyer.course_rate_radps()), courses, true) {
-        turn(&part, &|flown_m, _| Vec3::new(-flown_m.y, flown_m.x, 0.0));
+        let (turning_radps, turns_s) = course.next(state.time_s, state.course_rad);
+        let (climbing_radps, climbs_s) = climb.next(state.time_s, state.climb_rad);
+        let lasts_s = turns_s.min(climbs_s).min(until_s - state.time_s);
+        let piece = Piece::steady(lasts_s, turning_radps, climbing_radps, 0.0);
+        let [turn, second_turn, turn_later] = course.grows(turning_radps, true);
+        let [up, second_up, up_later] = climb.grows(climbing_radps, false);
+        let grows = [
+            (-turning_radps, -climbing_radps),
+            (turn, 0.0),
+            (0.0, up),
+            (turn_later, up_later),
+            (second_turn, 0.0),
+            (0.0, second_up),
+        ];
+        let level_mps = flyer.airspeed_mps() * libm::cos(state.climb_rad);
+        let at = |after_s: f64| -> Moves {
+            let flown_m = flyer.advance(&state, &piece, after_s).position_m - state.position_m;
+            let level_m = level_mps * after_s;
+            let slope = if level_m > 0.0 {
+                flown_m.z / level_m
+            } else {
+                0.0
+            };
+            let mut moves = moved;
+            for (move_m, (course, climb)) in moves.iter_mut().zip(grows) {
+                *move_m += Vec3::new(
+                    -course * flown_m.y - climb * slope * flown_m.x,
+                    course * flown_m.x - climb * slope * flown_m.y,
+                    climb * level_m,
+                );
+            }
+            moves
+        };
+        visit(state.time_s, state.time_s + lasts_s, &at);
+        moved = at(lasts_s);
+        state = flyer.advance(&state, &piece, lasts_s);
     }
-    for part in parts(climbed, climbs, false) {
-        turn(&part, &|flown_m, for_s| {
-            let path_m = flyer.airspeed_mps() * for_s;
-            let level_m = libm::sqrt((path_m * path_m - flown_m.z * flown_m.z).max(0.0));
-            let slope = flown_m.z / level_m.max(f64::MIN_POSITIVE);
-            Vec3::new(-slope * flown_m.x, -slope * flown_m.y, level_m)
-        });
-    }
-    moves
 }
 
 #[cfg(test)]
@@ -127,7 +189,7 @@ mod tests {
 
     use super::*;
     use crate::SecondTurn;
-    use fga_proof::maneuver::{Maneuver, Stage};
+    use fga_proof::maneuver::Stage;
     use fga_proof::meter::Meter;
     use fga_proof::prediction::flown;
     use fga_proof::vehicle::Vehicle;
@@ -157,22 +219,18 @@ mod tests {
         }
     }
 
-    /// A manoeuvre from its parameters.
-    fn maneuver(at: &[f64; PARAMETERS]) -> Maneuver {
+    /// Where a manoeuvre leads by a moment, straight from its definition.
+    fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
         let first = to_turns(at);
         let second = first.second.unwrap();
         let again_s = first.wait_s + second.after_s;
         let again_rad = first.turn_rad + second.turn_rad;
-        let mut maneuver = Maneuver::turn(first.wait_s, first.turn_rad, first.climb_rad);
-        maneuver.push(Stage::turn(again_s, again_rad, second.climb_rad));
-        maneuver
-    }
-
-    /// Where a manoeuvre leads by a moment, straight from its definition.
-    fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
+        let stages = [
+            Stage::turn(first.wait_s, first.turn_rad, first.climb_rad),
+            Stage::turn(again_s, again_rad, second.climb_rad),
+        ];
         let start = MotionState::ahead(0.0);
-        let meter = Meter::unlimited();
-        flown(flyer, &start, maneuver(at).stages(), at_s, &meter).position_m
+        flown(flyer, &start, &stages, at_s, &Meter::unlimited()).position_m
     }
 
     /// Displacements by differences of flights, and in closed form.
@@ -184,11 +242,26 @@ mod tests {
             more[parameter] += STEP;
             *slot = (place(flyer, &more, at_s) - place(flyer, &less, at_s)) / (2.0 * STEP);
         }
-        let (start, turns) = (MotionState::ahead(0.0), to_turns(at));
-        let mut path = FlightPath::new();
-        let departure = flown(flyer, &start, &[], at[0], &Meter::unlimited());
-        path.predict(flyer, &start, &maneuver(at), 30.0);
-        (flights, moves(flyer, &path, (&departure, &turns), at_s))
+        let departure = flown(
+            flyer,
+            &MotionState::ahead(0.0),
+            &[],
+            at[0],
+            &Meter::unlimited(),
+        );
+        let mut closed = None;
+        moves(
+            flyer,
+            &departure,
+            &to_turns(at),
+            at_s,
+            |from_s, until_s, at| {
+                if until_s >= at_s {
+                    closed = Some(at(at_s - from_s));
+                }
+            },
+        );
+        (flights, closed.unwrap_or([Vec3::ZERO; PARAMETERS]))
     }
 
     fn flyer(lag_s: f64) -> Flyer {
