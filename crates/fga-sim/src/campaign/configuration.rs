@@ -17,7 +17,7 @@ use super::CampaignError;
 use super::metrics::{ALL_FIELDS, FIELDS, Field};
 use super::sources::{self, ModelFile};
 use crate::batch::{self, BatchSettings};
-use crate::drawn::{self, Origin};
+use crate::drawn::{self, Origin, RowTable};
 use crate::encounters::modeled::ModelSource;
 use crate::encounters::{EncounterSource, Scenery};
 use crate::fingerprint::fingerprint;
@@ -256,7 +256,7 @@ pub struct Campaign {
     pub intruders: Option<PolicyChoice>,
     cells: Vec<EncounterSource>,
     models: Vec<ModelSource>,
-    files: Vec<Vec<Encounter>>,
+    files: Vec<RowTable>,
     recordings: Recordings,
     /// Names of the sources: those of files, then the cells, folders of recordings, models.
     names: Vec<String>,
@@ -364,16 +364,15 @@ impl Campaign {
         let recordings = Recordings::open(&configuration.recordings)?;
         let mut files = Vec::new();
         for source in &configuration.files {
-            let bytes = std::fs::read(&source.path)
-                .map_err(|error| InputError::unreadable(&source.path, &error))?;
-            if fingerprint(&bytes) != source.sha256 {
+            let rows = drawn::read_rows(&source.path)?;
+            if rows.sha256 != source.sha256 {
                 return Err(InputError::in_file(
                     &source.path,
                     "is not the file that the campaign was begun with",
                 )
                 .into());
             }
-            files.push(drawn::rows_in(&bytes, &source.path)?);
+            files.push(rows);
         }
         let file_names = configuration.files.iter().map(|file| {
             file.path
@@ -469,7 +468,8 @@ impl Campaign {
     }
 
     fn encounters_of_files(&self) -> u64 {
-        let once = self.files.iter().map(Vec::len).sum::<usize>() + self.recordings.len();
+        let once = (self.files.iter().map(|rows| rows.encounters.len())).sum::<usize>()
+            + self.recordings.len();
         once as u64 * self.configuration.seeds.len() as u64
     }
 
@@ -531,6 +531,7 @@ impl Campaign {
     /// Whether ground or zones surround some of its encounters.
     pub fn has_surroundings(&self) -> bool {
         self.cells.iter().any(EncounterSource::has_surroundings)
+            || self.files.iter().any(|rows| rows.surroundings.exist())
     }
 
     /// The metrics in its rows.
@@ -568,10 +569,10 @@ impl Campaign {
             let (turn, mut rest) = (index(number / once), index(number % once));
             let seed = *configuration.seeds.get(turn).ok_or_else(past)?;
             for (source, file) in (0..).zip(&self.files) {
-                if let Some(encounter) = file.get(rest) {
+                if let Some(encounter) = file.encounters.get(rest) {
                     return Ok(Drawn {
                         source_encounter: encounter.id,
-                        scenery: Scenery::default(),
+                        scenery: file.surroundings.scenery(encounter.id)?,
                         scene: Scene::Rows(Encounter {
                             id: number,
                             obstacles: encounter.obstacles.clone(),
@@ -583,7 +584,7 @@ impl Campaign {
                         weight: 1.0,
                     });
                 }
-                rest -= file.len();
+                rest -= file.encounters.len();
             }
             let (recording, folder) = self.recordings.get(rest)?.ok_or_else(past)?;
             let origin = Origin::of(&recording).map_err(CampaignError::Other)?;
