@@ -6,6 +6,7 @@ extern crate alloc;
 
 mod common;
 
+mod above_ground;
 mod adversary;
 mod alerts;
 mod arduplane;

@@ -55,7 +55,7 @@ fn above_m(world: &World, terrain: &Terrain) -> Option<f64> {
 }
 
 /// A head-on intruder meets the vehicle after a minute.
-fn head_on(settings: Settings, terrain: Option<&Arc<Terrain>>) -> World {
+pub(crate) fn head_on(settings: Settings, terrain: Option<&Arc<Terrain>>) -> World {
     let config = if terrain.is_some() { CONFIG } else { "" };
     let mut world = World::with(settings, config, GOOD, 8);
     world.companion.set_terrain(terrain.cloned());
