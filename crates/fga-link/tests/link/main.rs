@@ -41,3 +41,4 @@ mod survivors;
 mod terrain;
 mod traffic;
 mod trial;
+mod vehicle_terrain;

@@ -19,7 +19,7 @@ use mavlink::dialects::ardupilotmega::{
 
 use crate::common::{GOOD, GROUND, Intruder, World};
 
-const PROTECTED_M: f64 = 60.0;
+pub(crate) const PROTECTED_M: f64 = 60.0;
 const CLEARANCE_M: f64 = 30.0;
 /// Clearance, and the vertical error of the format.
 const ASKED_M: f64 = CLEARANCE_M + 16.0;
@@ -66,14 +66,14 @@ pub(crate) fn head_on(settings: Settings, terrain: Option<&Arc<Terrain>>) -> Wor
 }
 
 /// A flight and its judge.
-struct Flown {
+pub(crate) struct Flown {
     /// Least height above known ground, metres.
-    lowest_m: f64,
-    over_unknown: bool,
+    pub(crate) lowest_m: f64,
+    pub(crate) over_unknown: bool,
     /// The least and the most metres east.
-    east_m: [f64; 2],
-    modes: Vec<Mode>,
-    log: Vec<serde_json::Value>,
+    pub(crate) east_m: [f64; 2],
+    pub(crate) modes: Vec<Mode>,
+    pub(crate) log: Vec<serde_json::Value>,
 }
 
 fn fly(world: &mut World, terrain: &Terrain, until_s: f64) -> Flown {
@@ -81,7 +81,7 @@ fn fly(world: &mut World, terrain: &Terrain, until_s: f64) -> Flown {
 }
 
 /// Something else acts after each step.
-fn fly_beside(
+pub(crate) fn fly_beside(
     world: &mut World,
     terrain: Option<&Terrain>,
     until_s: f64,
@@ -111,7 +111,7 @@ fn fly_beside(
     flown
 }
 
-fn is_told(world: &World, words: &str) -> bool {
+pub(crate) fn is_told(world: &World, words: &str) -> bool {
     world
         .emulator
         .texts()
@@ -126,7 +126,7 @@ fn flat() -> Arc<Terrain> {
 }
 
 /// The side that it goes to by its own choice: 1 east, -1 west.
-fn choice() -> f64 {
+pub(crate) fn choice() -> f64 {
     static SIDE: OnceLock<f64> = OnceLock::new();
     *SIDE.get_or_init(|| {
         let flown = fly(&mut head_on(Settings::default(), None), &flat(), 130.0);
@@ -390,7 +390,7 @@ impl Station<'_> {
 }
 
 /// The pieces that the log counts at the end.
-fn pieces(flown: &Flown, key: &str) -> u64 {
+pub(crate) fn pieces(flown: &Flown, key: &str) -> u64 {
     let line = flown.log.iter().find(|line| line["kind"] == "ground-heard");
     line.expect("counts")["pieces"][key]
         .as_u64()
