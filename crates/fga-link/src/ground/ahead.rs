@@ -77,7 +77,9 @@ impl fmt::Display for AboveGround {
             Some(here_m) => write!(f, "{here_m:.0} m above ground")?,
             None => f.write_str("over unknown ground")?,
         }
-        if let Some((least_m, in_s)) = self.least.filter(|(_, in_s)| *in_s > 0.0) {
+        // A metre or more below here; without ground here any.
+        let high_m = self.here_m.map_or(f64::INFINITY, |here_m| here_m - 1.0);
+        if let Some((least_m, in_s)) = self.least.filter(|least| least.0 <= high_m) {
             write!(f, ", least {least_m:.0} m in {in_s:.0} s")?;
         }
         match self.unknown_s.filter(|in_s| *in_s > 0.0) {

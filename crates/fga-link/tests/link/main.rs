@@ -11,6 +11,7 @@ mod adversary;
 mod alerts;
 mod arduplane;
 mod claims;
+mod climb_unknown;
 mod closed_loop;
 mod degraded;
 mod encounters;
