@@ -7,9 +7,9 @@ use fga::situation::ProtectedVolume;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 
-use super::configuration::{Drawn, Scene};
 use super::judge::{FlownPath, WorldJudge};
 use super::metrics::{Metrics, kept};
+use super::opened::{Drawn, Scene};
 use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
