@@ -13,7 +13,7 @@ mod alerts;
 mod answers;
 mod batch;
 mod campaign;
-mod drawn_ground;
+mod campaign_draw;
 mod export;
 mod files;
 #[cfg(all(feature = "fly", target_os = "linux"))]

@@ -38,6 +38,7 @@ mod safety;
 mod safety_case;
 mod sbs_log;
 mod sequences;
+mod station_terrain;
 mod survivors;
 mod terrain;
 mod traffic;

@@ -3,7 +3,8 @@
 use fga_emulator::{Mode, Settings};
 
 use crate::common::{GOOD, Intruder, Network, World};
-use crate::terrain::{Flown, PROTECTED_M, choice, fly_beside, is_told, pieces};
+use crate::station_terrain::pieces;
+use crate::terrain::{Flown, PROTECTED_M, choice, fly_beside, is_told};
 
 const CONFIG: &str = "[terrain]\nsource = \"vehicle\"\nclearance_m = 30.0\n";
 
