@@ -51,7 +51,7 @@ pub struct Configuration {
     pub horizon_s: f64,
     /// Whether the oracle searches each encounter.
     pub oracle: bool,
-    /// Cells as [`EncounterSource::parse`] reads them.
+    /// Cells as [`EncounterSource::parse`](crate::encounters::EncounterSource::parse) reads them.
     pub cells: Vec<String>,
     /// Files of encounters.
     pub files: Vec<FileSource>,
