@@ -8,7 +8,9 @@ use std::time::Instant;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
 use fga_formats::words::{counted, per_second};
-use fga_sim::batch::{BatchRow, BatchSettings, TIMING_COLUMNS, TRACK_COLUMNS, result_columns};
+use fga_sim::batch::{
+    BatchRow, BatchSettings, MoreColumns, TIMING_COLUMNS, TRACK_COLUMNS, result_columns,
+};
 use serde_json::json;
 
 use crate::batch_args::BatchArgs;
@@ -26,17 +28,12 @@ struct Files {
     tracks: Option<AtomicFile>,
     folder: PathBuf,
     line: Vec<u8>,
-    /// Whether the policy is one of one's own.
-    is_own: bool,
+    more: MoreColumns,
 }
 
 impl Files {
-    fn create(
-        folder: PathBuf,
-        tracks: bool,
-        (is_own, is_named): (bool, bool),
-    ) -> Result<Self, OutputError> {
-        let columns = result_columns(is_own, is_named);
+    fn create(folder: PathBuf, tracks: bool, more: MoreColumns) -> Result<Self, OutputError> {
+        let columns = result_columns(more);
         let begin = |name: &str, columns: &str| {
             let path = folder.join(name);
             let mut file = AtomicFile::create(&path)?;
@@ -50,7 +47,7 @@ impl Files {
                 .then(|| begin("tracks.csv", TRACK_COLUMNS))
                 .transpose()?,
             line: Vec::new(),
-            is_own,
+            more,
             folder,
         })
     }
@@ -59,7 +56,7 @@ impl Files {
         let folder = &self.folder;
         let failed = |name: &'static str| move |error| OutputError::new(folder.join(name), error);
         self.line.clear();
-        row.push_result(&mut self.line, self.is_own, name);
+        row.push_result(&mut self.line, self.more, name);
         self.results
             .write_all(&self.line)
             .map_err(failed("results.csv"))?;
@@ -183,8 +180,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let settings = &input.settings;
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
-    let more = (settings.policy.own().is_some(), input.names().is_some());
-    let mut files = Files::create(folder, args.tracks, more)?;
+    let mut files = Files::create(folder, args.tracks, input.more_columns())?;
     let mut totals = Totals::default();
     let mut worst = Worst::new(args.replay);
     let mut place = 0_usize;

@@ -2,12 +2,11 @@
 
 use std::process::ExitCode;
 
-use fga_formats::encounters::Encounter;
-use fga_results::provenance::file_fingerprint;
 use fga_sim::batch::{
-    BatchError, BatchRow, BatchSettings, Tracks, empty_world, fly_all, fly_tracks, plan, show,
+    BatchError, BatchRow, BatchSettings, MoreColumns, Tracks, empty_world, fly_all, fly_tracks,
+    plan, show,
 };
-use fga_sim::drawn::{self, Content};
+use fga_sim::drawn::{self, Content, RowTable};
 use fga_sim::run::RunLog;
 use fga_sim::vehicle_file::VehicleModel;
 
@@ -34,7 +33,7 @@ pub(crate) struct Input {
 
 #[derive(Debug)]
 enum Encounters {
-    Rows(Vec<Encounter>),
+    Rows(RowTable),
     Tracks(Box<Tracks>),
 }
 
@@ -60,11 +59,14 @@ impl Input {
             tracks: args.tracks,
         };
         Ok(match content {
-            Content::Rows => Self {
-                encounters: Encounters::Rows(drawn::read_rows(path)?),
-                sha256: file_fingerprint(&drawn::table_of(path))?,
-                settings,
-            },
+            Content::Rows => {
+                let rows = drawn::read_rows(path)?;
+                Self {
+                    sha256: rows.sha256.clone(),
+                    encounters: Encounters::Rows(rows),
+                    settings,
+                }
+            }
             Content::Tracks => {
                 let tracks = Tracks::find(path, &settings)?;
                 tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
@@ -75,6 +77,15 @@ impl Input {
                 }
             }
         })
+    }
+
+    /// What the results have besides the columns of every batch.
+    pub(crate) fn more_columns(&self) -> MoreColumns {
+        MoreColumns {
+            is_bounded: matches!(&self.encounters, Encounters::Rows(rows) if rows.surroundings.exist()),
+            is_own: self.settings.policy.own().is_some(),
+            is_named: self.names().is_some(),
+        }
     }
 
     /// Names of the encounters, where they have names.
@@ -109,10 +120,13 @@ impl Input {
         let policy = &self.settings.policy;
         match &self.encounters {
             Encounters::Rows(rows) => {
-                let (Some(world), Some(encounter)) = (empty_world(&self.settings), rows.get(place))
+                let (Some(mut world), Some(encounter)) =
+                    (empty_world(&self.settings), rows.encounters.get(place))
                 else {
                     return Ok(None);
                 };
+                let scenery = rows.surroundings.scenery(encounter.id)?;
+                scenery.place(&mut world);
                 let plan = plan(world, encounter, &self.settings.model);
                 Ok(Some(show(plan, policy)?))
             }

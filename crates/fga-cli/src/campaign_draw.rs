@@ -7,10 +7,12 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_formats::atomic::{AtomicFile, AtomicFolder};
 use fga_formats::words::counted;
-use fga_formats::{InputError, OutputError, atomic, daa, encounters};
+use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
-use fga_sim::drawn::{Content, DrawnWriter, Origin, ROWS, TRACKS};
+use fga_sim::drawn::{
+    Content, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
+};
 use serde_json::json;
 
 use crate::batch_input::PARTS;
@@ -40,7 +42,7 @@ pub(crate) struct DrawArgs {
     answer: AnswerArgs,
 }
 
-/// Writes obstacles around the line as `encounters.csv` and `encounters.parquet`; aircraft with tracks as
+/// Writes obstacles around the line as `encounters.csv` and `encounters.parquet`, the ground and the zones around them as `surroundings/`; aircraft with tracks as
 /// `recordings/` and `tracks.parquet`; and `drawn.csv` with the source and weight of each.
 pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let overrides = Overrides {
@@ -50,13 +52,6 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     common::tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
-    if campaign.has_surroundings() {
-        return Err(InputError::in_file(
-            &args.file,
-            "has cells with ground or zones, which tables of encounters cannot hold, expected other cells; fga campaign show flies one of them",
-        )
-        .into());
-    }
     let folder = args.out.prepare(&args.file)?;
     let whole = AtomicFolder::create(&folder)?;
     let drawn = draw(&campaign, whole.path()).map_err(|failure| match failure {
@@ -113,6 +108,12 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
             .map_or("", String::as_str);
         let file = match drawn.scene {
             Scene::Rows(encounter) => {
+                if campaign.has_surroundings() {
+                    if rows.is_empty() {
+                        atomic::prepare_folder(&folder.join(SURROUNDINGS))?;
+                    }
+                    write_surroundings(folder, number, &drawn.scenery)?;
+                }
                 rows.push(encounter);
                 "encounters.csv".to_owned()
             }
@@ -205,12 +206,16 @@ fn remove_earlier(folder: &Path) -> Result<(), OutputError> {
         .map(|name| folder.join(name))
         .filter(|path| path.is_file())
         .collect();
-    if let Ok(entries) = std::fs::read_dir(folder.join(RECORDINGS)) {
-        let drawn = entries.filter_map(Result::ok).map(|entry| entry.path());
-        files.extend(drawn.filter(|path| path.extension().is_some_and(|ending| ending == "daa")));
+    for (name, ending) in [(RECORDINGS, "daa"), (SURROUNDINGS, "json")] {
+        if let Ok(entries) = std::fs::read_dir(folder.join(name)) {
+            let drawn = entries.filter_map(Result::ok).map(|entry| entry.path());
+            files.extend(drawn.filter(|path| path.extension().is_some_and(|own| own == ending)));
+        }
     }
     for path in files {
         std::fs::remove_file(&path).map_err(|error| OutputError::new(path, error))?;
     }
+    // A folder that stays would stand for the next table's surroundings.
+    let _ = std::fs::remove_dir(folder.join(SURROUNDINGS));
     Ok(())
 }

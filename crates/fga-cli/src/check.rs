@@ -293,7 +293,11 @@ fn flight_log_of(log: &FlightLog) -> Usable {
 fn encounters_in(path: &Path) -> Result<Usable, Failure> {
     match drawn::content(path)? {
         Content::Rows => {
-            let encounters = drawn::read_rows(path)?;
+            let rows = drawn::read_rows(path)?;
+            let encounters = &rows.encounters;
+            for encounter in encounters {
+                rows.surroundings.scenery(encounter.id)?;
+            }
             let obstacles: usize = encounters.iter().map(|each| each.obstacles.len()).sum();
             let holds = format!(
                 "{}, {}",

@@ -273,13 +273,17 @@ impl Painter {
             .map(|(index, (obstacle, _))| Hazard::new(index, obstacle, wind_mps, 0.0))
             .collect();
         let name = |_| picture.threat_name.clone().unwrap_or_default();
-        let decision = drawer.record(
+        let mut decision = drawer.record(
             picture.time_s,
             &picture.decision,
             &picture.own.ownship,
             name,
             Some(&hazards),
         );
+        let above = picture.above_ground;
+        decision
+            .lines
+            .extend(above.map(|above| format!("{above}.")));
         self.live.send(&LiveMessage::Decision { run: 0, decision });
     }
 }

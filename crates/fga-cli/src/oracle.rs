@@ -71,19 +71,20 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
     match drawn::content(path)? {
         Content::Rows => {
             let model = args.vehicle.model()?;
-            let encounters = drawn::read_rows(path)?;
+            let rows = drawn::read_rows(path)?;
             let judge = Judge::new(&model, args.horizon).map_err(Failure::Input)?;
             let search = |place: usize| {
-                let Some(encounter) = encounters.get(place) else {
+                let Some(encounter) = rows.encounters.get(place) else {
                     return Err(Failure::Input(format!("there is no encounter {place}")));
                 };
+                let scenery = rows.surroundings.scenery(encounter.id)?;
                 Ok(Answer {
                     encounter: encounter.id,
-                    margin_m: judge.best_margin_m(encounter),
+                    margin_m: judge.best_margin_among_m(encounter, &scenery),
                     track: None,
                 })
             };
-            let found = (COLUMNS, encounters.len(), Map::new());
+            let found = (COLUMNS, rows.encounters.len(), Map::new());
             search_all(args, &model, found, search)?;
             Ok(ExitCode::SUCCESS)
         }

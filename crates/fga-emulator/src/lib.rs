@@ -29,6 +29,7 @@ mod plant;
 mod receive;
 mod streams;
 mod telemetry;
+mod terrain;
 
 pub use geometry::{Home, Place};
 pub use mission::Item;
@@ -146,6 +147,8 @@ pub struct Emulator {
     outbox: Vec<MavMessage>,
     /// For the ground station on the second link.
     second_outbox: Vec<MavMessage>,
+    /// Its memory card with heights of the ground.
+    card: Option<terrain::Card>,
     texts: Vec<String>,
     received: u64,
 }
@@ -183,6 +186,7 @@ impl Emulator {
             ignore_attitude: false,
             outbox: Vec::new(),
             second_outbox: Vec::new(),
+            card: None,
             texts: Vec::new(),
             received: 0,
             settings,
@@ -205,6 +209,11 @@ impl Emulator {
             .flatten()
             .and_then(|item| item.position_m(&self.settings.home))
             .unwrap_or(self.plant.position_m());
+    }
+
+    /// Gives it a memory card with heights of the ground above mean sea level, metres, by latitude and longitude, degrees.
+    pub fn set_card(&mut self, height_m: impl Fn([f64; 2]) -> Option<f32> + Send + Sync + 'static) {
+        self.card = Some(terrain::Card::new(alloc::sync::Arc::new(height_m)));
     }
 
     /// Sets the fence, and enables it.

@@ -72,13 +72,16 @@ impl Emulator {
             // It names no receiver: passed on to the other link, where a ground station may answer.
             MavMessage::TERRAIN_REQUEST(_) => self.second_outbox.push(message.clone()),
             MavMessage::TERRAIN_CHECK(data) => {
+                let (card, now_s) = (&mut self.card, self.time_s);
+                let report = card.as_mut().map(|card| card.answer(data, now_s));
                 // Without terrain of its own: a spacing of 0.
-                self.outbox
-                    .push(MavMessage::TERRAIN_REPORT(TERRAIN_REPORT_DATA {
-                        lat: data.lat,
-                        lon: data.lon,
-                        ..TERRAIN_REPORT_DATA::DEFAULT
-                    }));
+                let unknown = || TERRAIN_REPORT_DATA {
+                    lat: data.lat,
+                    lon: data.lon,
+                    ..TERRAIN_REPORT_DATA::DEFAULT
+                };
+                let report = report.unwrap_or_else(unknown);
+                self.outbox.push(MavMessage::TERRAIN_REPORT(report));
             }
             MavMessage::ADSB_VEHICLE(data) => self.hear_intruder(data),
             MavMessage::STATUSTEXT(data) => {

@@ -199,13 +199,10 @@ fn fly_one(
     let mut pilot = pilot(&settings, &world)?;
     let outcome = engine.fly(&world, pilot.as_mut(), &mut seen);
     let ground = engine.ground_separation();
-    let above_m = ground.map_or(f64::INFINITY, |ground| ground.least.value_m);
+    let above_m = outcome.min_terrain_clearance_m.unwrap_or(f64::INFINITY);
     let asked_m =
         (world.ground.as_ref()).map_or(0.0, |ground| ground.error_m() + ground.clearance_m());
-    let zone_m = engine
-        .zone_margins()
-        .map(|least| least.value_m)
-        .fold(f64::INFINITY, f64::min);
+    let zone_m = outcome.min_zone_margin_m.unwrap_or(f64::INFINITY);
     let mut flight = GroundFlight {
         number,
         unproven: seen.0,

@@ -63,15 +63,12 @@ impl Command {
                 param2,
                 param3,
                 param4,
-                x: 0,
-                y: 0,
                 z: param7,
                 command: self.command,
                 target_system,
                 target_component: AUTOPILOT,
                 frame,
-                current: 0,
-                autocontinue: 0,
+                ..COMMAND_INT_DATA::DEFAULT
             }),
             None => MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
                 param1,

@@ -203,7 +203,7 @@ impl Companion {
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
             over: over_ground::OverGround::new(
-                config.terrain.source.is_some(),
+                config.terrain.source,
                 config.terrain.clearance_m.unwrap_or(0.0),
             ),
             held_reports: Vec::new(),

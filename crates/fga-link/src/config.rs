@@ -241,6 +241,8 @@ pub struct TerrainConfig {
 pub enum TerrainSource {
     /// The ground station, by `TERRAIN_REQUEST`.
     GroundStation,
+    /// The vehicle, by `TERRAIN_CHECK`.
+    Vehicle,
 }
 
 /// The conditions for acting and stopping.

@@ -4,6 +4,7 @@
 //! out: the program on a thread of its own. The ground is a square around the vehicle, made again when the vehicle has left its
 //! middle, so that it has one size whatever the mission.
 
+mod ahead;
 mod asked;
 
 use alloc::sync::Arc;
@@ -13,6 +14,8 @@ use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::dialects::ardupilotmega::MavFrame;
 
+pub use self::ahead::AboveGround;
+pub(crate) use self::ahead::each_second;
 pub(crate) use self::asked::AskedBlocks;
 use crate::mission::{Item, is_take_off_or_landing, item_position_m};
 

@@ -1,7 +1,5 @@
 //! Conversions between the wire's units and the program's, and checks of ranges.
 
-use core::fmt::Write as _;
-
 /// 1e-7 degrees to degrees.
 pub(crate) fn degrees_from_e7(value: i32) -> f64 {
     f64::from(value) * 1e-7
@@ -68,15 +66,18 @@ pub(crate) fn to_u64(value: f64) -> u64 {
 pub(crate) struct Checked(Option<String>);
 
 impl Checked {
-    /// Checks one value; one that is not a number is out of any range.
-    pub(crate) fn within(&mut self, name: &str, value: f64, low: f64, high: f64) -> &mut Self {
-        if self.0.is_none() && !(low..=high).contains(&value) {
-            let mut text = String::new();
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{name} is {value}, expected {low} to {high}");
-            self.0 = Some(text);
+    /// Checks one value, if it is there; one that is not a number is out of any range.
+    pub(crate) fn within(
+        &mut self,
+        name: &str,
+        value: impl Into<Option<f64>>,
+        low: f64,
+        high: f64,
+    ) {
+        if let Some(value) = value.into().filter(|value| !(low..=high).contains(value)) {
+            let fault = || format!("{name} is {value}, expected {low} to {high}");
+            self.0.get_or_insert_with(fault);
         }
-        self
     }
 
     /// The first that was out of range.

@@ -116,15 +116,8 @@ impl Outputs {
 /// # Errors
 /// An endpoint or an address that cannot be opened.
 pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Result<u64> {
-    let writer = match &options.to {
-        Some(endpoint) => Some(open(endpoint)?),
-        None => None,
-    };
     // The reading half only connects.
-    let (mut reader, writer) = match writer {
-        Some((reader, writer)) => (Some(reader), Some(writer)),
-        None => (None, None),
-    };
+    let (mut reader, writer) = options.to.as_ref().map(open).transpose()?.unzip();
     let listener = match &options.serve_sbs {
         Some(address) => {
             let listener = TcpListener::bind(address)?;

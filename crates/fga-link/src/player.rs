@@ -9,16 +9,16 @@
 //!
 //! Everything is played as `ADSB_VEHICLE` messages, as BaseStation lines, or both.
 
-use core::fmt::Write as _;
 use core::str::FromStr;
 use std::io::Read;
 
 use fga::Vec3;
+use fga::angle::course_of;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::recordings::{Heard, Received};
 use fga_formats::tally::Tally;
 pub use fga_formats::traffic::sbs::LoggedLine;
-use fga_formats::traffic::{address_in_words, sbs};
+use fga_formats::traffic::{Altitude, Callsign, TrafficReport, sbs};
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags, MavMessage,
 };
@@ -27,9 +27,6 @@ use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16};
 use crate::traffic::receiver::Joiner;
 use crate::traffic::report::tidy_callsign;
 use crate::traffic::{AltitudeReference, Source};
-
-const FEET_M: f64 = 0.3048;
-const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// An aircraft at a moment.
 #[derive(Debug, Clone, PartialEq)]
@@ -291,24 +288,20 @@ fn with_datum(message: MavMessage, is_by_pressure: bool) -> MavMessage {
 
 /// The BaseStation lines of an aircraft at a moment: position and velocity.
 pub fn sbs_lines(icao: u32, callsign: &str, sample: &Sample) -> String {
-    let velocity = sample.velocity_mps;
-    let track_deg = libm::atan2(velocity.x, velocity.y)
-        .to_degrees()
-        .rem_euclid(360.0);
-    let speed_kn = libm::hypot(velocity.x, velocity.y) / KNOT_MPS;
-    let climb_fpm = velocity.z / FEET_M * 60.0;
-    let feet = sample.place.altitude_m / FEET_M;
-    let address = address_in_words(icao);
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "MSG,1,1,1,{address},1,,,,,{callsign},,,,,,,,,,,0\r\n\
-         MSG,3,1,1,{address},1,,,,,,{feet:.0},,,{:.7},{:.7},,,0,0,0,0\r\n\
-         MSG,4,1,1,{address},1,,,,,,,{speed_kn:.2},{track_deg:.2},,,{climb_fpm:.0},,0,0,0,0\r\n",
-        sample.place.latitude_deg, sample.place.longitude_deg,
-    );
-    text
+    let mut lines = Vec::new();
+    let report = TrafficReport {
+        address: icao,
+        callsign: Callsign::new(callsign),
+        place_deg: Some([sample.place.latitude_deg, sample.place.longitude_deg]),
+        altitude: Some(Altitude::Pressure(sample.place.altitude_m)),
+        ground_speed_mps: Some(sample.velocity_mps.truncate().length()),
+        course_rad: Some(course_of(sample.velocity_mps)),
+        climb_mps: Some(sample.velocity_mps.z),
+        on_ground: Some(false),
+        ..TrafficReport::default()
+    };
+    sbs::push_lines(&mut lines, &report);
+    String::from_utf8_lossy(&lines).into_owned()
 }
 
 /// Turns the lines of a BaseStation log into `ADSB_VEHICLE` messages.

@@ -6,95 +6,39 @@
 
 use alloc::collections::VecDeque;
 
-use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
+use mavlink::dialects::ardupilotmega::{
+    ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, HEARTBEAT_DATA,
+    MISSION_CURRENT_DATA, MavCmd, MavMessage, NAV_CONTROLLER_OUTPUT_DATA,
+    POSITION_TARGET_GLOBAL_INT_DATA, SCALED_PRESSURE_DATA, SYS_STATUS_DATA, SYSTEM_TIME_DATA,
+    VFR_HUD_DATA, WIND_DATA,
+};
+use mavlink::{Message as _, MessageData as _};
 
 use crate::commands::Command;
 use crate::number::single;
 use crate::outgoing::Outbox;
 
-/// A requested message.
-#[derive(Debug, Clone, Copy)]
-struct RequestedStream {
-    message_id: f32,
-    interval_s: f64,
-}
-
 /// Indices of the messages with attitude and position.
 const ATTITUDE: usize = 0;
 const POSITION: usize = 1;
-/// The messages and their intervals; the heartbeat more often than usual, because it has the mode.
-const STREAMS: [RequestedStream; 12] = [
-    RequestedStream {
-        message_id: 30.0,
-        interval_s: 0.05,
-    },
-    RequestedStream {
-        message_id: 33.0,
-        interval_s: 0.1,
-    },
-    RequestedStream {
-        message_id: 0.0,
-        interval_s: 0.25,
-    },
-    RequestedStream {
-        message_id: 74.0,
-        interval_s: 0.25,
-    },
-    RequestedStream {
-        message_id: 168.0,
-        interval_s: 1.0,
-    },
-    RequestedStream {
-        message_id: 42.0,
-        interval_s: 0.5,
-    },
-    RequestedStream {
-        // The commanded bank, often enough for `fga identify`.
-        message_id: 62.0,
-        interval_s: 0.2,
-    },
-    RequestedStream {
-        message_id: 87.0,
-        interval_s: 0.5,
-    },
-    RequestedStream {
-        message_id: 2.0,
-        interval_s: 2.0,
-    },
+/// The numbers of the requested messages and their intervals, seconds; the heartbeat more often than usual, because it has the mode.
+const STREAMS: [(u32, f64); 12] = [
+    (ATTITUDE_DATA::ID, 0.05),
+    (GLOBAL_POSITION_INT_DATA::ID, 0.1),
+    (HEARTBEAT_DATA::ID, 0.25),
+    (VFR_HUD_DATA::ID, 0.25),
+    (WIND_DATA::ID, 1.0),
+    (MISSION_CURRENT_DATA::ID, 0.5),
+    // The commanded bank, often enough for `fga identify`.
+    (NAV_CONTROLLER_OUTPUT_DATA::ID, 0.2),
+    (POSITION_TARGET_GLOBAL_INT_DATA::ID, 0.5),
+    (SYSTEM_TIME_DATA::ID, 2.0),
     // Our pressure, to compare with other aircraft's, and the height of the geoid.
-    RequestedStream {
-        message_id: 29.0,
-        interval_s: 0.5,
-    },
-    RequestedStream {
-        message_id: 24.0,
-        interval_s: 2.0,
-    },
+    (SCALED_PRESSURE_DATA::ID, 0.5),
+    (GPS_RAW_INT_DATA::ID, 2.0),
     // Whether the fence is enabled.
-    RequestedStream {
-        message_id: 1.0,
-        interval_s: 1.0,
-    },
+    (SYS_STATUS_DATA::ID, 1.0),
 ];
-
-/// The index in [`STREAMS`] of a message.
-const fn slot(message: &MavMessage) -> Option<usize> {
-    Some(match message {
-        MavMessage::ATTITUDE(_) => ATTITUDE,
-        MavMessage::GLOBAL_POSITION_INT(_) => POSITION,
-        MavMessage::HEARTBEAT(_) => 2,
-        MavMessage::VFR_HUD(_) => 3,
-        MavMessage::WIND(_) => 4,
-        MavMessage::MISSION_CURRENT(_) => 5,
-        MavMessage::NAV_CONTROLLER_OUTPUT(_) => 6,
-        MavMessage::POSITION_TARGET_GLOBAL_INT(_) => 7,
-        MavMessage::SYSTEM_TIME(_) => 8,
-        MavMessage::SCALED_PRESSURE(_) => 9,
-        MavMessage::GPS_RAW_INT(_) => 10,
-        MavMessage::SYS_STATUS(_) => 11,
-        _ => return None,
-    })
-}
 
 /// A message arrives as requested if half of its gaps are at most this many intervals.
 const ENOUGH: f64 = 1.3;
@@ -188,7 +132,9 @@ pub struct Rates {
 impl Rates {
     /// Takes a message from the vehicle.
     pub fn heard(&mut self, message: &MavMessage, now_s: f64) {
-        if let Some(arrivals) = slot(message).and_then(|slot| self.arrivals.get_mut(slot)) {
+        let id = message.message_id();
+        let mut streams = STREAMS.iter().zip(&mut self.arrivals);
+        if let Some((_, arrivals)) = streams.find(|(stream, _)| stream.0 == id) {
             arrivals.push(now_s);
         }
         if let Some(interval_s) = self.interval_s() {
@@ -209,12 +155,9 @@ impl Rates {
     /// Requests every message that does not arrive as it should; `attitude_s` is the wanted interval of
     /// attitudes, seconds.
     pub fn tick(&mut self, attitude_s: f64, now_s: f64, target_system: u8, outbox: &mut Outbox) {
-        for (index, (stream, arrivals)) in STREAMS.iter().zip(&mut self.arrivals).enumerate() {
-            let asked_s = if index == ATTITUDE {
-                attitude_s.min(stream.interval_s)
-            } else {
-                stream.interval_s
-            };
+        for ((id, interval_s), arrivals) in STREAMS.into_iter().zip(&mut self.arrivals) {
+            let is_attitude = id == ATTITUDE_DATA::ID;
+            let asked_s = interval_s.min(if is_attitude { attitude_s } else { interval_s });
             if arrivals.arrives(asked_s, now_s) {
                 arrivals.requests = 0;
                 arrivals.again_s = None;
@@ -232,7 +175,7 @@ impl Rates {
             arrivals.again_s = Some(now_s + pause_s);
             let command = Command::long(
                 MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
-                stream.message_id,
+                id as f32,
                 single(asked_s * 1e6),
             );
             // The first request may have got lost: from then on send two.
@@ -258,7 +201,6 @@ impl Rates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
 
     fn feed(rates: &mut Rates, at_s: f64) {
         rates.heard(&MavMessage::ATTITUDE(ATTITUDE_DATA::DEFAULT), at_s);

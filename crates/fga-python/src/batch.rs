@@ -9,11 +9,13 @@ use arrow_array::{Array, RecordBatch};
 use arrow_schema::DataType;
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga_formats::InputError;
 use fga_formats::encounters::{self, COLUMNS, Encounter, KIND_COLUMN, movement_of};
 use fga_formats::number::push_fixed;
 use fga_sim::batch::{
-    BatchError, BatchRow, BatchSettings, FAILURE_COLUMN, fly_all, result_columns,
+    BatchError, BatchRow, BatchSettings, FAILURE_COLUMN, MoreColumns, fly_all, result_columns,
 };
+use fga_sim::drawn::{self, RowTable};
 use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -149,13 +151,14 @@ fn rows_of(batch: &RecordBatch, rows: &mut Vec<(u64, Obstacle)>) -> PyResult<()>
 }
 
 /// Encounters from a file of `fga batch`, or from a table with its columns.
-fn encounters_of(object: &Bound<'_, PyAny>) -> PyResult<Vec<Encounter>> {
+fn encounters_of(object: &Bound<'_, PyAny>) -> PyResult<RowTable> {
     if object.hasattr("__arrow_c_stream__")? {
         let mut rows = Vec::new();
         for batch in batches_of(object)? {
             rows_of(&batch, &mut rows)?;
         }
-        return encounters::from_rows(rows).map_err(PyValueError::new_err);
+        let rows = encounters::from_rows(rows).map_err(PyValueError::new_err)?;
+        return Ok(rows.into());
     }
     let path: PathBuf = object.extract().map_err(|_| {
         PyTypeError::new_err(format!(
@@ -165,7 +168,7 @@ fn encounters_of(object: &Bound<'_, PyAny>) -> PyResult<Vec<Encounter>> {
     })?;
     object
         .py()
-        .detach(|| encounters::read(&path))
+        .detach(|| drawn::read_rows(&path))
         .map_err(input)
 }
 
@@ -192,7 +195,7 @@ fn written(value: f64) -> f64 {
 
 /// Flies many encounters: `fga batch`.
 ///
-/// `encounters` is the path of a CSV file or a table with its columns. `policy` is a name, or one of your own: a class or an
+/// `encounters` is the path of a CSV file or of a folder that `fga campaign draw` wrote, or a table with the columns of the CSV file. `policy` is a name, or one of your own: a class or an
 /// object with `step(situation)`, with `step_all(flights, obstacles)` for many flights at once, or a function of the
 /// situation; `time_limit_s` is its time for a step. The table has the numbers of results.csv, whose bytes `to_csv` gives. `progress(done, total)` is called during the work.
 #[pyfunction]
@@ -223,7 +226,11 @@ pub(crate) fn batch(
         tracks: false,
     };
     let encounters = encounters_of(encounters)?;
-    let is_own = settings.policy.own().is_some();
+    let more = MoreColumns {
+        is_bounded: encounters.surroundings.exist(),
+        is_own: settings.policy.own().is_some(),
+        is_named: false,
+    };
     let for_all = match &policy {
         Policy::Given(policy) if is_for_all(policy)? => Some(policy.clone().unbind()),
         _ => None,
@@ -231,14 +238,14 @@ pub(crate) fn batch(
     let flown = interruptible(py, threads, progress, |shared| {
         shared
             .total
-            .store(encounters.len() as u64, Ordering::Relaxed);
-        let mut csv = (result_columns(is_own, false) + "\n").into_bytes();
-        let mut rows = Vec::with_capacity(encounters.len());
+            .store(encounters.encounters.len() as u64, Ordering::Relaxed);
+        let mut csv = (result_columns(more) + "\n").into_bytes();
+        let mut rows = Vec::with_capacity(encounters.encounters.len());
         let take = |row: &BatchRow| {
             if !shared.goes_on() {
                 return Err("interrupted");
             }
-            row.push_result(&mut csv, is_own, None);
+            row.push_result(&mut csv, more, None);
             rows.push((row.encounter, row.separated(), row.outcome, row.failure));
             shared.done.fetch_add(1, Ordering::Relaxed);
             Ok(())
@@ -292,7 +299,16 @@ pub(crate) fn batch(
             ),
         ),
     ];
-    if is_own {
+    if more.is_bounded {
+        columns.push(maybe("min_terrain_clearance_m", |outcome| {
+            let above_m = outcome.min_terrain_clearance_m;
+            above_m.filter(|above_m| above_m.is_finite())
+        }));
+        columns.push(maybe("min_zone_margin_m", |outcome| {
+            outcome.min_zone_margin_m
+        }));
+    }
+    if more.is_own {
         let words = rows.iter().map(|row| Some(row.3?.name().to_owned()));
         columns.push((FAILURE_COLUMN, Column::MaybeText(words.collect())));
     }
@@ -312,7 +328,8 @@ pub(crate) fn oracle(
 ) -> PyResult<Table> {
     let model = model_or_built_in(vehicle)?;
     let judge = Judge::new(&model, checked_horizon(horizon_s)?).map_err(PyValueError::new_err)?;
-    let encounters = encounters_of(encounters)?;
+    let rows = encounters_of(encounters)?;
+    let encounters = &rows.encounters;
     let margins = interruptible(py, threads, progress, |shared| {
         shared
             .total
@@ -322,12 +339,17 @@ pub(crate) fn oracle(
             if !shared.goes_on() {
                 break;
             }
-            let of = |encounter: &Encounter| judge.best_margin_m(encounter);
-            margins.par_extend(block.par_iter().map(of));
+            let of = |encounter: &Encounter| {
+                let scenery = rows.surroundings.scenery(encounter.id)?;
+                Ok(judge.best_margin_among_m(encounter, &scenery))
+            };
+            let found: Result<Vec<f64>, InputError> = block.par_iter().map(of).collect();
+            margins.extend(found?);
             shared.done.fetch_add(block.len() as u64, Ordering::Relaxed);
         }
-        margins
-    })?;
+        Ok(margins)
+    })?
+    .map_err(input)?;
     let mut csv = b"encounter,avoidable,best_margin_m\n".to_vec();
     for (encounter, margin_m) in encounters.iter().zip(&margins) {
         let avoidable = *margin_m >= AVOIDABLE_MARGIN_M;

@@ -11,7 +11,7 @@ use fga_sim::campaign::folder::{encode_block, number_of};
 use fga_sim::campaign::metrics::Access;
 use fga_sim::campaign::{
     Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
-    Shard, Stamp, Task, assemble, run as fly, table,
+    Shard, Stamp, Task, assemble, reading, run as fly,
 };
 use fga_sim::own::OwnPolicy;
 use fga_sim::run::RunLog;
@@ -336,7 +336,7 @@ impl Campaign {
                 let unreadable = |error| fga_formats::InputError::unreadable(&path, &error);
                 let file = std::fs::File::open(&path).map_err(unreadable)?;
                 let mut rows = Vec::new();
-                table::read(file, &self.core, |mut group| {
+                reading::read(file, &self.core, |mut group| {
                     rows.append(&mut group);
                     Ok::<_, ParquetError>(())
                 })

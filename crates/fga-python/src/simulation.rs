@@ -202,9 +202,8 @@ impl Simulation {
         let Flying { flight, path } = &mut *guard;
         let outcome = flight.outcome();
         let dict = outcome_dict(py, &outcome)?;
-        let (above_m, zones_m) = flight.surroundings_m();
-        dict.set_item("min_terrain_clearance_m", above_m)?;
-        dict.set_item("min_zone_margin_m", zones_m)?;
+        dict.set_item("min_terrain_clearance_m", outcome.min_terrain_clearance_m)?;
+        dict.set_item("min_zone_margin_m", outcome.min_zone_margin_m)?;
         if let Some(metrics) = metrics_of(&self.plan.world, path, &outcome) {
             let text = flight::standards(&metrics).to_string();
             let standards = py.import("json")?.call_method1("loads", (text,))?;

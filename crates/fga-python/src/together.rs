@@ -5,8 +5,8 @@ use arrow_array::types::Float64Type;
 use arrow_array::{Array as _, RecordBatch};
 use arrow_schema::DataType;
 use fga::situation::ProtectedVolume;
-use fga_formats::encounters::Encounter;
 use fga_sim::batch::{BatchError, BatchRow, BatchSettings, Questions, empty_world, fly_together};
+use fga_sim::drawn::RowTable;
 use fga_sim::own::{Answer, Failure, FailureKind};
 use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;
@@ -31,7 +31,7 @@ enum ThreadQuestion {
 pub(crate) fn fly(
     policy: Py<PyAny>,
     limit_s: f64,
-    (encounters, settings): (&[Encounter], &BatchSettings),
+    (rows, settings): (&RowTable, &BatchSettings),
     shared: &Shared,
     take: impl FnMut(&BatchRow) -> Result<(), &'static str>,
 ) -> Result<(), BatchError<&'static str>> {
@@ -80,7 +80,7 @@ pub(crate) fn fly(
             **thread = Err(failure.clone());
         })
     };
-    fly_together(encounters, settings, begin, answer, take)
+    fly_together(rows, settings, begin, answer, take)
 }
 
 fn tables(questions: &Questions<'_>) -> Tables {

@@ -3,7 +3,7 @@
 //! The aircraft starts at the origin on the line along +x, which is its mission; obstacles fly
 //! straight and are known from the start, whatever the surveillance radius. Each obstacle's volume
 //! is a sphere of its row's radius; where the vehicle file protects a cylinder, it is a cylinder of
-//! the row's radius and the file's half height. A flight ends at the horizon, or earlier once the
+//! the row's radius and the file's half height. Ground and zones are those of the table's surroundings. A flight ends at the horizon, or earlier once the
 //! aircraft is back on the line (within 1 m and 1°) in cruise and every obstacle has passed.
 //!
 //! Results do not depend on the number of threads: each encounter flies alone, with its own stream of
@@ -16,8 +16,8 @@ mod world;
 
 pub(crate) use row::timed;
 pub use row::{
-    BatchError, BatchRow, FAILURE_COLUMN, NAME_COLUMN, RESULT_COLUMNS, TIMING_COLUMNS,
-    TRACK_COLUMNS, push_sample, result_columns,
+    BatchError, BatchRow, FAILURE_COLUMN, MoreColumns, NAME_COLUMN, RESULT_COLUMNS,
+    SURROUNDINGS_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS, push_sample, result_columns,
 };
 pub use together::{Questions, fly_together};
 pub use tracks::{Tracks, fly_tracks};
@@ -30,6 +30,7 @@ use fga::avoider::SettingsError;
 use fga_formats::encounters::Encounter;
 use rayon::prelude::*;
 
+use crate::drawn::RowTable;
 use crate::engine::Engine;
 use crate::policy::{PolicyChoice, PolicyPilot};
 use crate::run::{Plan, RunLog, fly};
@@ -40,9 +41,9 @@ use crate::world::World;
 /// of the encounters.
 ///
 /// # Errors
-/// Settings that cannot be flown, or the first error of `take`.
-pub fn fly_all<E>(
-    encounters: &[Encounter],
+/// Settings that cannot be flown, surroundings that cannot be used, or the first error of `take`.
+pub fn fly_all<E: Send>(
+    rows: &RowTable,
     settings: &BatchSettings,
     mut take: impl FnMut(&BatchRow) -> Result<(), E>,
 ) -> Result<(), BatchError<E>> {
@@ -53,18 +54,19 @@ pub fn fly_all<E>(
     // Checks the settings once; the same ones fly every encounter.
     let pilot = || settings.policy.pilot(&world.settings, &world.vehicle);
     pilot()?;
-    for block in encounters.chunks(BLOCK) {
-        let rows: Vec<Result<BatchRow, SettingsError>> = block
+    for block in rows.encounters.chunks(BLOCK) {
+        let flown: Vec<Result<BatchRow, BatchError<E>>> = block
             .par_iter()
             .map_init(
                 || pilot().map(|pilot| (Engine::new(), world.clone(), pilot)),
                 |thread, encounter| {
                     let (engine, world, pilot) = thread.as_mut().map_err(|error| *error)?;
+                    rows.surroundings.scenery(encounter.id)?.place(world);
                     Ok(fly_one(engine, world, pilot.as_mut(), encounter, settings))
                 },
             )
             .collect();
-        for row in rows {
+        for row in flown {
             take(&row?).map_err(BatchError::Sink)?;
         }
     }

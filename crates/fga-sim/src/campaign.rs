@@ -31,6 +31,8 @@ mod interval;
 mod judge;
 pub mod merge;
 pub mod metrics;
+mod opened;
+pub mod reading;
 pub mod risk;
 pub mod row;
 pub mod rows;
@@ -42,9 +44,7 @@ pub mod table;
 mod tail;
 pub mod totals;
 
-pub use configuration::{
-    Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, own_sha256, parse_policy, policy_called,
-};
+pub use configuration::{Configuration, MOST_ENCOUNTERS, own_sha256, parse_policy, policy_called};
 pub use error::CampaignError;
 pub use expected::Expected;
 pub use flight::{Flown, Flyer};
@@ -52,6 +52,7 @@ pub use folder::{Folder, Manifest, RESULTS, Shard};
 pub use interval::Interval;
 pub use judge::{FlownPath, metrics_of};
 pub use merge::{Assembled, assemble, merge, reread};
+pub use opened::{Campaign, Drawn, Scene};
 pub use row::Row;
 pub use rows::RowFiles;
 pub use run::{PolicyTimes, Progress, Task, run};

@@ -8,6 +8,7 @@
 mod columns;
 mod origin;
 mod read;
+mod surroundings;
 mod tables;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use fga_formats::encounters::{self, Encounter};
 use fga_formats::recordings::{self, Encounters};
 
 pub use origin::{Content, Origin};
+pub use surroundings::{SURROUNDINGS, SceneryFolder, write_surroundings};
 pub use tables::{DrawnWriter, ROW_COLUMNS, TRACK_COLUMNS};
 
 /// The table of aircraft with tracks in a drawn folder.
@@ -86,7 +88,7 @@ pub fn recordings_in(bytes: &[u8], path: &Path) -> Result<Encounters, InputError
 }
 
 /// The table with encounters around a line: a drawn folder's, else the file itself.
-pub fn table_of(path: &Path) -> PathBuf {
+fn table_of(path: &Path) -> PathBuf {
     let table = path.join(ROWS);
     if table.is_file() {
         table
@@ -95,21 +97,49 @@ pub fn table_of(path: &Path) -> PathBuf {
     }
 }
 
-/// The encounters around a line in a file, or in the drawn folder that holds it.
+/// Encounters around a line, with what surrounds them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowTable {
+    /// The encounters.
+    pub encounters: Vec<Encounter>,
+    /// The ground and the zones around them.
+    pub surroundings: SceneryFolder,
+    /// Fingerprint of the files; empty for encounters from no file.
+    pub sha256: String,
+}
+
+impl From<Vec<Encounter>> for RowTable {
+    /// Without ground and zones.
+    fn from(encounters: Vec<Encounter>) -> Self {
+        Self {
+            encounters,
+            surroundings: SceneryFolder::default(),
+            sha256: String::new(),
+        }
+    }
+}
+
+/// The encounters around a line in a file, or in the drawn folder that holds it, with their surroundings.
 ///
 /// # Errors
-/// As [`encounters::read`].
-pub fn read_rows(path: &Path) -> Result<Vec<Encounter>, InputError> {
+/// As [`encounters::read`]; surroundings without a file for each encounter.
+pub fn read_rows(path: &Path) -> Result<RowTable, InputError> {
     let path = &table_of(path);
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    rows_in(&bytes, path)
+    let encounters = rows_in(&bytes, path)?;
+    let surroundings = SceneryFolder::of_table(path);
+    Ok(RowTable {
+        sha256: surroundings.fingerprint(&bytes, &encounters)?,
+        surroundings,
+        encounters,
+    })
 }
 
 /// The encounters around a line in the bytes of a file.
 ///
 /// # Errors
 /// As [`encounters::parse`].
-pub fn rows_in(bytes: &[u8], path: &Path) -> Result<Vec<Encounter>, InputError> {
+fn rows_in(bytes: &[u8], path: &Path) -> Result<Vec<Encounter>, InputError> {
     if columns::is_parquet(bytes) {
         return read::rows(bytes.to_vec(), path);
     }

@@ -6,7 +6,6 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::support::{columns, errors, fga_in, rows};
 
@@ -33,7 +32,7 @@ fn head_on(aside_m: f64, above_m: f64) -> String {
 
 /// A folder with a campaign, a vehicle, a model, and recordings: an NMAC, a loss of well clear, a
 /// pass well clear.
-fn written() -> tempfile::TempDir {
+pub(crate) fn written() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     fs::write(at.join("recorded.toml"), CAMPAIGN).unwrap();
@@ -68,9 +67,9 @@ const RECORDED: [&str; 5] = [
     "--recordings",
     "flights",
 ];
-const MODELED: [&str; 3] = ["campaign", "run", "modeled.toml"];
+pub(crate) const MODELED: [&str; 3] = ["campaign", "run", "modeled.toml"];
 
-fn run(at: &Path, command: &[&str], more: &[&str]) {
+pub(crate) fn run(at: &Path, command: &[&str], more: &[&str]) {
     let output = fga_in(at, &[command, more].concat());
     assert!(output.status.success(), "{}", errors(&output));
 }
@@ -201,91 +200,6 @@ fn the_same_bytes_on_one_and_two_threads_in_parts_and_resumed() {
         run(at, command, &["--out", &out("one"), "--resume"]);
         assert_eq!(one, bytes(at, &out("one")));
     }
-}
-
-#[test]
-fn drawn_encounters_fly_alike_as_recordings() {
-    let folder = written();
-    let at = folder.path();
-    run(
-        at,
-        &MODELED,
-        &["--encounters", "12", "--csv", "--out", "flown"],
-    );
-    let draw = ["campaign", "draw", "modeled.toml", "--encounters", "12"];
-    run(at, &draw, &["--out", "drawn"]);
-    let again = [
-        "campaign",
-        "run",
-        "recorded.toml",
-        "--recordings",
-        "drawn/recordings",
-    ];
-    run(at, &again, &["--csv", "--out", "again"]);
-    let [flown, again] = ["flown", "again"].map(|out| columns(&at.join(out).join("results.csv")));
-    assert_eq!(flown["min_margin_m"].len(), 24);
-    for (a, b) in flown["nominal_horizontal_m"]
-        .iter()
-        .zip(&again["nominal_horizontal_m"])
-    {
-        assert!((a - b).abs() < 1e-4, "{a} {b}");
-    }
-    let list = rows(&at.join("drawn/drawn.csv"));
-    for (row, weight) in list.iter().zip(flown["weight"].iter().step_by(2)) {
-        let drawn: f64 = row["weight"].parse().unwrap();
-        assert!((drawn - weight).abs() < 1e-6);
-    }
-    // A table of another kind in the place of the results: one sentence.
-    fs::copy(
-        at.join("drawn/tracks.parquet"),
-        at.join("flown/results.parquet"),
-    )
-    .unwrap();
-    let output = fga_in(at, &["campaign", "report", "flown"]);
-    assert_eq!(output.status.code(), Some(1));
-    let said = errors(&output);
-    assert!(
-        said.contains("results.parquet: cannot be used: has other columns: column 2 is")
-            && said.contains("expected \"source_encounter\" as a campaign has it")
-            && said.lines().count() == 1,
-        "{said}"
-    );
-}
-
-#[cfg(unix)]
-#[test]
-fn a_draw_that_fails_leaves_the_earlier_one() {
-    let folder = written();
-    let at = folder.path();
-    let draw = ["campaign", "draw", "modeled.toml", "--out", "drawn"];
-    run(at, &draw, &["--encounters", "2"]);
-    let there = || {
-        let mut files: Vec<_> = ["drawn", "drawn/recordings"]
-            .iter()
-            .flat_map(|each| fs::read_dir(at.join(each)).unwrap())
-            .map(|entry| entry.unwrap().path())
-            .collect();
-        files.sort();
-        files
-    };
-    let before = there();
-    // Room for each recording but not for the table of all.
-    let output = Command::new("sh")
-        .current_dir(at)
-        .arg("-c")
-        .arg("trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"")
-        .arg(env!("CARGO_BIN_EXE_fga"))
-        .args(draw)
-        .args(["--encounters", "40"])
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
-    assert!(
-        errors(&output).contains("tracks.parquet cannot be written"),
-        "{}",
-        errors(&output)
-    );
-    assert_eq!(before, there());
 }
 
 #[test]

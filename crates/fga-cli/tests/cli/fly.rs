@@ -286,6 +286,36 @@ fn a_browser_that_is_frozen() {
     assert!(program.ended().success());
 }
 
+/// Level ground at 10 m in the tile of the emulator's home.
+fn level_tile(folder: &Path) {
+    let heights = 10_i16.to_be_bytes().repeat(1201 * 1201);
+    fs::write(folder.join("N37W123.hgt"), heights).expect("a tile");
+}
+
+#[test]
+fn the_live_page_has_the_height_above_the_ground() {
+    let live = Live::udp(None, None);
+    let folder: PathBuf = live::folder("above-ground");
+    level_tile(&folder);
+    let address = free_address();
+    let listen = address.to_string();
+    let more = ["--quiet", "--live", "--listen", &listen];
+    let mut command = command("exec \"$@\"", &live, &folder, &more);
+    let terrain = "\n[terrain]\nfile = \"N37W123.hgt\"\nclearance_m = 30.0\n";
+    fs::write(folder.join("fly.toml"), live::config() + terrain).expect("a configuration");
+    let _program = Program(command.spawn().expect("the program starts"));
+    let mut browser = frozen_browser(address);
+    let mut heard = String::new();
+    let since = Instant::now();
+    // 104 m above the sea, over 10 m.
+    while !heard.contains("\"94 m above ground") {
+        assert!(since.elapsed() < Duration::from_secs(60), "{heard}");
+        let mut bytes = [0; 4096];
+        let count = browser.read(&mut bytes).expect("messages");
+        heard += &String::from_utf8_lossy(&bytes[..count]);
+    }
+}
+
 /// Resident memory of a process, bytes.
 #[cfg(target_os = "linux")]
 fn memory(process: u32) -> u64 {

@@ -122,9 +122,4 @@ fn a_campaign_in_valleys_says_what_each_flight_keeps_and_shows_it_again() {
         "other",
     ]);
     assert!(!rows(&at.join("other/results.csv"))[0].contains_key("min_zone_margin_m"));
-    let drawn = fga_in(at, &["campaign", "draw", campaign, "--encounters", "2"]);
-    assert_eq!(drawn.status.code(), Some(1));
-    let told =
-        "valleys.toml: has cells with ground or zones, which tables of encounters cannot hold";
-    assert!(errors(&drawn).contains(told), "{}", errors(&drawn));
 }

@@ -13,6 +13,7 @@ mod alerts;
 mod answers;
 mod batch;
 mod campaign;
+mod campaign_draw;
 mod export;
 mod files;
 #[cfg(all(feature = "fly", target_os = "linux"))]

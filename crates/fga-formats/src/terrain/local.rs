@@ -97,19 +97,15 @@ impl LocalGround {
             .map(|index| at((index % columns) as f64, (index / columns) as f64))
             .map(|at| of_file(at).map_or(f32::NAN, |height_m| height_m as f32))
             .collect();
-        let (place, errors) = (
-            (low_m, spacing_m),
-            (terrain.vertical_error_m(), clearance_m),
-        );
-        let ground = Self::new(place, columns, heights_m, errors);
-        let ground = ground.ok_or("has no ground of a size")?;
-        if !ground.heights_m.iter().any(|height_m| height_m.is_finite()) {
+        if !heights_m.iter().any(|height_m| height_m.is_finite()) {
             return Err(
                 "knows no ground within 3 km of the mission, expected a file of its area".into(),
             );
         }
+        let place = (low_m, spacing_m);
+        let own_height_m = |at_m| bilinear(place, columns, &heights_m, at_m);
         // Between the posts, where the two differ most.
-        let mut heights_m = ground.heights_m.clone();
+        let mut raised = heights_m.clone();
         for index in 0..columns * rows {
             let (column, row) = ((index % columns) as f64, (index / columns) as f64);
             let [east, north] = [1, columns];
@@ -119,21 +115,22 @@ impl LocalGround {
                 (&[0, east, north, north + east], (0.5, 0.5)),
             ] {
                 let at_m = low_m + spacing_m * Vec2::new(column + at.0, row + at.1);
-                let Some((of_file_m, own_m)) = of_file(at_m).zip(ground.height_m(at_m)) else {
+                let Some((of_file_m, own_m)) = of_file(at_m).zip(own_height_m(at_m)) else {
                     continue;
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "as the heights")]
                 let more_m = (of_file_m - own_m) as f32;
                 for post in beside.iter().map(|post| index + post) {
                     if let (Some(raised_m), Some(post_m)) =
-                        (heights_m.get_mut(post), ground.heights_m.get(post))
+                        (raised.get_mut(post), heights_m.get(post))
                     {
                         *raised_m = raised_m.max(post_m + more_m);
                     }
                 }
             }
         }
-        Self::new(place, columns, heights_m, errors).ok_or_else(|| "has no ground of a size".into())
+        let errors = (terrain.vertical_error_m(), clearance_m);
+        Self::new(place, columns, raised, errors).ok_or_else(|| "has no ground of a size".into())
     }
 
     /// The ground as the core takes it.
@@ -173,30 +170,8 @@ impl LocalGround {
 
     /// The height of the ground at a place, metres; `None` where it is not known.
     pub fn height_m(&self, at: Vec2) -> Option<f64> {
-        let steps = (at - self.corner_m) / self.spacing_m;
-        let rows = self.heights_m.len() / self.columns;
-        let last = Vec2::new(self.columns as f64 - 1.0, rows as f64 - 1.0);
-        if !(steps.cmpge(Vec2::ZERO).all() && steps.cmple(last).all()) {
-            return None;
-        }
-        let low = steps.floor().min(last - 1.0);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "within the posts"
-        )]
-        let first = low.y as usize * self.columns + low.x as usize;
-        let share = steps - low;
-        let post_m = |index: usize| {
-            let post_m = self.heights_m.get(index);
-            post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
-        };
-        let height_m = (1.0 - share.y)
-            * ((1.0 - share.x) * post_m(first) + share.x * post_m(first + 1))
-            + share.y
-                * ((1.0 - share.x) * post_m(first + self.columns)
-                    + share.x * post_m(first + self.columns + 1));
-        height_m.is_finite().then_some(height_m)
+        let place = (self.corner_m, self.spacing_m);
+        bilinear(place, self.columns, &self.heights_m, at)
     }
 
     /// The height of a place above the ground, metres; `None` where that is not known.
@@ -218,6 +193,38 @@ impl LocalGround {
         }
         (least_m, is_known)
     }
+}
+
+/// The height of the ground at a place by posts as [`LocalGround::new`] takes them, metres; `None` where it is not known.
+fn bilinear(
+    (corner_m, spacing_m): (Vec2, Vec2),
+    columns: usize,
+    heights_m: &[f32],
+    at: Vec2,
+) -> Option<f64> {
+    let steps = (at - corner_m) / spacing_m;
+    let rows = heights_m.len() / columns;
+    let last = Vec2::new(columns as f64 - 1.0, rows as f64 - 1.0);
+    if !(steps.cmpge(Vec2::ZERO).all() && steps.cmple(last).all()) {
+        return None;
+    }
+    let low = steps.floor().min(last - 1.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "within the posts"
+    )]
+    let first = low.y as usize * columns + low.x as usize;
+    let share = steps - low;
+    let post_m = |index: usize| {
+        let post_m = heights_m.get(index);
+        post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
+    };
+    let height_m = (1.0 - share.y)
+        * ((1.0 - share.x) * post_m(first) + share.x * post_m(first + 1))
+        + share.y
+            * ((1.0 - share.x) * post_m(first + columns) + share.x * post_m(first + columns + 1));
+    height_m.is_finite().then_some(height_m)
 }
 
 impl Terrain {

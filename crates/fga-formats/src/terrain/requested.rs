@@ -85,6 +85,18 @@ impl RequestedBlock {
         ALL & !self.filled
     }
 
+    /// Latitudes and longitudes of the posts of a piece, 10⁻⁷ degrees, in the order of its heights in `TERRAIN_DATA`.
+    pub fn posts_e7(&self, piece: u8) -> [[i32; 2]; PIECE * PIECE] {
+        let (piece, per_row) = (usize::from(piece), COLUMNS / PIECE);
+        core::array::from_fn(|index| {
+            let row = ROWS.saturating_sub(1 + piece / per_row * PIECE + index / PIECE);
+            let column = piece % per_row * PIECE + index % PIECE;
+            let place = [self.grid.latitude_deg(row), self.grid.longitude_deg(column)];
+            #[expect(clippy::cast_possible_truncation, reason = "degrees of the earth")]
+            place.map(|degrees| libm::rint(degrees * 1e7) as i32)
+        })
+    }
+
     /// Takes the content of a `TERRAIN_DATA`: corner of the request, spacing, number of the piece, heights from its
     /// south-west corner, to the east first.
     pub fn take(

@@ -87,114 +87,37 @@ pub struct Reaction {
     pub text: &'static str,
 }
 
+/// Rows of the table: fault, reaction on the mode, when it may act again, severity, message.
+macro_rules! rows {
+    ($($fault:ident: $hand_back:ident, $rearm:ident, $severity:ident, $text:literal;)*) => {
+        [$(Reaction {
+            fault: Fault::$fault,
+            hand_back: HandBack::$hand_back,
+            rearm: Rearm::$rearm,
+            severity: Severity::$severity,
+            text: $text,
+        }),*]
+    };
+}
+
 /// Every fault and its reaction: the table of `docs/fly-safety.md`.
-pub const REACTIONS: [Reaction; 15] = [
-    Reaction {
-        fault: Fault::ModeChanged,
-        hand_back: HandBack::LeaveAlone,
-        rearm: Rearm::Operator,
-        severity: Severity::Warning,
-        text: "fga: mode changed by others, released",
-    },
-    Reaction {
-        fault: Fault::Disarmed,
-        hand_back: HandBack::RestoreWhenHeard,
-        rearm: Rearm::Automatic,
-        severity: Severity::Notice,
-        text: "fga: vehicle disarmed, released",
-    },
-    Reaction {
-        fault: Fault::BelowFloor,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: below the floor, mode restored",
-    },
-    Reaction {
-        fault: Fault::TelemetryStale,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: telemetry stale, mode restored",
-    },
-    Reaction {
-        fault: Fault::LinkLost,
-        hand_back: HandBack::ResumeWhenHeard,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: link lost",
-    },
-    Reaction {
-        fault: Fault::TakeOverRefused,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: take-over refused, cannot avoid",
-    },
-    Reaction {
-        fault: Fault::ReturnRefused,
-        hand_back: HandBack::LeaveAlone,
-        rearm: Rearm::Operator,
-        severity: Severity::Critical,
-        text: "fga: mode not restored, pilot must set it",
-    },
-    Reaction {
-        fault: Fault::NotFollowing,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Operator,
-        severity: Severity::Critical,
-        text: "fga: vehicle does not follow, mode restored",
-    },
-    Reaction {
-        fault: Fault::AutopilotRestarted,
-        hand_back: HandBack::LeaveAlone,
-        rearm: Rearm::Operator,
-        severity: Severity::Critical,
-        text: "fga: autopilot restarted, released",
-    },
-    Reaction {
-        fault: Fault::OperatorOff,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Operator,
-        severity: Severity::Notice,
-        text: "fga: switched off by the operator",
-    },
-    Reaction {
-        fault: Fault::NoDecision,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: no decision possible, mode restored",
-    },
-    Reaction {
-        fault: Fault::Contradiction,
-        hand_back: HandBack::LeaveAlone,
-        rearm: Rearm::Operator,
-        severity: Severity::Critical,
-        text: "fga: heartbeats contradict, released",
-    },
-    Reaction {
-        fault: Fault::ProgramEnds,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Operator,
-        severity: Severity::Warning,
-        text: "fga: program ends, mode restored",
-    },
-    Reaction {
-        fault: Fault::Restarted,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: restarted, mode restored",
-    },
-    Reaction {
-        fault: Fault::LateRequest,
-        hand_back: HandBack::Restore,
-        rearm: Rearm::Automatic,
-        severity: Severity::Critical,
-        text: "fga: late request carried out, mode restored",
-    },
-];
+pub const REACTIONS: [Reaction; 15] = rows! {
+    ModeChanged: LeaveAlone, Operator, Warning, "fga: mode changed by others, released";
+    Disarmed: RestoreWhenHeard, Automatic, Notice, "fga: vehicle disarmed, released";
+    BelowFloor: Restore, Automatic, Critical, "fga: below the floor, mode restored";
+    TelemetryStale: Restore, Automatic, Critical, "fga: telemetry stale, mode restored";
+    LinkLost: ResumeWhenHeard, Automatic, Critical, "fga: link lost";
+    TakeOverRefused: Restore, Automatic, Critical, "fga: take-over refused, cannot avoid";
+    ReturnRefused: LeaveAlone, Operator, Critical, "fga: mode not restored, pilot must set it";
+    NotFollowing: Restore, Operator, Critical, "fga: vehicle does not follow, mode restored";
+    AutopilotRestarted: LeaveAlone, Operator, Critical, "fga: autopilot restarted, released";
+    OperatorOff: Restore, Operator, Notice, "fga: switched off by the operator";
+    NoDecision: Restore, Automatic, Critical, "fga: no decision possible, mode restored";
+    Contradiction: LeaveAlone, Operator, Critical, "fga: heartbeats contradict, released";
+    ProgramEnds: Restore, Operator, Warning, "fga: program ends, mode restored";
+    Restarted: Restore, Automatic, Critical, "fga: restarted, mode restored";
+    LateRequest: Restore, Automatic, Critical, "fga: late request carried out, mode restored";
+};
 
 /// The reaction to a fault.
 pub fn reaction(fault: Fault) -> &'static Reaction {

@@ -61,6 +61,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
             position_m: 0.0,
             velocity_mps: 0.0,
             velocity_sigma_is_known: true,
+            climb_is_known: true,
             height_m: 0.0,
             altitude: AltitudeReference::MeanSeaLevel,
         },

@@ -178,7 +178,7 @@ impl Companion {
     }
 
     /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
-    fn lasting(&self, state: &State) -> State {
+    pub(super) fn lasting(&self, state: &State) -> State {
         let waypoint_m = self.route.waypoints_m().get(1);
         let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
         let follows_mission = !self.keeper.commands()

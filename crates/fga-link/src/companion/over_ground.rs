@@ -11,6 +11,7 @@ use fga_formats::terrain::{LocalGround, Terrain};
 use mavlink::MessageData as _;
 use mavlink::dialects::ardupilotmega::{
     DISTANCE_SENSOR_DATA, MavCmd, MavMessage, MavSensorOrientation, TERRAIN_DATA_DATA,
+    TERRAIN_REPORT_DATA,
 };
 use serde_json::json;
 
@@ -20,6 +21,7 @@ use super::route::Route;
 use super::voice::Voice;
 use crate::authority::Keeper;
 use crate::commands::Command;
+use crate::config::TerrainSource;
 use crate::ground::{AskedBlocks, GroundOrder, MadeGround, Square};
 use crate::ownship::{OwnshipEstimate, State};
 
@@ -42,8 +44,8 @@ enum GroundSource {
     #[default]
     Nobody,
     Files(Arc<Terrain>),
-    /// A ground station, with what it sent so far and its number.
-    Station(Box<AskedBlocks>, Option<(Arc<Terrain>, u32)>),
+    /// Somebody is asked; with what came so far and its number.
+    Asked(TerrainSource, Box<AskedBlocks>, Option<(Arc<Terrain>, u32)>),
 }
 
 /// What a rangefinder says of the known ground.
@@ -92,8 +94,9 @@ fn differ(one: &Maneuver, other: &Maneuver) -> bool {
         })
 }
 
-/// The places whose ground is wanted, latitudes and longitudes in degrees: here, along a way, around here.
-fn places(frame: &LocalFrame, at_m: Vec3, way_m: &[Vec3]) -> Vec<[f64; 2]> {
+/// The places whose ground is wanted, latitudes and longitudes in degrees: here, along a way, around here; and how many of them are
+/// here or on the way.
+fn places(frame: &LocalFrame, at_m: Vec3, way_m: &[Vec3]) -> (Vec<[f64; 2]>, usize) {
     let mut places_m = vec![at_m];
     let mut left_m = ASKED_AHEAD_M;
     for (from_m, to_m) in core::iter::once(&at_m).chain(way_m).zip(way_m) {
@@ -106,21 +109,20 @@ fn places(frame: &LocalFrame, at_m: Vec3, way_m: &[Vec3]) -> Vec<[f64; 2]> {
         }
         left_m -= length_m;
     }
+    let on_way = places_m.len();
     let steps = || (-2..=2).map(|step| f64::from(step) * ASKED_STEP_M);
     places_m.extend(steps().flat_map(|x| steps().map(move |y| at_m + Vec3::new(x, y, 0.0))));
     let places = places_m.into_iter().map(|at_m| frame.to_geodetic(at_m));
     let places = places.map(|place| [place.latitude_deg, place.longitude_deg]);
-    places.collect()
+    (places.collect(), on_way)
 }
 
 impl OverGround {
-    /// With a ground station to ask, or without anybody; manoeuvres keep `clearance_m` above the ground.
-    pub(super) fn new(asks: bool, clearance_m: f64) -> Self {
-        let heights = if asks {
-            GroundSource::Station(Box::default(), None)
-        } else {
-            GroundSource::Nobody
-        };
+    /// With somebody to ask, or without; manoeuvres keep `clearance_m` above the ground.
+    pub(super) fn new(asked: Option<TerrainSource>, clearance_m: f64) -> Self {
+        let heights = asked.map_or(GroundSource::Nobody, |source| {
+            GroundSource::Asked(source, Box::default(), None)
+        });
         Self {
             heights,
             clearance_m,
@@ -153,7 +155,7 @@ impl OverGround {
             count => format!("fga: {count} legs too low, item {item}: {above_m:.0} m"),
         });
         let is_settled = |place: &Geodetic| match &self.heights {
-            GroundSource::Station(asked, _) => asked.is_settled(place),
+            GroundSource::Asked(_, asked, _) => asked.is_settled(place),
             _ => true,
         };
         let unknown = made.unknown.iter().find(|(_, place)| is_settled(place));
@@ -190,7 +192,7 @@ impl OverGround {
         self.ask(frame, at_m, route, voice);
         let (terrain, number) = match &self.heights {
             GroundSource::Files(terrain) => (terrain, 0),
-            GroundSource::Station(_, Some((terrain, number))) => (terrain, *number),
+            GroundSource::Asked(_, _, Some((terrain, number))) => (terrain, *number),
             _ => return,
         };
         let square = Square::new(frame, at_m, (lists.mission_number(), number));
@@ -208,30 +210,56 @@ impl OverGround {
         voice.send(asks.message(voice.system(), 0));
     }
 
-    /// Asks the ground station for what is missing, and takes what has come.
+    /// Asks for what is missing, and takes what has come.
     fn ask(&mut self, frame: &LocalFrame, at_m: Vec3, route: &Route, voice: &mut Voice) {
         let now_s = voice.now_s();
-        let GroundSource::Station(asked, terrain) = &mut self.heights else {
+        let GroundSource::Asked(source, asked, terrain) = &mut self.heights else {
             return;
         };
-        let request = asked.request(now_s, || places(frame, at_m, route.left_m(at_m).1));
+        let places = || places(frame, at_m, route.left_m(at_m).1);
+        let (requests, nobody): (Vec<MavMessage>, _) = match source {
+            TerrainSource::GroundStation => {
+                let request = asked.request(now_s, || places().0);
+                let request = request.map(MavMessage::TERRAIN_REQUEST);
+                (
+                    request.into_iter().collect(),
+                    "fga: no terrain from the ground station",
+                )
+            }
+            TerrainSource::Vehicle => {
+                let checks = asked.checks(now_s, places).into_iter();
+                (
+                    checks.map(MavMessage::TERRAIN_CHECK).collect(),
+                    "fga: no terrain from the vehicle",
+                )
+            }
+        };
         let number = asked.number(now_s);
         if terrain.as_ref().is_none_or(|(_, laid)| *laid != number) {
             *terrain = asked.terrain().map(|terrain| (terrain, number));
         }
         let is_unanswered = asked.is_unanswered();
-        if let Some(request) = request {
-            voice.send(MavMessage::TERRAIN_REQUEST(request));
+        for request in requests {
+            voice.send(request);
         }
         if is_unanswered && !core::mem::replace(&mut self.told_unanswered, true) {
-            voice.warn("fga: no terrain from the ground station");
+            voice.warn(nobody);
         }
     }
 
     /// Takes a piece of ground.
     pub(super) fn take_terrain(&mut self, data: &TERRAIN_DATA_DATA, voice: &mut Voice) {
-        if let GroundSource::Station(asked, _) = &mut self.heights
+        if let GroundSource::Asked(TerrainSource::GroundStation, asked, _) = &mut self.heights
             && let Some(words) = asked.take(data)
+        {
+            voice.warn(words);
+        }
+    }
+
+    /// Takes the height of a place from the vehicle.
+    pub(super) fn take_report(&mut self, data: &TERRAIN_REPORT_DATA, voice: &mut Voice) {
+        if let GroundSource::Asked(TerrainSource::Vehicle, asked, _) = &mut self.heights
+            && let Some(words) = asked.take_report(data)
         {
             voice.warn(words);
         }
@@ -366,7 +394,7 @@ impl OverGround {
         let answers = match &self.heights {
             GroundSource::Nobody => return,
             GroundSource::Files(_) => None,
-            GroundSource::Station(asked, _) => Some(asked.answers()),
+            GroundSource::Asked(_, asked, _) => Some(asked.answers()),
         };
         let answers = answers.map(|answers| {
             json!({ "taken": answers.taken, "wrong": answers.wrong, "contradicting": answers.contradicting })

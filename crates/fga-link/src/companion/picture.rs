@@ -6,6 +6,7 @@ use fga::situation::Obstacle;
 use fga::vehicle::Vehicle;
 
 use crate::authority::Authority;
+use crate::ground::AboveGround;
 use crate::ownship::State;
 
 /// The last decision and its input.
@@ -31,4 +32,6 @@ pub struct Picture {
     pub horizon_s: f64,
     /// Distance kept beyond a protected volume, metres.
     pub margin_m: f64,
+    /// The height above the ground, here and ahead; `None` where no ground is known.
+    pub above_ground: Option<AboveGround>,
 }

@@ -156,6 +156,7 @@ impl Companion {
             MavMessage::SYS_STATUS(data) => {
                 self.boundary.take_status(data);
             }
+            MavMessage::TERRAIN_REPORT(data) => self.over.take_report(data, &mut self.voice),
             MavMessage::DISTANCE_SENSOR(data) => {
                 if let Some(distance_m) = distance_m(data) {
                     self.take_distance(distance_m, now_s);

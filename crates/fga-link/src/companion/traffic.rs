@@ -278,6 +278,7 @@ impl Companion {
                 position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
                 velocity_mps: 0.0,
                 velocity_sigma_is_known: false,
+                climb_is_known: false,
                 height_m: 0.0,
                 altitude: AltitudeReference::MeanSeaLevel,
             },

@@ -1,10 +1,12 @@
 //! The moment in words and as a picture: the threat, a line for a terminal, what a viewer draws.
 
 use fga::avoider::Decision;
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::ObstacleKind;
 
 use super::Companion;
 use super::picture::Picture;
+use crate::ground::{AboveGround, each_second};
 
 impl Companion {
     pub(super) fn tell_threat(&mut self) {
@@ -65,8 +67,10 @@ impl Companion {
             0 => String::new(),
             count => format!(", {count} unseen"),
         };
+        let above = self.above_ground();
+        let above = above.map_or(String::new(), |above| format!(" | {above}"));
         format!(
-            "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{threat}",
+            "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{above}{threat}",
             system,
             mode,
             if self.session.is_armed() {
@@ -111,6 +115,32 @@ impl Companion {
             waypoints_m: self.route.waypoints_m().to_vec(),
             horizon_s: self.config.protection.horizon_s,
             margin_m: self.config.protection.margin_m,
+            above_ground: self.above_ground(),
         })
+    }
+
+    /// The height above the ground of the last decision's state, and the least on the way that is flown from there within the horizon;
+    /// `None` where no ground is known.
+    fn above_ground(&self) -> Option<AboveGround> {
+        let (ground, decided) = (self.over.known()?, self.decided?);
+        let own = self.lasting(&decided.own);
+        let horizon_s = self.config.protection.horizon_s;
+        if !self.keeper.commands() {
+            let at_m = own.ownship.position_m;
+            let speed_mps = own.ground_velocity_mps.length();
+            let way = each_second(at_m, self.route.left_m(at_m).1, speed_mps, horizon_s);
+            return AboveGround::along(ground, way);
+        }
+        let flyer = Flyer::new(self.vehicle()?);
+        let mut path = Box::new(FlightPath::new());
+        let (start, command) = (MotionState::of(&own.ownship), &decided.decision.command);
+        path.predict(&flyer, &start, command, horizon_s);
+        let seconds = (0_u32..).map(f64::from);
+        let seconds = seconds.take_while(|ahead_s| *ahead_s <= horizon_s);
+        let way = seconds.map_while(|ahead_s| {
+            let at_m = path.state_at(&flyer, ahead_s)?.position_m;
+            Some((ahead_s, at_m + own.wind_mps * ahead_s))
+        });
+        AboveGround::along(ground, way)
     }
 }

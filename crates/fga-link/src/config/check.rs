@@ -2,8 +2,17 @@
 
 use fga_formats::error::toml_sentence;
 
-use super::{Config, ConfigError, LimitsConfig, VolumeConfig};
+use super::{Config, ConfigError, LimitsConfig};
 use crate::number::Checked;
+
+/// Checks keys by their names, each with its least and its largest value; an absent key is in any range.
+macro_rules! ranges {
+    ($checked:ident { $($table:ident.$key:ident: $low:expr, $high:expr;)* }) => {
+        $($checked.within(
+            concat!(stringify!($table), ".", stringify!($key)), $table.$key, $low, $high,
+        );)*
+    };
+}
 
 /// The fault of a file that is no configuration, with its line.
 fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
@@ -60,90 +69,72 @@ impl Config {
     /// # Errors
     /// The first key out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
+        let Self {
+            vehicle,
+            protection,
+            volumes,
+            command,
+            limits,
+            terrain,
+            safety,
+            response,
+            traffic,
+            alerts,
+            ..
+        } = self;
         let mut checked = Checked::default();
-        checked
-            .within(
-                "vehicle.max_bank_deg",
-                self.vehicle.max_bank_deg,
-                10.0,
-                70.0,
-            )
-            .within(
-                "vehicle.max_bank_in_need_deg",
-                self.vehicle.max_bank_in_need_deg,
-                10.0,
-                70.0,
-            )
-            .within(
-                "vehicle.max_climb_deg",
-                self.vehicle.max_climb_deg,
-                0.0,
-                45.0,
-            )
-            .within("protection.margin_m", self.protection.margin_m, 0.0, 1000.0)
-            .within(
-                "protection.confidence_sigmas",
-                self.protection.confidence_sigmas,
-                0.0,
-                10.0,
-            )
-            .within(
-                "protection.horizon_s",
-                self.protection.horizon_s,
-                5.0,
-                300.0,
-            )
-            .within("command.rate_hz", self.command.rate_hz, 2.0, 50.0)
-            .within(
-                "command.decision_period_s",
-                self.command.decision_period_s,
-                0.02,
-                1.0,
-            )
-            .within("limits.floor_m", self.limits.floor_m, 0.0, 10_000.0)
-            .within(
-                "safety.telemetry_stale_s",
-                self.safety.telemetry_stale_s,
-                0.3,
-                5.0,
-            )
-            .within("safety.link_lost_s", self.safety.link_lost_s, 1.5, 30.0)
-            .within(
-                "safety.follow_tolerance_deg",
-                self.safety.follow_tolerance_deg,
-                5.0,
-                60.0,
-            )
-            .within("safety.follow_time_s", self.safety.follow_time_s, 1.0, 30.0)
-            .within(
-                "response.turn_rate_factor",
-                self.response.turn_rate_factor,
-                0.2,
-                1.2,
-            )
-            .within(
-                "response.bank_time_constant_s",
-                self.response.bank_time_constant_s,
-                0.0,
-                5.0,
-            )
-            .within("response.dead_time_s", self.response.dead_time_s, 0.0, 3.0)
-            .within(
-                "traffic.drop_after_s",
-                self.traffic.drop_after_s,
-                2.0,
-                120.0,
-            )
-            .within(
-                "traffic.position_sigma_m",
-                self.traffic.position_sigma_m,
-                0.0,
-                1000.0,
-            );
-        let most = f64::from(self.alerts.levels.most());
-        let act_at = f64::from(self.alerts.act_at_level);
-        checked.within("alerts.act_at_level", act_at, 0.0, most);
-        self.check_optional(&mut checked);
+        let lowest_ceiling_m = limits.floor_m + 1.0;
+        ranges!(checked {
+            vehicle.max_bank_deg: 10.0, 70.0;
+            vehicle.max_bank_in_need_deg: 10.0, 70.0;
+            vehicle.max_climb_deg: 0.0, 45.0;
+            protection.margin_m: 0.0, 1000.0;
+            protection.confidence_sigmas: 0.0, 10.0;
+            protection.horizon_s: 5.0, 300.0;
+            protection.radius_m: 1.0, 5000.0;
+            protection.half_height_m: 1.0, 5000.0;
+            protection.surveillance_m: 50.0, 50_000.0;
+            protection.safety_score: 0.0, 1.0;
+            command.rate_hz: 2.0, 50.0;
+            command.decision_period_s: 0.02, 1.0;
+            limits.floor_m: 0.0, 10_000.0;
+            limits.ceiling_m: lowest_ceiling_m, 20_000.0;
+            terrain.clearance_m: 0.0, 10_000.0;
+            safety.telemetry_stale_s: 0.3, 5.0;
+            safety.link_lost_s: 1.5, 30.0;
+            safety.follow_tolerance_deg: 5.0, 60.0;
+            safety.follow_time_s: 1.0, 30.0;
+            response.turn_rate_factor: 0.2, 1.2;
+            response.bank_time_constant_s: 0.0, 5.0;
+            response.dead_time_s: 0.0, 3.0;
+            traffic.drop_after_s: 2.0, 120.0;
+            traffic.position_sigma_m: 0.0, 1000.0;
+        });
+        let (act_at, most) = (alerts.act_at_level, alerts.levels.most());
+        checked.within("alerts.act_at_level", f64::from(act_at), 0.0, most.into());
+        for (name, volume) in volumes.each() {
+            let mut within = |key: &str, value: f64| {
+                checked.within(&format!("volumes.{name}.{key}"), value, 1.0, 5000.0);
+            };
+            within("radius_m", volume.radius_m);
+            within("half_height_m", volume.half_height_m);
+        }
+        for sensor in &traffic.sensor {
+            let sigma_m = sensor.position_sigma_m;
+            checked.within("traffic.sensor.position_sigma_m", sigma_m, 0.0, 1000.0);
+        }
+        for obstacle in &self.obstacle {
+            ranges!(checked {
+                obstacle.latitude_deg: -90.0, 90.0;
+                obstacle.longitude_deg: -360.0, 360.0;
+                obstacle.altitude_m: -1000.0, 100_000.0;
+                obstacle.radius_m: 0.1, 50_000.0;
+                obstacle.track_deg: -360.0, 360.0;
+                obstacle.speed_mps: 0.0, 1000.0;
+                obstacle.climb_mps: -200.0, 200.0;
+                obstacle.half_height_m: 0.1, 50_000.0;
+            });
+        }
         checked.finish().map_err(ConfigError)?;
         self.check_across()?;
         self.check_terrain()?;
@@ -151,74 +142,6 @@ impl Config {
         self.signing_key()?;
         self.take_over()?;
         Ok(())
-    }
-
-    /// The keys that may be absent, and the obstacles.
-    fn check_optional(&self, checked: &mut Checked) {
-        if let Some(value) = self.protection.radius_m {
-            checked.within("protection.radius_m", value, 1.0, 5000.0);
-        }
-        if let Some(value) = self.terrain.clearance_m {
-            checked.within("terrain.clearance_m", value, 0.0, 10_000.0);
-        }
-        if let Some(value) = self.protection.surveillance_m {
-            checked.within("protection.surveillance_m", value, 50.0, 50_000.0);
-        }
-        for (name, volume) in self.volumes.each() {
-            let VolumeConfig {
-                radius_m,
-                half_height_m,
-            } = volume;
-            checked
-                .within(&format!("volumes.{name}.radius_m"), radius_m, 1.0, 5000.0)
-                .within(
-                    &format!("volumes.{name}.half_height_m"),
-                    half_height_m,
-                    1.0,
-                    5000.0,
-                );
-        }
-        if let Some(value) = self.protection.half_height_m {
-            checked.within("protection.half_height_m", value, 1.0, 5000.0);
-        }
-        if let Some(value) = self.protection.safety_score {
-            checked.within("protection.safety_score", value, 0.0, 1.0);
-        }
-        if let Some(value) = self.limits.ceiling_m {
-            checked.within(
-                "limits.ceiling_m",
-                value,
-                self.limits.floor_m + 1.0,
-                20_000.0,
-            );
-        }
-        for sensor in &self.traffic.sensor {
-            let sigma_m = sensor.position_sigma_m;
-            checked.within("traffic.sensor.position_sigma_m", sigma_m, 0.0, 1000.0);
-        }
-        for obstacle in &self.obstacle {
-            checked
-                .within("obstacle.latitude_deg", obstacle.latitude_deg, -90.0, 90.0)
-                .within(
-                    "obstacle.longitude_deg",
-                    obstacle.longitude_deg,
-                    -360.0,
-                    360.0,
-                )
-                .within(
-                    "obstacle.altitude_m",
-                    obstacle.altitude_m,
-                    -1000.0,
-                    100_000.0,
-                )
-                .within("obstacle.radius_m", obstacle.radius_m, 0.1, 50_000.0)
-                .within("obstacle.track_deg", obstacle.track_deg, -360.0, 360.0)
-                .within("obstacle.speed_mps", obstacle.speed_mps, 0.0, 1000.0)
-                .within("obstacle.climb_mps", obstacle.climb_mps, -200.0, 200.0);
-            if let Some(value) = obstacle.half_height_m {
-                checked.within("obstacle.half_height_m", value, 0.1, 50_000.0);
-            }
-        }
     }
 
     /// The vehicle's ICAO address.

@@ -1,5 +1,8 @@
 //! Endpoints as they are written, and sockets and ports that come and go.
 
+use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
+
 use super::*;
 
 #[test]
@@ -41,10 +44,10 @@ fn endpoints_are_read() {
 #[test]
 fn a_waiting_port_answers_its_senders() {
     let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
-    let ReaderKind::Udp { socket, .. } = &waiting.kind else {
+    let ReaderKind::Udp(udp) = &waiting.kind else {
         panic!("not a UDP port")
     };
-    let port = socket.local_addr().unwrap();
+    let port = udp.socket.local_addr().unwrap();
     assert!(!answer.write(b"nobody"));
     let (mut calling, call) = open(&Endpoint::UdpOut(port.to_string())).unwrap();
     assert!(call.write(b"here"));

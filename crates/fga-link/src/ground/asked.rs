@@ -1,13 +1,19 @@
 //! Ground asked of a ground station, in the way of ArduPilot: `TERRAIN_REQUEST` names a block and its missing pieces, each
-//! `TERRAIN_DATA` has one. Neither names a receiver, so that the vehicle passes them on between its links. What never comes stays
-//! unknown.
+//! `TERRAIN_DATA` has one. Neither names a receiver, so that the vehicle passes them on between its links. Or asked of the vehicle, post
+//! by post. What never comes stays unknown.
+
+mod checked;
 
 use alloc::sync::Arc;
 use std::path::PathBuf;
 
 use fga_formats::geodesy::Geodetic;
 use fga_formats::terrain::{Datum, RequestedBlock, Stated, Taken, Terrain, TerrainFile};
-use mavlink::dialects::ardupilotmega::{TERRAIN_DATA_DATA, TERRAIN_REQUEST_DATA};
+use mavlink::dialects::ardupilotmega::{
+    TERRAIN_CHECK_DATA, TERRAIN_DATA_DATA, TERRAIN_REPORT_DATA, TERRAIN_REQUEST_DATA,
+};
+
+use self::checked::{Answer, CheckedPiece, NEAREST, UNKNOWN_S};
 
 /// Distance between posts, metres: ArduPilot's `TERRAIN_SPACING` where nobody changes it, so that one answer serves the vehicle too.
 const SPACING_M: u16 = 100;
@@ -41,11 +47,13 @@ pub(crate) struct AskedBlocks {
     wanted: usize,
     due_s: f64,
     pause_s: f64,
-    /// How many requests in a row were not answered.
+    /// How many requests in a row, or pieces that the vehicle was asked for, were not answered.
     unanswered: usize,
     /// Whether the last request waits for an answer.
     waits: bool,
     answers: Answers,
+    /// The piece that the vehicle is asked for, post by post.
+    checked: Option<CheckedPiece>,
     /// The pieces of the last ground, its number, and when it was made, seconds.
     laid: (u32, u32, f64),
 }
@@ -60,6 +68,7 @@ impl Default for AskedBlocks {
             unanswered: 0,
             waits: false,
             answers: Answers::default(),
+            checked: None,
             laid: (0, 0, f64::NEG_INFINITY),
         }
     }
@@ -99,6 +108,59 @@ impl AskedBlocks {
             lon,
             grid_spacing: SPACING_M,
         })
+    }
+
+    /// The next posts to ask the vehicle for; `places` gives latitudes and longitudes whose ground is wanted, degrees, and how many of
+    /// them are here or on the way: what is nearest to these comes first.
+    pub(crate) fn checks(
+        &mut self,
+        now_s: f64,
+        places: impl FnOnce() -> (Vec<[f64; 2]>, usize),
+    ) -> Vec<TERRAIN_CHECK_DATA> {
+        if now_s < self.due_s {
+            return Vec::new();
+        }
+        if self.checked.as_mut().is_some_and(|piece| !piece.goes_on()) {
+            self.checked = None;
+            self.unanswered += 1;
+            self.waits = true;
+            self.pause_s = (2.0 * self.pause_s).min(LONGEST_PAUSE_S);
+        }
+        if self.checked.is_none() {
+            let (places, on_way) = places();
+            self.want(&places);
+            let wanted = self.blocks.iter().take(self.wanted);
+            let way = places.get(..on_way).unwrap_or_default();
+            self.checked = CheckedPiece::nearest(wanted, SPACING_M, way, self.unanswered);
+        }
+        let piece = self.checked.as_mut();
+        let (checks, pause_s) = piece.map_or((Vec::new(), PAUSE_S), |it| it.checks(self.pause_s));
+        self.due_s = now_s + pause_s;
+        checks
+    }
+
+    /// Takes an answer of the vehicle; what the operator reads of it, if that is new.
+    pub(crate) fn take_report(&mut self, data: &TERRAIN_REPORT_DATA) -> Option<&'static str> {
+        let answer = self.checked.as_mut()?.take(data)?;
+        self.pause_s = PAUSE_S;
+        self.waits = matches!(answer, Answer::Unknown);
+        match answer {
+            Answer::Known => return None,
+            // Another piece comes before it.
+            Answer::Unknown => {
+                self.unanswered += 1;
+                self.due_s += UNKNOWN_S;
+            }
+            Answer::Whole(_) => {
+                self.unanswered = 0;
+                self.due_s = f64::NEG_INFINITY;
+            }
+        }
+        self.checked = None;
+        match answer {
+            Answer::Whole(data) => self.take(&data),
+            _ => None,
+        }
     }
 
     /// Puts the blocks of these places first, and keeps as many of the others as there is room for.
@@ -177,7 +239,7 @@ impl AskedBlocks {
 
     /// Whether requests have stayed without an answer for long.
     pub(crate) fn is_unanswered(&self) -> bool {
-        self.waits && self.pause_s >= LONGEST_PAUSE_S
+        self.waits && (self.pause_s >= LONGEST_PAUSE_S || self.unanswered >= NEAREST)
     }
 
     /// What is known so far; `None` before the first piece.

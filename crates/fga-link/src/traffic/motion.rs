@@ -17,6 +17,8 @@ const SIGMAS: f64 = 3.0;
 const TIME_S: f64 = 0.3;
 /// Step of reported altitudes, metres: 25 ft.
 const ALTITUDE_STEP_M: f64 = 7.62;
+/// σ of the climb of an aircraft whose altitudes show nothing of it yet, metres per second: 1,000 ft/min.
+const CLIMB_MPS: f64 = 5.08;
 /// Error of the way between two reports in a turn, as a share of the change of velocity times the time between. A turn by
 /// 100° makes 0.15: the chord is sin 50°/50° of the arc, the mean of the velocities cos 50° of the speed.
 const TURN_SHARE: f64 = 0.15;
@@ -135,6 +137,18 @@ pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
         sigma_mps: position_m / libm::sqrt(level.squares_s2),
         position_m,
     })
+}
+
+/// The climb that the altitudes of all places show, metres per second; nearer to level while few of them do.
+pub(super) fn climb_mps<P: Iterator<Item = Place> + Clone>(places: P) -> f64 {
+    let altitude = places.clone().last().map(|last| last.altitude);
+    let same = places.filter(|place| Some(place.altitude) == altitude);
+    let line = line(&same.map(|place| (place.valid_s, place.position_m)));
+    line.filter(|_| altitude != Some(AltitudeReference::Unknown))
+        .map_or(0.0, |line| {
+            let sigma_mps = ALTITUDE_STEP_M / libm::sqrt(line.squares_s2);
+            line.slope_mps.z / (1.0 + (sigma_mps / CLIMB_MPS) * (sigma_mps / CLIMB_MPS))
+        })
 }
 
 /// The parts of the reported velocities that the places contradict, over the last seconds or over all of them.

@@ -171,7 +171,8 @@ impl Joiner {
             return None;
         }
         let [latitude_deg, longitude_deg] = message.place_deg?;
-        let climb_mps = valid(parts.climb_mps, now_s).unwrap_or(0.0);
+        let known_mps = valid(parts.climb_mps, now_s);
+        let climb_mps = known_mps.unwrap_or(0.0);
         let altitude = parts
             .altitude
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S);
@@ -202,6 +203,7 @@ impl Joiner {
                     parts.velocity_sigma_mps(now_s - heard_s)
                 }),
                 velocity_sigma_is_known: velocity_sigma_is_known && velocity.is_some(),
+                climb_is_known: known_mps.is_some(),
                 height_m: 0.0,
                 altitude: match altitude {
                     Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,

@@ -229,6 +229,7 @@ impl RemoteId {
                 velocity_mps: speed_mps(location.speed_accuracy)
                     .map_or(UNKNOWN_VELOCITY_MPS, |mps| mps / SIGMAS_IN_95),
                 velocity_sigma_is_known: speed_mps(location.speed_accuracy).is_some(),
+                climb_is_known: location.climb_mps.is_some(),
                 height_m: vertical_m(accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
                 altitude,
             },

@@ -36,6 +36,8 @@ pub struct Quality {
     /// Whether the aircraft or its receiver reported that σ. Decisions look ahead with a reported σ; an assumed σ
     /// only ages the position.
     pub velocity_sigma_is_known: bool,
+    /// Whether the vertical part of the velocity is reported; else the altitudes show it.
+    pub climb_is_known: bool,
     /// Bound of the altitude's error, metres, besides the error of its datum.
     pub height_m: f64,
     /// The altitude's datum.
@@ -110,7 +112,8 @@ impl Report {
         let speed_mps = f64::from(data.hor_velocity) * 0.01;
         let moves = AdsbFlags::ADSB_FLAGS_VALID_HEADING | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY;
         let known = has(moves) && data.heading <= 36_000;
-        let climb_mps = if has(AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID) && has_altitude {
+        let climb_is_known = has(AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID) && has_altitude;
+        let climb_mps = if climb_is_known {
             f64::from(data.ver_velocity) * 0.01
         } else {
             0.0
@@ -141,6 +144,7 @@ impl Report {
                 position_m: position_sigma_m,
                 velocity_mps: VELOCITY_SIGMA_MPS,
                 velocity_sigma_is_known: false,
+                climb_is_known,
                 height_m: 0.0,
                 // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
                 altitude: if !has_altitude {

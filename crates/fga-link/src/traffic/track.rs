@@ -463,10 +463,15 @@ impl Track {
         };
         self.has_velocity = true;
         self.velocity_mps = claimed_mps;
+        let climb_is_known = seen.velocity_mps.is_none() || seen.quality.climb_is_known;
+        if !climb_is_known {
+            self.velocity_mps.z = motion::climb_mps(places());
+        }
         self.estimated_mps = 0.0;
         self.contradicts = false;
         let Some(shown) = shown else { return };
-        let false_ways = motion::contradictions(places, &shown);
+        let mut false_ways = motion::contradictions(places, &shown);
+        false_ways.vertical &= climb_is_known;
         if false_ways.horizontal {
             self.velocity_mps.x = shown.velocity_mps.x;
             self.velocity_mps.y = shown.velocity_mps.y;
@@ -479,10 +484,14 @@ impl Track {
     }
 
     fn place(&self, seen: &Seen) -> Place {
+        let mut velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
+        if !seen.quality.climb_is_known {
+            velocity_mps.z = self.velocity_mps.z;
+        }
         Place {
             valid_s: seen.valid_s,
             position_m: seen.position_m,
-            velocity_mps: seen.velocity_mps.unwrap_or(self.velocity_mps),
+            velocity_mps,
             altitude: seen.quality.altitude,
         }
     }

@@ -15,7 +15,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 /// Protected by default, metres.
-const PROTECTED_M: f64 = 60.0;
+pub const PROTECTED_M: f64 = 60.0;
 const RECEIVER: (u8, u8) = (200, 156);
 const INTRUDER: u32 = 0x00AB_CDEF;
 /// The manoeuvre begins with at least this share of the time that true reports leave.
@@ -94,13 +94,13 @@ fn scaled(value: u16, by: f64) -> u16 {
 
 /// When a manoeuvre begins, when the intruder would have been within the volume of an aircraft that flies straight on, and
 /// the flown world.
-struct Flown {
-    begins_s: Option<f64>,
-    contact_s: f64,
-    world: World,
+pub struct Flown {
+    pub begins_s: Option<f64>,
+    pub contact_s: f64,
+    pub world: World,
 }
 
-fn flown(
+pub fn flown(
     intruder: Intruder,
     interval_s: f64,
     sea_level_hpa: f64,
@@ -144,7 +144,7 @@ fn flown(
     }
 }
 
-fn lead_s(flown: &Flown) -> f64 {
+pub fn lead_s(flown: &Flown) -> f64 {
     flown.begins_s.map_or(0.0, |s| flown.contact_s - s)
 }
 

@@ -10,9 +10,14 @@
 
 pub mod beat;
 pub mod ground;
+mod intruder;
 pub mod live;
+mod network;
 pub mod random;
 
+pub use intruder::{Intruder, distance};
+use network::Packet;
+pub use network::{BAD, GOOD, Network};
 pub use random::Random;
 use std::collections::BinaryHeap;
 use std::path::PathBuf;
@@ -21,11 +26,11 @@ use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
 use fga_link::player::{LoggedLine, read_log};
 use fga_link::wire::{Signing, encode};
 use fga_link::{Companion, Config};
+use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavCmd,
     MavFrame, MavMessage, MavMissionType,
 };
-use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
 /// A file of the third-party data; without it the test skips, or fails in CI.
 pub fn data(name: &str) -> Option<PathBuf> {
@@ -59,101 +64,6 @@ pub fn seeds(count: u64) -> core::ops::Range<u64> {
         Some((first, end)) => number(first)..number(end),
         None => 0..number(&text),
     }
-}
-
-/// The network's effect on packets.
-#[derive(Debug, Clone, Copy)]
-pub struct Network {
-    pub loss: f64,
-    pub delay_s: f64,
-    pub jitter_s: f64,
-    pub copies: f64,
-}
-
-pub const GOOD: Network = Network {
-    loss: 0.0,
-    delay_s: 0.01,
-    jitter_s: 0.0,
-    copies: 0.0,
-};
-/// 5 % lost, up to 200 ms late and so out of order, 3 % twice.
-pub const BAD: Network = Network {
-    loss: 0.05,
-    delay_s: 0.02,
-    jitter_s: 0.2,
-    copies: 0.03,
-};
-
-struct Packet {
-    due_us: u64,
-    number: u64,
-    to_vehicle: bool,
-    header: MavHeader,
-    message: MavMessage,
-    /// Its frame, on a signed link.
-    signed: Option<MAVLinkV2MessageRaw>,
-}
-
-impl PartialEq for Packet {
-    fn eq(&self, other: &Self) -> bool {
-        (self.due_us, self.number) == (other.due_us, other.number)
-    }
-}
-impl Eq for Packet {}
-impl PartialOrd for Packet {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Packet {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        (other.due_us, other.number).cmp(&(self.due_us, self.number))
-    }
-}
-
-/// Another aircraft on a separate path.
-#[derive(Debug, Clone, Copy)]
-pub struct Intruder {
-    pub icao: u32,
-    /// Position at time 0 of the world, metres.
-    pub position_m: [f64; 3],
-    /// Velocity at time 0, metres per second.
-    pub velocity_mps: [f64; 3],
-    /// It turns at this rate (clockwise positive, radians per second) …
-    pub turn_rate_radps: f64,
-    /// … between these times, seconds.
-    pub turn_s: [f64; 2],
-    /// Its first report comes at this distance, metres.
-    pub shown_m: f64,
-}
-
-impl Intruder {
-    pub fn straight(icao: u32, position_m: [f64; 3], velocity_mps: [f64; 3]) -> Self {
-        Self {
-            icao,
-            position_m,
-            velocity_mps,
-            turn_rate_radps: 0.0,
-            turn_s: [0.0, 0.0],
-            shown_m: f64::INFINITY,
-        }
-    }
-
-    fn step(&mut self, time_s: f64, by_s: f64) {
-        if time_s >= self.turn_s[0] && time_s < self.turn_s[1] {
-            let (sin, cos) = (self.turn_rate_radps * by_s).sin_cos();
-            let [east, north, _] = self.velocity_mps;
-            self.velocity_mps[0] = east * cos + north * sin;
-            self.velocity_mps[1] = north * cos - east * sin;
-        }
-        for (position, rate) in self.position_m.iter_mut().zip(self.velocity_mps) {
-            *position += rate * by_s;
-        }
-    }
-}
-
-pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)).sqrt()
 }
 
 #[expect(

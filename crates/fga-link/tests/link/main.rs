@@ -6,10 +6,12 @@ extern crate alloc;
 
 mod common;
 
+mod above_ground;
 mod adversary;
 mod alerts;
 mod arduplane;
 mod claims;
+mod climb_unknown;
 mod closed_loop;
 mod degraded;
 mod encounters;
@@ -36,7 +38,9 @@ mod safety;
 mod safety_case;
 mod sbs_log;
 mod sequences;
+mod station_terrain;
 mod survivors;
 mod terrain;
 mod traffic;
 mod trial;
+mod vehicle_terrain;

@@ -89,6 +89,7 @@ struct Flown {
 /// Flies north in AUTO, in real time, until the mission is resumed.
 fn fly_emulator(server: &TcpListener) -> Flown {
     let mut emulator = Emulator::new(Settings::default());
+    emulator.set_card(|_| Some(4.0));
     let home = *emulator.home();
     let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
     emulator.set_mission(points.map(|point| Item::waypoint(&home, point)).to_vec(), 2);
@@ -187,7 +188,7 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
 
     let place = Settings::default().home.to_place([0.0, AHEAD_M, 100.0]);
     let config = format!(
-        "[[obstacle]]\nname = \"disc\"\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\nradius_m = {RADIUS_M:?}\n",
+        "[[obstacle]]\nname = \"disc\"\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\nradius_m = {RADIUS_M:?}\n[terrain]\nsource = \"vehicle\"\nclearance_m = 20.0\n",
         f64::from(place.latitude_e7) * 1e-7,
         f64::from(place.longitude_e7) * 1e-7,
         f64::from(place.altitude_mm) * 1e-3
@@ -236,4 +237,12 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
     assert!(said.contains("Mode GUIDED"), "{said}");
     assert!(modes.starts_with(&[10, 15]), "{modes:?}");
     assert!(answers > 0);
+    // Behind MAVProxy too the vehicle says how high the ground is.
+    let log = fs::read_dir(folder.join("logs")).expect("logs").flatten();
+    let mut log = log.filter(|entry| entry.path().extension().is_some_and(|end| end == "jsonl"));
+    let log = fs::read_to_string(log.next().expect("a log").path()).expect("text");
+    let heard = log.lines().find(|line| line.contains("\"ground-heard\""));
+    let heard: serde_json::Value = serde_json::from_str(heard.expect("counts")).expect("JSON");
+    assert!(heard["pieces"]["taken"].as_u64() > Some(10), "{heard}");
+    assert!(log.contains("\"above_ground_m\":"));
 }

@@ -14,16 +14,34 @@ pub(super) const BLOCK: usize = 512;
 /// Columns of `results.csv`.
 pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m,waypoints_missed";
 
+/// The columns after them for encounters among ground or zones.
+pub const SURROUNDINGS_COLUMNS: &str = "min_terrain_clearance_m,min_zone_margin_m";
+
 /// The column after them for a policy of one's own.
 pub const FAILURE_COLUMN: &str = "policy_failure";
 
 /// The column after all others for encounters with names.
 pub const NAME_COLUMN: &str = "name";
 
+/// What `results.csv` has besides [`RESULT_COLUMNS`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MoreColumns {
+    /// The encounters are among ground or zones.
+    pub is_bounded: bool,
+    /// The policy is one of one's own.
+    pub is_own: bool,
+    /// The encounters have names.
+    pub is_named: bool,
+}
+
 /// The first line of `results.csv`.
-pub fn result_columns(is_own: bool, is_named: bool) -> String {
+pub fn result_columns(more: MoreColumns) -> String {
     let mut columns = RESULT_COLUMNS.to_owned();
-    let more = [(is_own, FAILURE_COLUMN), (is_named, NAME_COLUMN)];
+    let more = [
+        (more.is_bounded, SURROUNDINGS_COLUMNS),
+        (more.is_own, FAILURE_COLUMN),
+        (more.is_named, NAME_COLUMN),
+    ];
     for (_, name) in more.into_iter().filter(|(is_there, _)| *is_there) {
         columns.push(',');
         columns.push_str(name);
@@ -72,7 +90,7 @@ pub enum BatchError<E> {
         /// The vehicle's airspeed, metres per second.
         airspeed_mps: f64,
     },
-    /// A recording that cannot be read any more.
+    /// A file that cannot be read any more.
     #[error(transparent)]
     Input(#[from] InputError),
     /// `take` refused a row.
@@ -142,9 +160,14 @@ impl BatchRow {
         written(self.outcome.min_margin_m) >= 0.0
     }
 
-    /// Appends its row of `results.csv`, with the failure of the policy if it is one of one's own, and with the name of the
-    /// encounter if it has one.
-    pub fn push_result(&self, row: &mut Vec<u8>, is_own: bool, name: Option<&str>) {
+    /// Appends its row of `results.csv`, with the columns of [`result_columns`]; `name` is that of the encounter, if it has one.
+    pub fn push_result(&self, row: &mut Vec<u8>, more: MoreColumns, name: Option<&str>) {
+        let number = |row: &mut Vec<u8>, value: Option<f64>| {
+            row.push(b',');
+            if let Some(value) = value {
+                push_fixed(row, value, 6);
+            }
+        };
         let outcome = &self.outcome;
         row.extend_from_slice(self.encounter.to_string().as_bytes());
         row.extend_from_slice(if self.separated() {
@@ -160,18 +183,20 @@ impl BatchRow {
             Some(outcome.max_cross_track_m),
             Some(outcome.extra_path_m),
         ] {
-            row.push(b',');
-            if let Some(value) = value {
-                push_fixed(row, value, 6);
-            }
+            number(row, value);
         }
         row.push(b',');
         row.extend_from_slice(outcome.waypoints_missed.to_string().as_bytes());
-        if is_own {
+        if more.is_bounded {
+            let above_m = outcome.min_terrain_clearance_m;
+            number(row, above_m.filter(|above_m| above_m.is_finite()));
+            number(row, outcome.min_zone_margin_m);
+        }
+        if more.is_own {
             row.push(b',');
             row.extend_from_slice(self.failure.map_or("", FailureKind::name).as_bytes());
         }
-        if let Some(name) = name {
+        if let Some(name) = name.filter(|_| more.is_named) {
             row.push(b',');
             push_csv_field(row, name.as_bytes());
         }

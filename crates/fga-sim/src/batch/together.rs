@@ -1,12 +1,11 @@
 //! Encounters side by side, for a policy that answers for all of them at once.
 
-use fga::avoider::SettingsError;
 use fga::situation::Situation;
-use fga_formats::encounters::Encounter;
 use rayon::prelude::*;
 
 use super::row::{BatchError, BatchRow, timed};
 use super::world::{BatchSettings, empty_world, populate};
+use crate::drawn::RowTable;
 use crate::engine::SteppedFlight;
 use crate::own::{Answer, Failure, FailureKind, Nobody, OwnPilot, OwnPolicy};
 use crate::policy::PolicyPilot as _;
@@ -31,9 +30,9 @@ struct Abreast {
 /// `begin` comes before the first step of each group of flights.
 ///
 /// # Errors
-/// Settings that cannot be flown, or the first error of `take`.
+/// Settings that cannot be flown, surroundings that cannot be used, or the first error of `take`.
 pub fn fly_together<E>(
-    encounters: &[Encounter],
+    rows: &RowTable,
     settings: &BatchSettings,
     mut begin: impl FnMut(),
     mut answer: impl FnMut(&Questions<'_>) -> Result<Vec<Answer>, Failure>,
@@ -47,12 +46,13 @@ pub fn fly_together<E>(
     let name = settings.policy.name();
     let nobody = OwnPolicy::new(name, "", Box::new(|_, _| Box::new(Nobody)));
     let policy = settings.policy.own().unwrap_or(&nobody);
-    for group in encounters.chunks(ABREAST) {
+    for group in rows.encounters.chunks(ABREAST) {
         let mut abreast = group
             .iter()
             .map(|encounter| {
                 let mut world = world.clone();
                 populate(&mut world, encounter, &settings.model.protection);
+                rows.surroundings.scenery(encounter.id)?.place(&mut world);
                 let pilot = policy.pilot_of_answers(&world.settings, &world.vehicle)?;
                 Ok(Abreast {
                     encounter: encounter.id,
@@ -61,7 +61,7 @@ pub fn fly_together<E>(
                     decisions: 0,
                 })
             })
-            .collect::<Result<Vec<_>, SettingsError>>()?;
+            .collect::<Result<Vec<_>, BatchError<E>>>()?;
         begin();
         loop {
             let questions: Vec<_> = abreast

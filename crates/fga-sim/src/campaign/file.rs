@@ -46,7 +46,6 @@ use crate::drawn;
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::Pairing;
 use crate::encounters::parse;
-use crate::fingerprint::fingerprint;
 use crate::own::OwnPolicy;
 use crate::policy::PolicyChoice;
 use crate::recorded;
@@ -233,10 +232,10 @@ fn encounter_files(
     let mut files = Vec::new();
     for name in names {
         let path = beside(name.get_ref());
-        let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
+        let rows = drawn::read_rows(&path)?;
         files.push(FileSource {
-            encounters: drawn::rows_in(&bytes, &path)?.len() as u64,
-            sha256: fingerprint(&bytes),
+            encounters: rows.encounters.len() as u64,
+            sha256: rows.sha256,
             path: std::path::absolute(&path).unwrap_or(path),
         });
     }

@@ -7,9 +7,9 @@ use fga::situation::ProtectedVolume;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 
-use super::configuration::{Drawn, Scene};
 use super::judge::{FlownPath, WorldJudge};
 use super::metrics::{Metrics, kept};
+use super::opened::{Drawn, Scene};
 use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
@@ -204,8 +204,6 @@ impl<'a> Flyer<'a> {
                 settings,
             );
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            let ground = self.engine.ground_separation();
-            let zones_m = self.engine.zone_margins().map(|least| least.value_m);
             let made = Made {
                 number,
                 drawn,
@@ -214,8 +212,8 @@ impl<'a> Flyer<'a> {
                 metrics: Metrics {
                     work: flown.outcome.work(),
                     policy_failure: flown.failure,
-                    min_terrain_clearance_m: ground.map(|ground| ground.least.value_m),
-                    min_zone_margin_m: zones_m.reduce(f64::min),
+                    min_terrain_clearance_m: flown.outcome.min_terrain_clearance_m,
+                    min_zone_margin_m: flown.outcome.min_zone_margin_m,
                     ..Metrics::default()
                 }
                 .rounded(),

@@ -14,7 +14,8 @@ use fga_formats::{InputError, OutputError};
 use parquet::errors::ParquetError;
 use serde::{Deserialize, Serialize};
 
-use super::table::{self, TableWriter};
+use super::reading;
+use super::table::TableWriter;
 use super::{Campaign, CampaignError, Configuration, Row, Stamp};
 use crate::fingerprint::fingerprint;
 
@@ -316,11 +317,11 @@ pub fn read_block(path: &Path, block: u64, campaign: &Campaign) -> Result<Vec<Ro
         .into());
     }
     let mut rows = Vec::new();
-    table::read(bytes::Bytes::from(bytes), campaign, |mut group| {
+    reading::read(bytes::Bytes::from(bytes), campaign, |mut group| {
         rows.append(&mut group);
         Ok::<_, ParquetError>(())
     })
-    .map_err(|error| table::unusable(path, &error))?;
+    .map_err(|error| reading::unusable(path, &error))?;
     let expected = campaign.configuration.range_of(block);
     let each = campaign.policies.len() as u64;
     let in_place =

@@ -11,6 +11,7 @@ use parquet::errors::ParquetError;
 use sha2::{Digest as _, Sha256};
 
 use super::folder::{Manifest, RESULTS, read_block};
+use super::reading;
 use super::table::{self, TableWriter};
 use super::totals::Summary;
 use super::{Campaign, CampaignError, Folder, Shard, Stamp};
@@ -85,13 +86,13 @@ pub fn reread(
         return Err(InputError::in_file(&path, message).into());
     }
     let mut summary = Summary::default();
-    table::read(file, campaign, |rows| {
+    reading::read(file, campaign, |rows| {
         for row in &rows {
             summary.take(row);
         }
         Ok::<_, ParquetError>(())
     })
-    .map_err(|error| table::unusable(&path, &error))?;
+    .map_err(|error| reading::unusable(&path, &error))?;
     Ok(Assembled {
         summary,
         sha256: found,

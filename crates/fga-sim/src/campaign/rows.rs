@@ -7,7 +7,7 @@ use fga_formats::InputError;
 use parquet::errors::ParquetError;
 
 use super::folder::read_block;
-use super::{Campaign, CampaignError, Folder, RESULTS, Row, table};
+use super::{Campaign, CampaignError, Folder, RESULTS, Row, reading};
 
 /// The files with the rows of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,11 +45,11 @@ impl RowFiles {
             Self::Table(path) => {
                 let file =
                     File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
-                table::read(file, campaign, |rows| {
+                reading::read(file, campaign, |rows| {
                     rows.iter().for_each(&mut take);
                     Ok::<_, ParquetError>(())
                 })
-                .map_err(|error| table::unusable(path, &error))?;
+                .map_err(|error| reading::unusable(path, &error))?;
             }
             Self::Blocks(blocks) => {
                 for (block, path) in blocks {

@@ -2,7 +2,7 @@
 
 use fga_formats::daa::Recording;
 
-use super::configuration::Scene;
+use super::opened::Scene;
 use super::{Campaign, CampaignError};
 use crate::batch;
 use crate::policy::PolicyChoice;

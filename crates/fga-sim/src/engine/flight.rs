@@ -530,6 +530,10 @@ impl<'a> Flight<'a> {
             end_s,
             mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
             waypoints_missed: self.missed.len(),
+            min_terrain_clearance_m: (self.from_ground.as_ref()).map(|ground| ground.least.value_m),
+            min_zone_margin_m: (self.from_zones.iter())
+                .map(|zone| zone.least.value_m)
+                .reduce(f64::min),
             work_most: milestones.work_most,
         }
     }

@@ -78,6 +78,10 @@ pub struct Outcome {
     pub mission_flown: bool,
     /// Number of passed waypoints that it passed farther away than planned.
     pub waypoints_missed: usize,
+    /// Least height above the ground where it is known, metres; `None` in a world without ground.
+    pub min_terrain_clearance_m: Option<f64>,
+    /// Least signed distance from the zones, metres, negative on the wrong side; `None` in a world without zones.
+    pub min_zone_margin_m: Option<f64>,
     /// Largest work of a decision, in units of the core's meter; 0 for a pilot that counts none.
     pub work_most: u32,
 }

@@ -117,16 +117,6 @@ impl SteppedFlight {
         })
     }
 
-    /// Least height above the ground and least distance of the zones until the last [`SteppedFlight::outcome`], metres; `None` without them.
-    pub fn surroundings_m(&self) -> (Option<f64>, Option<f64>) {
-        let above = self.engine.ground_separation();
-        let zones_m = self.engine.zone_margins().map(|least| least.value_m);
-        (
-            above.map(|above| above.least.value_m),
-            zones_m.reduce(f64::min),
-        )
-    }
-
     /// Changed limits of the vehicle, once: the caller applies them before the next decision, as
     /// [`fga::pilot::Pilot::retune`] does.
     pub const fn take_retuned(&mut self) -> Option<Vehicle> {
@@ -239,7 +229,8 @@ mod tests {
             assert_eq!(flight.outcome(), log.outcome);
             let above_m = log.ground.map(|above| above.least.value_m);
             let zones_m = log.zones.iter().map(|zone| zone.margin.value_m);
-            assert_eq!(flight.surroundings_m(), (above_m, zones_m.reduce(f64::min)));
+            assert_eq!(log.outcome.min_terrain_clearance_m, above_m);
+            assert_eq!(log.outcome.min_zone_margin_m, zones_m.reduce(f64::min));
         }
     }
 }

@@ -9,6 +9,7 @@ use alloc::sync::Arc;
 
 use fga::Vec3;
 
+use crate::encounters::Scenery;
 use crate::world::{World, WorldGround, WorldZone};
 
 /// Distance between the places of a path at which a manoeuvre is judged, metres: that of the judge of a flight.
@@ -32,24 +33,19 @@ pub struct OracleAirspace {
 impl OracleAirspace {
     /// Those of a world; `None` where it has none.
     pub fn of(world: &World) -> Option<Self> {
-        let limited = Self::limited(world.limits_m, world.wind_mps);
-        if world.ground.is_none() && world.zones.is_empty() {
-            return limited;
-        }
-        Some(Self {
+        let scenery = Scenery {
             ground: world.ground.clone(),
             zones: world.zones.clone(),
-            limits_m: world.limits_m,
-            wind_mps: world.wind_mps,
-        })
+        };
+        Self::among(&scenery, world.limits_m, world.wind_mps)
     }
 
-    /// A lowest and a highest altitude alone, metres, in air that moves; `None` where both are infinite.
-    pub fn limited(limits_m: (f64, f64), wind_mps: Vec3) -> Option<Self> {
+    /// Ground and zones, and a lowest and a highest altitude, metres, in air that moves; `None` where nothing bounds it.
+    pub fn among(scenery: &Scenery, limits_m: (f64, f64), wind_mps: Vec3) -> Option<Self> {
         let has_limits = limits_m.0.is_finite() || limits_m.1.is_finite();
-        has_limits.then(|| Self {
-            ground: None,
-            zones: Vec::new(),
+        (has_limits || *scenery != Scenery::default()).then(|| Self {
+            ground: scenery.ground.clone(),
+            zones: scenery.zones.clone(),
             limits_m,
             wind_mps,
         })

@@ -8,6 +8,7 @@ use super::{
     OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
 };
 use crate::batch::volume_of;
+use crate::encounters::Scenery;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
 
@@ -19,7 +20,7 @@ pub struct Judge {
     settings: OracleSettings,
     protection: ProtectedVolume,
     wind_mps: Vec3,
-    airspace: Option<OracleAirspace>,
+    limits_m: (f64, f64),
 }
 
 impl Judge {
@@ -49,7 +50,7 @@ impl Judge {
             },
             protection: model.protection,
             wind_mps: model.wind_mps,
-            airspace: OracleAirspace::limited(model.limits_m, model.wind_mps),
+            limits_m: model.limits_m,
         })
     }
 
@@ -63,6 +64,11 @@ impl Judge {
     /// The largest margin found, metres, with six decimals, so that the written and the judged value never
     /// disagree.
     pub fn best_margin_m(&self, encounter: &Encounter) -> f64 {
+        self.best_margin_among_m(encounter, &Scenery::default())
+    }
+
+    /// The same among ground and zones.
+    pub fn best_margin_among_m(&self, encounter: &Encounter, scenery: &Scenery) -> f64 {
         let obstacles: Vec<OracleObstacle> = encounter
             .obstacles
             .iter()
@@ -74,7 +80,7 @@ impl Judge {
                 .in_wind(self.wind_mps)
             })
             .collect();
-        let airspace = self.airspace.clone();
+        let airspace = OracleAirspace::among(scenery, self.limits_m, self.wind_mps);
         let answer = best_margin_within(
             &self.start,
             &self.vehicle,

@@ -27,7 +27,7 @@ fn fly(file: &str, planar: bool) {
         tracks: false,
     };
     let mut lost = Vec::new();
-    fly_all::<()>(&encounters, &settings, |row| {
+    fly_all::<()>(&encounters.into(), &settings, |row| {
         if !row.outcome.separated() {
             lost.push(format!(
                 "{}: {:.3} m",

@@ -38,7 +38,7 @@ fn fly(file: &str, numbers: &[u64], model: VehicleModel, horizon_s: f64) {
         tracks: false,
     };
     let mut wrong = Vec::new();
-    fly_all::<()>(&encounters, &settings, |row| {
+    fly_all::<()>(&encounters.into(), &settings, |row| {
         let number = row.encounter;
         let outcome = &row.outcome;
         if !outcome.separated() {

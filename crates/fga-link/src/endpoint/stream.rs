@@ -1,0 +1,96 @@
+//! A stream of bytes that is opened again when it is lost, shared by its two halves.
+
+use alloc::sync::Arc;
+use core::time::Duration;
+use std::io::{self, Read};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Time-out of a read.
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(100);
+/// Pause between attempts to connect.
+const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
+
+/// The result of a read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Received {
+    /// This number of bytes of a stream, or one datagram.
+    Bytes(usize),
+    /// Nothing came in time.
+    Nothing,
+    /// The connection is new: a begun frame is lost.
+    NewConnection,
+}
+
+/// What both halves have of a stream.
+pub(super) type Halves<T> = Arc<Mutex<Option<T>>>;
+
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+pub(super) fn nothing_came(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
+    )
+}
+
+/// The reading half.
+#[derive(Debug)]
+pub(super) struct ByteStream<T> {
+    own: Option<T>,
+    shared: Halves<T>,
+}
+
+impl<T: Read> ByteStream<T> {
+    /// A stream that is not open yet, and what its writing half needs.
+    pub(super) fn closed() -> (Self, Halves<T>) {
+        let shared = Halves::default();
+        let stream = Self {
+            own: None,
+            shared: Arc::clone(&shared),
+        };
+        (stream, shared)
+    }
+
+    /// Takes an open one with its copy for the writing half.
+    pub(super) fn take(&mut self, (own, copy): (T, T)) {
+        *locked(&self.shared) = Some(copy);
+        self.own = Some(own);
+    }
+
+    pub(super) const fn own(&self) -> Option<&T> {
+        self.own.as_ref()
+    }
+
+    /// Reads; drops a stream that is lost or given up, so that the next call opens a new one.
+    pub(super) fn read(
+        &mut self,
+        buffer: &mut [u8],
+        is_given_up: bool,
+        open: impl FnOnce() -> io::Result<(T, T)>,
+    ) -> Received {
+        if let Some(own) = &mut self.own {
+            match own.read(buffer) {
+                Ok(count) if count > 0 => return Received::Bytes(count),
+                Err(error) if nothing_came(&error) && !is_given_up => return Received::Nothing,
+                _ => {
+                    self.own = None;
+                    *locked(&self.shared) = None;
+                }
+            }
+        }
+        if let Ok(opened) = open() {
+            self.take(opened);
+            return Received::NewConnection;
+        }
+        std::thread::sleep(RECONNECT_PAUSE);
+        Received::Nothing
+    }
+
+    /// Reads what is discarded; `false` if nothing came.
+    pub(super) fn discard(&mut self, buffer: &mut [u8]) -> bool {
+        let own = self.own.as_mut();
+        own.is_some_and(|own| own.read(buffer).is_ok_and(|count| count > 0))
+    }
+}

@@ -1,0 +1,85 @@
+//! Ground asked of the vehicle itself, which answers `TERRAIN_CHECK` post by post as ArduPilot does.
+
+use fga_emulator::{Mode, Settings};
+
+use crate::common::{GOOD, Intruder, Network, World};
+use crate::station_terrain::pieces;
+use crate::terrain::{Flown, PROTECTED_M, choice, fly_beside, is_told};
+
+const CONFIG: &str = "[terrain]\nsource = \"vehicle\"\nclearance_m = 30.0\n";
+
+/// A flight past a head-on intruder; the card has heights by metres east and north of home.
+fn asked(
+    network: Network,
+    height_m: impl Fn(f64, f64) -> Option<f32> + Send + Sync + 'static,
+    until_s: f64,
+) -> (World, Flown) {
+    let mut world = World::with(Settings::default(), CONFIG, network, 8);
+    let home = *world.emulator.home();
+    world
+        .emulator
+        .set_card(move |[latitude_deg, longitude_deg]| {
+            let north_m = (latitude_deg - home.latitude_deg) * 110_990.0;
+            let east_m = (longitude_deg - home.longitude_deg) * 88_300.0;
+            height_m(east_m, north_m)
+        });
+    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 1200.0;
+    world.add(intruder);
+    let mut flown = fly_beside(&mut world, None, until_s, |_| {});
+    world.companion.shut_down(until_s);
+    flown.log.extend(world.companion.take_log());
+    (world, flown)
+}
+
+#[test]
+fn the_vehicle_is_asked_for_the_ground_and_its_ridge_is_avoided() {
+    let side = choice();
+    // Posts are 100 m apart: the mission is clear wherever they are.
+    let ridge = move |east_m: f64, _| Some(if side * east_m > 105.0 { 400.0 } else { 4.0 });
+    let (world, flown) = asked(GOOD, ridge, 130.0);
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    let to_ridge_m = (side * flown.east_m[0]).max(side * flown.east_m[1]);
+    assert!(to_ridge_m < 20.0, "{:?}", flown.east_m);
+    assert!(is_told(&world, "fga: the ground bounds the way round"));
+    // Sixteen posts a piece, twenty posts a second.
+    let taken = pieces(&flown, "taken");
+    assert!((90..=163).contains(&taken), "{taken}");
+    assert_eq!(
+        (pieces(&flown, "wrong"), pieces(&flown, "contradicting")),
+        (0, 0)
+    );
+    let texts = world.emulator.texts();
+    assert!(
+        !is_told(&world, "no terrain") && !is_told(&world, "unknown"),
+        "{texts:?}"
+    );
+}
+
+#[test]
+fn a_link_that_loses_a_tenth_asks_again_for_the_posts_that_are_missing() {
+    let side = choice();
+    let ridge = move |east_m: f64, _| Some(if side * east_m > 105.0 { 400.0 } else { 4.0 });
+    // A tenth of the questions and a tenth of the answers.
+    let lossy = Network { loss: 0.1, ..GOOD };
+    let (world, flown) = asked(lossy, ridge, 130.0);
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    let to_ridge_m = (side * flown.east_m[0]).max(side * flown.east_m[1]);
+    let taken = pieces(&flown, "taken");
+    println!("taken {taken} {:?}", world.emulator.texts());
+    assert!(taken >= 25, "{taken}");
+    assert!(to_ridge_m < 20.0, "{:?}", flown.east_m);
+}
+
+#[test]
+fn a_vehicle_that_knows_no_ground_is_told_and_traffic_is_avoided() {
+    let (world, flown) = asked(GOOD, |_, _| None, 130.0);
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert!(is_told(&world, "fga: no terrain from the vehicle"));
+    assert_eq!(pieces(&flown, "taken"), 0);
+    // Heights that are no ground are left out.
+    let (world, flown) = asked(GOOD, |_, _| Some(3e4), 40.0);
+    assert!(is_told(&world, "fga: terrain answers that are no ground"));
+    assert_eq!(pieces(&flown, "taken"), 0);
+}

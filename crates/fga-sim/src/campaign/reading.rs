@@ -1,0 +1,242 @@
+//! Reads the Parquet table of a campaign back.
+
+use alloc::sync::Arc;
+use std::path::Path;
+
+use fga_formats::InputError;
+use fga_formats::error::shown;
+use parquet::column::reader::get_typed_column_reader;
+use parquet::data_type::{
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type,
+};
+use parquet::errors::ParquetError;
+use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
+use parquet::schema::types::Type;
+
+use super::metrics::{Access, Metrics};
+use super::table::{BEFORE, schema};
+use super::{Campaign, Row};
+use crate::corrupt::guarded;
+use crate::own::FailureKind;
+
+/// Reads the rows of a file back, one row group a call of `take`.
+///
+/// # Errors
+/// A file that is not such a table, or the first error of `take`.
+pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
+    input: R,
+    campaign: &Campaign,
+    mut take: impl FnMut(Vec<Row>) -> Result<(), E>,
+) -> Result<(), E> {
+    let corrupt = |words: &str| ParquetError::General(words.to_owned());
+    let reader = guarded(|| SerializedFileReader::new(input), corrupt)?;
+    let expected = schema(campaign)?;
+    let found = reader.metadata().file_metadata().schema();
+    if found != expected.as_ref() {
+        return Err(ParquetError::General(other_columns(found, &expected)).into());
+    }
+    for index in 0..reader.num_row_groups() {
+        let group = || read_group(reader.get_row_group(index)?.as_ref(), campaign);
+        take(guarded(group, corrupt)?)?;
+    }
+    Ok(())
+}
+
+/// What is wrong with a table, without the reader's prefix where this crate says it.
+pub(super) fn unusable(path: &Path, error: &ParquetError) -> InputError {
+    let reason = match error {
+        ParquetError::General(message) => message.clone(),
+        other => other.to_string(),
+    };
+    InputError::in_file(path, format!("cannot be used: {reason}"))
+}
+
+/// The first column that differs from those of a campaign.
+fn other_columns(found: &Type, expected: &Type) -> String {
+    let name = |column: Option<&Arc<Type>>| {
+        column.map_or_else(|| "none".to_owned(), |column| shown(column.name()))
+    };
+    let (there, wanted) = (found.get_fields(), expected.get_fields());
+    let at = (0..wanted.len().max(there.len()))
+        .find(|at| there.get(*at) != wanted.get(*at))
+        .unwrap_or(0);
+    let (is, should_be) = (name(there.get(at)), name(wanted.get(at)));
+    if is == should_be {
+        return format!("has a column {is} of another type than the one of a campaign");
+    }
+    format!(
+        "has other columns: column {} is {is}, expected {should_be} as a campaign has it",
+        at + 1
+    )
+}
+
+fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row>, ParquetError> {
+    let count = usize::try_from(group.metadata().num_rows())
+        .map_err(|_| ParquetError::General("a row group has no size".into()))?;
+    let encounter = all::<Int64Type>(group, 0, count)?;
+    let source_encounter = all::<Int64Type>(group, 1, count)?;
+    let seed = all::<Int64Type>(group, 2, count)?;
+    let source = indices(group, 3, count, campaign.source_names())?;
+    let policy = indices(group, 4, count, &campaign.configuration.policies)?;
+    let obstacles = all::<Int32Type>(group, 5, count)?;
+    let held_margin_m = all::<DoubleType>(group, 7, count)?;
+    let separated = all::<BoolType>(group, 8, count)?;
+    let caused = all::<BoolType>(group, 9, count)?;
+    let min_separation_m = all::<DoubleType>(group, 11, count)?;
+    let min_margin_m = all::<DoubleType>(group, 12, count)?;
+    let start_s = maybe::<DoubleType>(group, 13, count)?;
+    let clear_s = maybe::<DoubleType>(group, 14, count)?;
+    let rejoined_s = maybe::<DoubleType>(group, 15, count)?;
+    let end_s = all::<DoubleType>(group, 16, count)?;
+    let max_cross_track_m = all::<DoubleType>(group, 18, count)?;
+    let extra_path_m = all::<DoubleType>(group, 19, count)?;
+    let oracle_margin_m = maybe::<DoubleType>(group, 21, count)?;
+    let name = maybe::<ByteArrayType>(group, 22, count)?
+        .into_iter()
+        .map(|name| {
+            name.map(|name| index_of(&name, campaign.encounter_names()))
+                .transpose()
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let weight = all::<DoubleType>(group, 23, count)?;
+    let mut metrics = vec![Metrics::default(); count];
+    for (column, field) in (BEFORE..).zip(campaign.metric_fields()) {
+        match field.access {
+            Access::Real(_, set) => {
+                let values = maybe::<DoubleType>(group, column, count)?;
+                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+            }
+            Access::Flag(_, set) => {
+                let values = maybe::<BoolType>(group, column, count)?;
+                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+            }
+            Access::Failure(_, set) => {
+                for (m, word) in metrics
+                    .iter_mut()
+                    .zip(maybe::<ByteArrayType>(group, column, count)?)
+                {
+                    set(m, word.map(|word| failure_of(&word)).transpose()?);
+                }
+            }
+        }
+    }
+    Ok((0..count)
+        .map(|i| Row {
+            encounter: encounter[i].cast_unsigned(),
+            source_encounter: source_encounter[i].cast_unsigned(),
+            seed: seed[i].cast_unsigned(),
+            source: source[i],
+            policy: policy[i],
+            obstacles: obstacles[i].cast_unsigned(),
+            held_margin_m: held_margin_m[i],
+            separated: separated[i],
+            caused: caused[i],
+            min_separation_m: min_separation_m[i],
+            min_margin_m: min_margin_m[i],
+            start_s: start_s[i],
+            clear_s: clear_s[i],
+            rejoined_s: rejoined_s[i],
+            end_s: end_s[i],
+            max_cross_track_m: max_cross_track_m[i],
+            extra_path_m: extra_path_m[i],
+            oracle_margin_m: oracle_margin_m[i],
+            name: name[i],
+            weight: weight[i],
+            metrics: metrics[i],
+        })
+        .collect())
+}
+
+/// The values of a column, and the rows that have one.
+fn values<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
+    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
+    // The file says how many rows it has, and that may be wrong.
+    let room = count.min(65_536);
+    let (mut values, mut levels) = (Vec::with_capacity(room), Vec::with_capacity(room));
+    while reader
+        .read_records(count, Some(&mut levels), None, &mut values)?
+        .0
+        > 0
+    {}
+    Ok((values, levels))
+}
+
+fn all<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<Vec<T::T>, ParquetError> {
+    let (values, _) = values::<T>(group, column, count)?;
+    if values.len() == count {
+        Ok(values)
+    } else {
+        Err(ParquetError::General(format!(
+            "column {column} has {} values, expected {count}",
+            values.len()
+        )))
+    }
+}
+
+fn maybe<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<Vec<Option<T::T>>, ParquetError> {
+    let (values, levels) = values::<T>(group, column, count)?;
+    let mut values = values.into_iter();
+    let rows: Vec<Option<T::T>> = levels
+        .into_iter()
+        .map(|level| if level > 0 { values.next() } else { None })
+        .collect();
+    if rows.len() == count {
+        Ok(rows)
+    } else {
+        Err(ParquetError::General(format!(
+            "column {column} has {} rows, expected {count}",
+            rows.len()
+        )))
+    }
+}
+
+/// A column of names as indices.
+fn indices(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+    names: &[String],
+) -> Result<Vec<u32>, ParquetError> {
+    all::<ByteArrayType>(group, column, count)?
+        .iter()
+        .map(|name| index_of(name, names))
+        .collect()
+}
+
+/// The failure of a word.
+fn failure_of(word: &ByteArray) -> Result<FailureKind, ParquetError> {
+    let word = String::from_utf8_lossy(word.data());
+    FailureKind::parse(&word).ok_or_else(|| {
+        ParquetError::General(format!(
+            "holds {}, expected a failure of a policy",
+            shown(&word)
+        ))
+    })
+}
+
+/// The index of a name.
+fn index_of(name: &ByteArray, names: &[String]) -> Result<u32, ParquetError> {
+    (0..)
+        .zip(names)
+        .find(|(_, known)| known.as_bytes() == name.data())
+        .map(|(index, _)| index)
+        .ok_or_else(|| {
+            ParquetError::General(format!(
+                "holds {}, expected one of {}",
+                shown(&String::from_utf8_lossy(name.data())),
+                names.join(", ")
+            ))
+        })
+}
