@@ -12,7 +12,7 @@ use crate::prediction::motion::{Bend, End, Flyer, MotionState, Target};
 const ROLLS_OUT: f64 = 4.0;
 
 /// How far the line at the end of a turn may be from the true one, between the ends of the pieces too, turn radii.
-const INEXACT: f64 = 0.003;
+const INEXACT: f64 = 0.005;
 
 /// The line on which a turn ends: where the aircraft would have begun it when the roll-out began.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
