@@ -52,7 +52,7 @@ impl Card {
         }
     }
 
-    /// Whether the block of a place is in memory; it takes the place of the one that was not asked for longest.
+    /// Whether the block of a place is in memory. A missing block replaces the least recently requested one.
     fn is_read(&mut self, place: [f64; 2], now_s: f64) -> bool {
         #[expect(clippy::cast_possible_truncation, reason = "degrees of the earth")]
         let key = place.map(|degrees| libm::floor(degrees / BLOCK_DEG) as i32);

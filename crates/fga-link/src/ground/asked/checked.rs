@@ -8,8 +8,8 @@ use mavlink::dialects::ardupilotmega::{
 
 /// Posts of a piece.
 const POSTS: usize = 16;
-/// Pieces nearest to the way among which one that the vehicle does not know, or not yet, waits: a block of ArduPilot's has so many, and
-/// it has twelve blocks in memory.
+/// Only this many unanswered pieces, those nearest to the way, are asked for: a block of ArduPilot's has so many pieces, and ArduPilot
+/// holds twelve blocks in memory.
 pub(super) const NEAREST: usize = 56;
 /// Where some posts of a piece were answered the others are asked for again after this, seconds.
 const AGAIN_S: f64 = 0.5;

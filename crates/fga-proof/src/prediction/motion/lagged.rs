@@ -37,8 +37,8 @@ impl Flyer {
 
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
     ///
-    /// That is V τ ∫ (e^(−i r(s φ)) − 1) ds / s over what is left of the bank, a share s, with what rolling out from it turns by, r, turned by
-    /// r(φ).
+    /// With the time constant τ, the share s of the bank φ that is left and the turn r of a roll-out from a bank, the displacement is
+    /// V τ ∫ (e^(−i r(s φ)) − 1) ds / s, turned by r(φ).
     pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Vec2 {
         let off = |share: f64| {
             let turned = unit(-self.rollout_rad(share * bank_rad));
