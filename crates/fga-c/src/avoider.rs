@@ -1,12 +1,10 @@
 //! The avoider in storage that the caller lends.
 
-use core::mem::MaybeUninit;
-
 use fga::Vec3;
 use fga::avoider::{Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
 use fga::certificate::{Hazard, MAX_HAZARDS};
 use fga::pilot::Pilot as _;
-use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
+use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing};
 use fga::vehicle::Vehicle;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
@@ -14,14 +12,14 @@ use crate::airspace::{ZoneRoom, ground, zones};
 use crate::decision::fga_decision;
 use crate::growable::{Growable, size_word};
 use crate::input::{
-    fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
+    UNSAID, fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
 };
 use crate::memory;
 use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, list, sized};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 60_928;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 57_856;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;
@@ -44,8 +42,12 @@ const TURNS: usize = 64;
 /// Bytes of the places that any avoider has, for limits of altitude and turns.
 const PLACES_BYTES: usize = LIMITS * size_of::<Known>() + TURNS * size_of::<Hazard>();
 
+/// Where the places of obstacles begin, and before them the room for the zones of a step.
+const OBSTACLES_AT: usize = FGA_AVOIDER_FIXED_BYTES - PLACES_BYTES;
+const ZONES_AT: usize = OBSTACLES_AT - size_of::<ZoneRoom<'_>>();
+
 const _: () = {
-    assert!(Object::<Flying>::BYTES + PLACES_BYTES <= FGA_AVOIDER_FIXED_BYTES);
+    assert!(Object::<Flying>::BYTES <= ZONES_AT && ZONES_AT.is_multiple_of(FGA_ALIGN));
     assert!(size_of::<Obstacle>() <= FGA_AVOIDER_OBSTACLE_BYTES);
     assert!(size_of::<Vec3>() + size_of::<Passing>() <= FGA_AVOIDER_WAYPOINT_BYTES);
     assert!(align_of::<Object<Flying>>() <= FGA_ALIGN && align_of::<Obstacle>() <= FGA_ALIGN);
@@ -125,8 +127,7 @@ const fn tracked_most(obstacles_most: u32) -> usize {
 unsafe fn places(object: *mut Object<Flying>, obstacles_most: u32) -> Lent<'static> {
     let tracked = tracked_most(obstacles_most);
     let (known_most, rows_most) = (tracked + LIMITS, (tracked + TURNS).min(MAX_HAZARDS));
-    let after = FGA_AVOIDER_FIXED_BYTES - PLACES_BYTES
-        + obstacles_most as usize * FGA_AVOIDER_OBSTACLE_BYTES;
+    let after = OBSTACLES_AT + obstacles_most as usize * FGA_AVOIDER_OBSTACLE_BYTES;
     let known: *mut Known = object.wrapping_byte_add(after).cast();
     let rows: *mut Hazard = known.wrapping_add(known_most).cast();
     // SAFETY: they lie in the storage, aligned; all are written before there is a reference to them.
@@ -146,7 +147,7 @@ unsafe fn places(object: *mut Object<Flying>, obstacles_most: u32) -> Lent<'stat
 
 impl AtWork<'_, Flying> {
     const fn obstacle_places(&self) -> *mut Obstacle {
-        self.list(FGA_AVOIDER_FIXED_BYTES - PLACES_BYTES)
+        self.list(OBSTACLES_AT)
     }
 
     fn waypoint_places(&mut self) -> (*mut Vec3, *mut Passing) {
@@ -479,30 +480,25 @@ pub unsafe extern "C" fn fga_avoider_step(
             apart(&[at_work.span, span, of, answer, why])?;
             fga_obstacle::sized(obstacles)?;
             let written = [at_work.span, answer, why];
-            let mut room: ZoneRoom<'_> = [const { MaybeUninit::uninit() }; _];
-            let zones = zones((situation.zones, situation.zone_count), &written, &mut room)?;
+            let room: &mut ZoneRoom<'_> = &mut *at_work.list(ZONES_AT);
+            let zones = zones((situation.zones, situation.zone_count), &written, room)?;
             let ground = ground(situation.ground, &written)?;
-            let (time_s, ownship, wind_mps) = situation.moment()?;
-            let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &ownship);
+            let mut now = UNSAID;
+            situation.moment(&mut now)?;
+            let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &now.ownship);
             let places = at_work.obstacle_places().cast_const();
             let (waypoints_m, passing) = at_work.waypoint_places();
             let flying = at_work.value();
             let count = flying.waypoints as usize;
-            let mission = Mission {
+            // The first `placed` are written just now.
+            now.obstacles = Obstacles::Rows(core::slice::from_raw_parts(places, placed as usize));
+            now.mission = Mission {
                 // The first `count` of both are written by `take_mission`.
                 waypoints_m: core::slice::from_raw_parts(waypoints_m, count),
                 passing: core::slice::from_raw_parts(passing, count),
                 limits_m: flying.limits_m,
                 zones,
                 ground: ground.as_ref(),
-            };
-            let now = Situation {
-                time_s,
-                ownship,
-                // The first `placed` are written just now.
-                obstacles: Obstacles::Rows(core::slice::from_raw_parts(places, placed as usize)),
-                mission,
-                wind_mps,
             };
             flying.avoider.step_into(&now, &mut flying.decided);
             let is_incomplete = ignored > 0 || left_out > 0;
@@ -559,7 +555,8 @@ mod tests {
     fn the_header_says_what_an_avoider_takes() {
         assert_eq!(
             FGA_AVOIDER_FIXED_BYTES,
-            (Object::<Flying>::BYTES + PLACES_BYTES).next_multiple_of(512),
+            (Object::<Flying>::BYTES + size_of::<ZoneRoom<'_>>() + PLACES_BYTES)
+                .next_multiple_of(512),
             "write the second number there, then HEADER=write cargo test -p fga-c --test header"
         );
         assert_eq!(FGA_AVOIDER_OBSTACLE_BYTES, size_of::<Obstacle>());

@@ -6,8 +6,8 @@ use fga::limit::LARGEST;
 use fga::maneuver::{Maneuver, Stage};
 use fga::search::Objective;
 use fga::situation::{
-    Movement, MovementBounds, Obstacle, ObstacleKind, Ownship, Passing, ProtectedVolume,
-    Uncertainty,
+    Mission, Movement, MovementBounds, Obstacle, ObstacleKind, Obstacles, Ownship, Passing,
+    ProtectedVolume, Situation, Uncertainty,
 };
 use fga::vehicle::{Response, Vehicle};
 
@@ -493,13 +493,30 @@ pub struct fga_situation {
 unsafe impl Growable for fga_situation {}
 
 impl fga_situation {
-    /// Time, aircraft and wind.
-    pub(crate) fn moment(&self) -> Result<(f64, Ownship, Vec3), Refused> {
+    /// Says time, aircraft and wind.
+    pub(crate) fn moment(&self, now: &mut Situation<'_>) -> Result<(), Refused> {
         usable("time_s", self.time_s)?;
-        let wind_mps = self.wind_mps.usable(WIND)?;
-        Ok((self.time_s, self.ownship.ownship()?, wind_mps))
+        now.time_s = self.time_s;
+        now.wind_mps = self.wind_mps.usable(WIND)?;
+        now.ownship = self.ownship.ownship()?;
+        Ok(())
     }
 }
+
+/// A situation of which nothing is said yet.
+pub(crate) const UNSAID: Situation<'static> = Situation {
+    time_s: 0.0,
+    ownship: Ownship {
+        position_m: Vec3::ZERO,
+        course_rad: 0.0,
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: 0.0,
+    },
+    obstacles: Obstacles::Rows(&[]),
+    mission: Mission::NONE,
+    wind_mps: Vec3::ZERO,
+};
 
 /// A command from a moment on, until the next stage begins.
 #[repr(C)]

@@ -14,13 +14,14 @@ use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
 use crate::airspace::{ZoneRoom, ground, zones};
 use crate::growable::Growable;
 use crate::input::{
-    WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
+    UNSAID, WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle,
+    maneuver,
 };
 use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, sized, work};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 45_056;
+pub const FGA_PROVER_BYTES: usize = 43_520;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -188,7 +189,9 @@ impl Proving {
         (obstacles, mission): (&[fga_obstacle], &Mission<'_>),
         question: &fga_question,
     ) -> Result<Found, Refused> {
-        let (_, ownship, wind_mps) = situation.moment()?;
+        let mut now = UNSAID;
+        situation.moment(&mut now)?;
+        let (ownship, wind_mps) = (now.ownship, now.wind_mps);
         let maneuver = maneuver(stages)?;
         let straight_aircraft =
             self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;

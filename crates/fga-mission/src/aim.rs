@@ -135,23 +135,39 @@ impl Turns<'_> {
 
 /// The join of a leg at an intercept angle, exact for level flight without lag.
 pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_rad: f64) -> Shot {
-    let flyer = route.flyer;
-    let most_rad = flyer.full_bank_rad();
+    let most_rad = route.flyer.full_bank_rad();
     let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
-    let kept = [bank_rad, -bank_rad].map(|bank_rad| (bank_rad, flyer.bend_from(bank_rad)));
-    let work = kept.map(|(_, bend)| if bend.is_some() { 0 } else { BEND });
-    let mut made = [Bend::NONE; 2];
-    if route.meter.take(SETUP + work.iter().sum::<usize>()) {
-        for (made, (bank_rad, kept)) in made.iter_mut().zip(kept) {
-            if kept.is_none() {
-                made.set(flyer, bank_rad);
-            }
+    let asked = (leg, state, intercept_rad);
+    match [bank_rad, -bank_rad].map(|bank_rad| route.flyer.bend_from(bank_rad)) {
+        [Some(left), Some(right)] => {
+            let is_given = route.meter.take(SETUP);
+            shot(route, asked, is_given.then_some([left, right]))
         }
+        _ => shot_from(route, asked, bank_rad),
     }
-    let [left, right] = kept.map(|(bank_rad, kept)| {
-        let mut made = made.iter();
-        kept.or_else(|| made.find(|bend| bend.is_from(bank_rad)))
-    });
+}
+
+/// The same from a bank from which no turns are kept.
+#[inline(never)]
+fn shot_from(route: &Route<'_>, asked: (&Leg, &MotionState, f64), bank_rad: f64) -> Shot {
+    let mut made = [Bend::NONE; 2];
+    let is_given = route.meter.take(SETUP + BEND * made.len());
+    if is_given {
+        let [left, right] = &mut made;
+        left.set(route.flyer, bank_rad);
+        right.set(route.flyer, -bank_rad);
+    }
+    let [left, right] = &made;
+    shot(route, asked, is_given.then_some([left, right]))
+}
+
+/// The same with the turns to the left and to the right from the present bank; without work left there are no turns.
+#[inline(never)]
+fn shot(
+    route: &Route<'_>,
+    (leg, state, intercept_rad): (&Leg, &MotionState, f64),
+    bends: Option<[&Bend; 2]>,
+) -> Shot {
     let final_climb_rad = route.climb_rad(leg);
     let mut shot = Shot {
         intercept_course_rad: state.course_rad,
@@ -161,18 +177,18 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
         final_climb_rad,
         level_at_s: state.time_s,
     };
-    let (Some(left), Some(right)) = (left, right) else {
-        // Without work left there are no turns.
+    let Some(bends) = bends else {
         return shot;
     };
+    let [rolls_out, _] = bends;
     let position = leg.position(state.position_m, state.time_s);
     let turns = Turns {
         route,
         leg,
         state,
         cross_m: position.cross_m,
-        bends: [left, right],
-        rolls_out_rad: flyer.rollout_rad(bank_rad),
+        bends,
+        rolls_out_rad: rolls_out.least_rad(),
     };
     let (off_rad, by_rad, straight_s) = turns.intercept(intercept_rad);
     let (_, turn_s, over_s) = turns.after((off_rad, by_rad));

@@ -74,17 +74,22 @@ pub(crate) fn corner(legs: &Legs<'_>, index: usize, leg: &Leg) -> Option<Corner>
     // Over the waypoint, then onto the next leg: how far beyond that one?
     let beyond_m = radius_m * (1.0 - libm::cos(turn));
     let overshoots = route.is_flown_over(index) && beyond_m > FLY_OVER_WITHIN_M;
-    let may_turn = turn <= MOST_FLY_BY_RAD && !overshoots;
-    let turned = may_turn.then(|| {
+    if turn <= MOST_FLY_BY_RAD && !overshoots {
         let lead_m = lead_m(legs, index, leg, &next);
-        arc(legs, index, leg, &next, lead_m).or_else(|| chain(legs, index, leg, lead_m))
-    });
-    turned.flatten().or_else(|| {
-        // Turn round: onto the next leg, or over a short one onto the leg behind it.
-        let is_short = next.length_m < SHORT_RADII * radius_m;
-        let skipped = usize::from(is_short && legs.leg(index + 2).is_some());
-        round(legs, leg, index + 1 + skipped)
-    })
+        let turned = arc(legs, index, leg, &next, lead_m);
+        if turned.is_some() {
+            return turned;
+        }
+        match chain(legs, index, leg, lead_m) {
+            Ok(turned) => return Some(turned),
+            Err(Some(onto)) => return round(legs, leg, onto),
+            Err(None) => {}
+        }
+    }
+    // Turn round: onto the next leg, or over a short one onto the leg behind it.
+    let is_short = next.length_m < SHORT_RADII * radius_m;
+    let skipped = usize::from(is_short && legs.leg(index + 2).is_some());
+    round(legs, leg, index + 1 + skipped)
 }
 
 /// Distance of the start of a fly-by before the end of the leg at `index`, metres; 0 for a fly-over
@@ -136,6 +141,7 @@ fn tangent_m(legs: &Legs<'_>, leg: &Leg, next: &Leg) -> f64 {
 }
 
 /// The tangent arc, if both legs have room for it.
+#[inline(never)]
 fn arc(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg, lead_m: f64) -> Option<Corner> {
     let turn_rad = wrap_pi(next.air_course_rad - leg.air_course_rad);
     let room_m = next.length_m - next_lead_m(legs, index + 1, next);
@@ -153,36 +159,38 @@ fn arc(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg, lead_m: f64) -> Opt
     })
 }
 
-/// The first leg behind the corner that the aircraft joins before its end.
-fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner> {
+/// The first leg behind the corner that the aircraft joins before its end; else the leg onto whose beginning it turns round, if any.
+#[inline(never)]
+fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Result<Corner, Option<usize>> {
     let route = legs.route;
     let radius_m = route.radius_m();
     let exit = exit(legs, leg, lead_m);
     for at in index + 1..=index + MOST_IN_CHAIN {
         if route.meter.is_met() {
-            return None;
+            break;
         }
-        let next = legs.leg(at)?;
-        let is_last = legs.leg(at + 1).is_none();
+        let next = legs.leg(at).ok_or(None)?;
+        let is_last = route.mission.waypoints_m.len() <= at + 2;
         let turns_back = turn_rad(leg, &next).abs() > MOST_FLY_BY_RAD;
         if at > index + 1 && turns_back && next.length_m >= SHORT_RADII * radius_m {
             // A turn back beyond short legs: not deep into the leg, but onto its beginning.
-            return round(legs, leg, at);
+            return Err(Some(at));
         }
         let join = join(route, (at, &next), &exit, INTERCEPT_RAD);
         let room_m = next.length_m - next_lead_m(legs, at, &next);
         if join.is_on_leg() && (join.along_m <= room_m || is_last) {
-            return keeps_waypoints(legs, index + 1, &exit, &join).then_some(Corner {
+            let corner = keeps_waypoints(legs, index + 1, &exit, &join).then_some(Corner {
                 lead_m,
                 is_turn_round: false,
                 join,
             });
+            return corner.ok_or(None);
         }
         if next.length_m >= LONG_RADII * radius_m || route.is_flown_over(at) {
-            return round(legs, leg, at);
+            return Err(Some(at));
         }
     }
-    None
+    Err(None)
 }
 
 /// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
@@ -207,19 +215,22 @@ fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Joi
     }
     let mut state = *from;
     let places_m = [(); PLACES + 1].map(|()| {
-        let at_m = state.position_m + route.wind_mps * state.time_s;
+        let at_m = (state.position_m + route.wind_mps * state.time_s).truncate();
         let next_s = state.time_s + join.joined_s / PLACES as f64;
         state = flown(route.flyer, &state, join.stages(), next_s, route.meter);
         at_m
     });
     let is_near = |waypoint_m: &fga_proof::Vec3| {
-        let mut offsets = places_m.iter().map(|place_m| *place_m - *waypoint_m);
+        let mut offsets = places_m
+            .iter()
+            .map(|place_m| *place_m - waypoint_m.truncate());
         offsets.any(|offset| libm::hypot(offset.x, offset.y) <= route.radius_m())
     };
     waypoints_m.is_some_and(|waypoints_m| waypoints_m.iter().all(is_near))
 }
 
 /// Over the waypoint and round to the beginning of a leg.
+#[inline(never)]
 fn round(legs: &Legs<'_>, leg: &Leg, index: usize) -> Option<Corner> {
     let onto = legs.leg(index)?;
     let exit = exit(legs, leg, 0.0);

@@ -273,6 +273,7 @@ impl Progress {
     }
 
     /// The way onto the leg, or along it.
+    #[inline(never)]
     fn capture(&mut self, route: &Route<'_>, state: &MotionState) -> Join {
         let leg = self.leg(state);
         if let Some(turn) = self.turning(route, state) {
@@ -294,19 +295,17 @@ impl Progress {
         }
         let mut found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
         if found.is_none() {
-            let before = *self;
-            found = self.direct_way(route, state);
-            if found.is_none() {
-                *self = before;
-            }
+            found = self.direct_way_or_none(route, state);
         }
-        if let Some(joined) = &found {
-            self.advance_to(route, state, joined.index);
-        }
-        found.unwrap_or_else(|| join(route, (self.index, &leg), state, INTERCEPT_RAD))
+        let Some(joined) = found else {
+            return join(route, (self.index, &leg), state, INTERCEPT_RAD);
+        };
+        self.advance_to(route, state, joined.index);
+        joined
     }
 
     /// The rest of the turn round to the beginning of the leg; it begins now if none is in progress.
+    #[inline(never)]
     fn turning(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
         let leg = self.leg.filter(|_| self.is_unentered)?;
         let begins = || {
@@ -338,17 +337,19 @@ impl Progress {
         let legs = self.legs(route);
         let (mut straight_s, mut along_m) = (joined.joined_s, joined.along_m);
         let mut turned = None;
-        let laid = |index: usize| {
-            let leg = legs.leg(index)?;
-            Some((leg, corner(&legs, index, &leg)))
-        };
-        let (mut leg, mut ahead) = if joined.index == self.index {
-            (self.leg?, self.corner)
+        let is_here = joined.index == self.index;
+        let mut leg = if is_here {
+            self.leg
         } else {
-            laid(joined.index)?
+            legs.leg(joined.index)
+        }?;
+        let mut ahead = if is_here {
+            self.corner
+        } else {
+            corner(&legs, joined.index, &leg)
         };
         let after_s = |leg: &Leg, left_m: f64| left_m / leg.ground_speed_mps.max(f64::MIN_POSITIVE);
-        while let Some(here) = ahead {
+        while let Some(here) = &ahead {
             let left_m = leg.length_m - here.lead_m - along_m;
             let corner_s = straight_s + after_s(&leg, left_m).max(0.0);
             let stages = here.join.stages();
@@ -368,7 +369,9 @@ impl Progress {
             straight_s = corner_s + here.join.joined_s;
             turned = Some(straight_s);
             along_m = here.join.along_m;
-            (leg, ahead) = laid(here.join.index)?;
+            let index = here.join.index;
+            leg = legs.leg(index)?;
+            ahead = corner(&legs, index, &leg);
         }
         let end_s = straight_s + after_s(&leg, leg.length_m - along_m);
         let is_sloped_end = ahead.is_none() && leg.climb_rad != 0.0 && end_s < horizon_s;

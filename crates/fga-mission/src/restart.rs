@@ -107,11 +107,27 @@ impl Progress {
 
     /// A way straight to the next waypoint, as if the mission began where the aircraft is; it does so afterwards, with a way or
     /// without.
+    #[inline(never)]
     pub fn direct_way(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
         self.restart_here(route, state);
         // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
         let found = self.way_back(route, state, FRAC_PI_2, MOST_LEGS);
         found.filter(|_| !self.is_adrift())
+    }
+
+    /// The same; without a way the mission stays as it was.
+    #[inline(never)]
+    pub(crate) fn direct_way_or_none(
+        &mut self,
+        route: &Route<'_>,
+        state: &MotionState,
+    ) -> Option<Join> {
+        let before = *self;
+        let found = self.direct_way(route, state);
+        if found.is_none() {
+            *self = before;
+        }
+        found
     }
 }
 

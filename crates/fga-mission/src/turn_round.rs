@@ -39,6 +39,7 @@ struct Path {
 impl Path {
     /// Of a word to a place, turn radii ahead and to the left, and a course, radians; `None` where the word does not
     /// lead there.
+    #[inline(never)]
     fn new(
         (first, last, is_straight): (f64, f64, bool),
         (x, y, course_rad): (f64, f64, f64),

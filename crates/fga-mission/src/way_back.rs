@@ -38,7 +38,7 @@ impl Progress {
             if count < ONE_BY_ONE || is_far_on || corner_here.is_none() {
                 passed_m = 0.0;
                 let joined = join(route, (index, &leg), state, intercept_rad);
-                let room_m = match corner_here {
+                let room_m = match &corner_here {
                     Some(corner) => leg.length_m - corner.lead_m,
                     None if route.is_flown_over(index) => leg.length_m,
                     None => f64::INFINITY,
@@ -53,7 +53,7 @@ impl Progress {
                 }
             }
             let may_skip = index < self.index + skipped && !route.meter.is_met();
-            let next = corner_here.filter(|_| may_skip)?;
+            let next = corner_here.as_ref().filter(|_| may_skip)?;
             index = next.join.index;
             leg = legs.leg(index)?;
             if next.is_turn_round {

@@ -8,11 +8,11 @@ mod linear;
 mod moves;
 
 use fga_proof::certificate::{Hazard, Line};
-use fga_proof::meter::Meter;
 use fga_proof::prediction::MotionState;
 
 use super::climbs::{
     Approach, Approaches, Ascent, CLOSEST, NO_APPROACHES, PARAMETERS, Vector, closest_m, note,
+    scales,
 };
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
@@ -57,18 +57,18 @@ impl Ascent {
     }
 
     /// The result, certified.
-    pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
+    pub(super) fn certified(&self, search: &mut Search<'_>, seed: &Found) -> Found {
         // Without work left to prove it: its seed, with the seed's margin.
         let seed = Found {
-            margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
-            ..self.seed
+            margin_m: seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
+            ..*seed
         };
         if search.limit_met() {
             return seed;
         }
         let turns = self.turns(&self.at);
-        let departure = search.departure(turns.wait_s);
-        let certificate = search.certify(&turns, &departure, f64::MIN);
+        let from_rad = search.departure(turns.wait_s).course_rad;
+        let certificate = search.certify(&turns, from_rad, f64::MIN);
         let proven_m = certificate.proven_m();
         if proven_m == f64::NEG_INFINITY && search.limit_met() {
             return seed;
@@ -76,18 +76,26 @@ impl Ascent {
         Found {
             turns,
             margin_m: proven_m,
-            cost: search.cost(&turns, &departure),
+            cost: search.cost(&turns, from_rad),
         }
     }
 
-    /// One step uphill, in a box that shrinks until it goes up.
+    /// One step uphill.
     #[inline(never)]
     fn step(&mut self, search: &mut Search<'_>) {
+        let scales = scales(search.scene.flyer);
+        let mut margins = [Margin::NONE; CLOSEST];
+        self.slopes(search, &scales, &mut margins);
+        let margins = margins.get(..self.approaches.len()).unwrap_or(&[]);
+        self.rise(search, margins, &scales);
+    }
+
+    /// A step in a box that shrinks until it goes up.
+    #[inline(never)]
+    fn rise(&mut self, search: &mut Search<'_>, margins: &[Margin], scales: &Vector) {
         let here_m = self.least_m();
-        let bounds = bounds(search.scene.climb_limits_rad);
-        let slopes = self.slopes(search);
         loop {
-            let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
+            let (step, lifted_m) = self.best_step(search, margins, scales);
             let promised_m = lifted_m - here_m;
             let least_m = LEAST_GAIN_M.max(LEAST_SHARE * (search.scene.target_m - here_m));
             if promised_m < least_m || search.limit_met() {
@@ -95,11 +103,11 @@ impl Ascent {
                 return;
             }
             let mut tried = self.at;
-            for ((x, step), scale) in tried.iter_mut().zip(step).zip(self.scales) {
+            for ((x, step), scale) in tried.iter_mut().zip(step).zip(scales) {
                 *x += step * scale;
             }
             let there = self.look(search, &tried);
-            let gained_m = there.map_or(f64::MIN, |there| closest_m(&there) - here_m);
+            let gained_m = (there.as_ref()).map_or(f64::MIN, |there| closest_m(there) - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
             {
@@ -115,7 +123,7 @@ impl Ascent {
 
     fn turns(&self, at: &Vector) -> Turns {
         let [wait_s, turn_rad, climb_rad, after_s, turn2_rad, climb2_rad] = *at;
-        let second = (self.used == PARAMETERS).then_some(SecondTurn {
+        let second = (usize::from(self.used) == PARAMETERS).then_some(SecondTurn {
             after_s,
             turn_rad: turn2_rad,
             climb_rad: climb2_rad,
@@ -173,13 +181,15 @@ impl Ascent {
         Some(approaches)
     }
 
-    /// The slope of each margin in each parameter, per natural step: that of the distance at the closest approach.
+    /// The margin of each approach and its slope in each parameter, per natural step: that of the distance at the closest approach.
     #[inline(never)]
-    fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
+    fn slopes(&self, search: &Search<'_>, scales: &Vector, margins: &mut [Margin; CLOSEST]) {
         let hazards = search.scene.around.rows;
-        let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
+        for (margin, known) in margins.iter_mut().zip(self.approaches.iter()) {
+            margin.now_m = known.margin_m;
+        }
         if !search.meter.take(SLOPES_WORK + self.approaches.len()) {
-            return slopes;
+            return;
         }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
@@ -192,16 +202,17 @@ impl Ascent {
             &departure,
             &turns,
             last_s,
-            |from_s, until_s, at| {
-                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+            &mut |from_s, until_s, part| {
+                for (margin, known) in margins.iter_mut().zip(self.approaches.iter()) {
                     if known.at_s < from_s || known.at_s > until_s {
                         continue;
                     }
                     let Some(hazard) = hazards.get(known.place) else {
                         continue;
                     };
-                    let moves = at(known.at_s - from_s);
-                    for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
+                    let moves = part.moves_at(known.at_s - from_s);
+                    let slopes = margin.slope.iter_mut().take(self.used.into());
+                    for ((slope, move_m), scale) in slopes.zip(moves).zip(scales) {
                         let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
                         let margin_m = hazard.margin_m(moved_m, known.at_s);
                         *slope = (margin_m - known.margin_m) / DIFFERENCE;
@@ -209,46 +220,29 @@ impl Ascent {
                 }
             },
         );
-        for slope in &mut slopes {
-            for unused in slope.iter_mut().skip(self.used) {
-                *unused = 0.0;
-            }
-        }
-        slopes
     }
 
     /// The step within the box and the bounds that lifts the least margin most, to first order, and that margin.
     #[inline(never)]
-    fn best_step(
-        &self,
-        slopes: &[Vector; CLOSEST],
-        bounds: &[(f64, f64); PARAMETERS],
-        meter: &Meter,
-    ) -> (Vector, f64) {
+    fn best_step(&self, search: &Search<'_>, margins: &[Margin], scales: &Vector) -> (Vector, f64) {
+        if !search.meter.take(PROGRAM_WORK * margins.len()) {
+            return ([0.0; PARAMETERS], self.least_m());
+        }
+        let bounds = bounds(search.scene.climb_limits_rad);
         let mut room = [(0.0, 0.0); PARAMETERS];
-        let places = bounds.iter().zip(self.at.iter().zip(self.scales));
+        let places = bounds.iter().zip(self.at.iter().zip(scales));
         for (room, ((low, high), (x, scale))) in room.iter_mut().zip(places) {
             let down = ((low - x) / scale).max(-self.size).min(0.0);
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
-        if !meter.take(PROGRAM_WORK * self.approaches.len()) {
-            return ([0.0; PARAMETERS], self.least_m());
-        }
-        let mut margins = [Margin::NONE; CLOSEST];
-        for ((margin, known), slope) in margins.iter_mut().zip(self.approaches.iter()).zip(slopes) {
-            *margin = Margin {
-                now_m: known.margin_m,
-                slope: *slope,
-            };
-        }
-        lifted(margins.get(..self.approaches.len()).unwrap_or(&[]), &room)
+        lifted(margins, &room)
     }
 }
 
 /// Predicts a manoeuvre into the search's path; returns whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
-    search.predict(turns, &search.departure(turns.wait_s));
+    search.predict(turns, search.departure(turns.wait_s).course_rad);
     search.path.is_complete()
 }
 

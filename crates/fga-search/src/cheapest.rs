@@ -49,10 +49,10 @@ impl Search<'_> {
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         self.in_lattice(|search, lattice| {
             let (climbs, count) = search.scene.climbs();
-            let climbs = climbs.iter().take(count).copied();
+            let climbs = &mut climbs.iter().take(count).copied();
             search.turns_after(lattice, wait_s, sides, climbs, MAX_TURN_RAD);
-            let found = search.best_first(lattice, Aim::Cheapest);
-            found.into_iter().flatten().next()
+            let [found, other] = search.best_first(lattice, Aim::Cheapest);
+            found.or(other)
         })
     }
 
@@ -74,7 +74,7 @@ impl Search<'_> {
     /// steepest climb or descent.
     pub fn is_avoidable_within(&mut self, wait_s: f64, max_turn_rad: f64) -> bool {
         self.in_lattice(|search, lattice| {
-            let climbs = search.scene.extreme_climbs();
+            let climbs = &mut search.scene.extreme_climbs();
             search.turns_after(lattice, wait_s, &Side::BOTH, climbs, max_turn_rad);
             let found = search.best_first(lattice, Aim::Any);
             found.iter().any(Option::is_some)
@@ -108,7 +108,7 @@ impl Search<'_> {
         self.in_lattice(|search, lattice| {
             let (climbs, count) = search.scene.climbs();
             for share in STARTS {
-                let climbs = climbs.iter().take(count).copied();
+                let climbs = &mut climbs.iter().take(count).copied();
                 let wait_s = share * entry_s;
                 search.turns_after(lattice, wait_s, &Side::BOTH, climbs, MAX_TURN_RAD);
             }
@@ -118,12 +118,13 @@ impl Search<'_> {
     }
 
     /// Adds the rows of single turns after a wait: from the mission's direction on away from it, and from there back.
+    #[inline(never)]
     fn turns_after(
         &mut self,
         lattice: &mut Lattice,
         wait_s: f64,
         sides: &[Side],
-        climbs: impl Iterator<Item = f64>,
+        climbs: &mut dyn Iterator<Item = f64>,
         max_turn_rad: f64,
     ) {
         let prefix = self.after_wait(wait_s);
@@ -156,6 +157,7 @@ impl Search<'_> {
     }
 
     /// Adds the rows of two opposite turns, and of climbs and descents that level off.
+    #[inline(never)]
     fn two_stages(&mut self, lattice: &mut Lattice) {
         let scene = self.scene;
         let level_rad = scene.original.1;
@@ -229,14 +231,15 @@ impl Search<'_> {
     }
 
     /// The cheapest of the members of some rows, best first.
+    #[inline(never)]
     fn best_first(&mut self, lattice: &mut Lattice, aim: Aim) -> [Option<Found>; 2] {
-        let mut best: [Option<(f64, Found)>; 2] = [None; 2];
-        let least = |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |(cost, _)| cost);
+        let mut best: [Option<Found>; 2] = [None; 2];
+        let least = |best: &Option<Found>| best.map_or(f64::INFINITY, |best| best.cost);
         let mut until = u32::MAX;
         if aim == Aim::LeastDeparture {
             // The cost of a single turn is known by its line alone.
             for row in lattice.rows.iter_mut() {
-                if let Some(prefix) = lattice.prefixes.get(row.prefix)
+                if let Some(prefix) = lattice.prefixes.get(usize::from(row.prefix))
                     && prefix.first.is_none()
                 {
                     self.look_for(prefix, row, aim);
@@ -251,7 +254,7 @@ impl Search<'_> {
             let Some(row) = lattice.rows.get_mut(place) else {
                 break;
             };
-            let Some(prefix) = lattice.prefixes.get(row.prefix) else {
+            let Some(prefix) = lattice.prefixes.get(usize::from(row.prefix)) else {
                 break;
             };
             let [left, right] = best.each_ref().map(least);
@@ -274,12 +277,10 @@ impl Search<'_> {
                 if aim == Aim::Any {
                     return [Some(found), None];
                 }
-                let found = self.nearer(prefix, row, found);
-                let tangent = self.line(prefix, row);
-                let cost = tangent.map_or(cost, |tangent| self.cost_on(prefix, row, &tangent, aim));
+                let found = self.least_of(prefix, row, found, aim);
                 let best = best.get_mut(usize::from(row.first == Side::Right));
-                if let Some(best) = best.filter(|best| cost < least(best)) {
-                    *best = Some((cost, found));
+                if let Some(best) = best.filter(|best| found.cost < least(best)) {
+                    *best = Some(found);
                 }
                 until = until.min(
                     self.meter
@@ -293,13 +294,24 @@ impl Search<'_> {
                 lattice.close(prefix);
             }
         }
-        best.sort_unstable_by(|one, other| least(one).total_cmp(&least(other)));
-        best.map(|best| {
-            best.map(|(_, found)| Found {
-                cost: self.cost(&found.turns, &self.departure(found.turns.wait_s)),
-                ..found
-            })
-        })
+        let [first, second] = &mut best;
+        if least(second) < least(first) {
+            core::mem::swap(first, second);
+        }
+        for found in best.iter_mut().flatten() {
+            let from_rad = self.departure(found.turns.wait_s).course_rad;
+            found.cost = self.cost(&found.turns, from_rad);
+        }
+        best
+    }
+
+    /// The member of a row nearest to those that fail, with about its cost.
+    #[inline(never)]
+    fn least_of(&mut self, prefix: &Prefix, row: &mut Row, found: Found, aim: Aim) -> Found {
+        let mut found = self.nearer(prefix, row, found);
+        let tangent = self.line(prefix, row);
+        found.cost = tangent.map_or(row.cost, |tangent| self.cost_on(prefix, row, &tangent, aim));
+        found
     }
 
     /// Advances a row to a turn that may stay clear, and estimates its cost.
@@ -315,7 +327,7 @@ impl Search<'_> {
     fn fly(&mut self, prefix: &Prefix, row: &mut Row, prefix_fails: &mut bool) -> Option<Found> {
         let target_m = self.scene.target_m;
         let turns = prefix.turns(&row.way, row.at_rad);
-        let certificate = self.certify(&turns, &prefix.leaves, target_m);
+        let certificate = self.certify(&turns, prefix.from_rad, target_m);
         let margin_m = certificate.proven_m();
         if margin_m >= target_m {
             let cost = 0.0;
@@ -349,14 +361,10 @@ impl Search<'_> {
             fails_rad,
             ..
         } = *row;
-        let leaves = prefix.leaves;
-        let near = |search: &mut Self, place: f64| {
-            search
-                .row_turn(prefix, &way, place)
-                .map(|turns| (turns, leaves))
-        };
+        let from_rad = prefix.from_rad;
         if let Some(fails_rad) = fails_rad {
-            let (found, place) = self.closed_in(found, (at_rad, fails_rad), near);
+            let near = &mut |search: &mut Self, place| search.row_turn(prefix, &way, place);
+            let (found, place) = self.closed_in((found, from_rad), (at_rad, fails_rad), near);
             row.at_rad = place;
             return found;
         }
@@ -378,13 +386,10 @@ impl Search<'_> {
                 a
             }
         });
-        let less = |search: &mut Self, climb_rad: f64| {
-            let way = Way { climb_rad, ..way };
-            search
-                .row_turn(prefix, &way, at_rad)
-                .map(|turns| (turns, leaves))
+        let less = &mut |search: &mut Self, climb_rad| {
+            search.row_turn(prefix, &Way { climb_rad, ..way }, at_rad)
         };
-        let (found, climb_rad) = self.closed_in(found, (climb_rad, less_rad), less);
+        let (found, climb_rad) = self.closed_in((found, from_rad), (climb_rad, less_rad), less);
         row.way.climb_rad = climb_rad;
         found
     }
@@ -400,24 +405,24 @@ impl Search<'_> {
     /// Halves the way from a place that is certified to one that fails, by lines and a few flights.
     fn closed_in(
         &mut self,
-        found: Found,
+        (mut best, from_rad): (Found, f64),
         (mut does, mut fails): (f64, f64),
-        mut at: impl FnMut(&mut Self, f64) -> Option<(Turns, MotionState)>,
+        at: &mut dyn FnMut(&mut Self, f64) -> Option<Turns>,
     ) -> (Found, f64) {
         let target_m = self.scene.target_m;
-        let (mut best, (mut flights, lines)) = (found, FLIGHTS);
+        let (mut flights, lines) = FLIGHTS;
         for _ in 0..lines {
             let is_near = best.margin_m - target_m <= self.near_m();
             if is_near || flights == 0 || (does - fails).abs() < FINEST || self.limit_met() {
                 break;
             }
             let place = 0.5 * (does + fails);
-            let Some((turns, leaves)) = at(self, place) else {
+            let Some(turns) = at(self, place) else {
                 fails = place;
                 continue;
             };
             flights -= 1;
-            let margin_m = self.certify(&turns, &leaves, target_m).proven_m();
+            let margin_m = self.certify(&turns, from_rad, target_m).proven_m();
             if margin_m >= target_m {
                 does = place;
                 best = Found {
@@ -450,7 +455,7 @@ impl Search<'_> {
         if row.cost == f64::INFINITY {
             return row.cost;
         }
-        self.paper_cost(&prefix.turns(&row.way, row.at_rad), &prefix.leaves)
+        self.paper_cost(&prefix.turns(&row.way, row.at_rad), prefix.from_rad)
     }
 
     /// The cost of the member of a row that ends on a line.
@@ -459,7 +464,7 @@ impl Search<'_> {
         if aim != Aim::LeastDeparture && objective == Objective::PaperCost {
             return self.least_cost(prefix, row);
         }
-        let wait_s = prefix.leaves.time_s;
+        let wait_s = prefix.wait_s;
         let mut departure = self.departure_on(wait_s, &tangent.state, tangent.velocity_mps);
         let Some((first_rad, _)) = prefix.first else {
             return departure.length_m(objective);
@@ -504,7 +509,7 @@ mod tests {
             &hazards,
         );
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-        look(&mut Search::new(scene, (&mut path, &mut tables), 100_000))
+        look(&mut Search::new(&scene, (&mut path, &mut tables), 100_000))
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use fga_proof::Vec3;
 use fga_proof::list::List;
+use fga_proof::meter::{COMPARED, Meter};
 use fga_proof::prediction::Flyer;
 
 use super::terms::{ENOUGH_M, Found, SecondTurn, Turns};
@@ -59,25 +60,25 @@ pub(super) fn note(approaches: &mut Approaches, new: Approach) {
 /// A climb in progress.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ascent {
-    pub seed: Found,
     pub at: Vector,
-    pub used: usize,
     pub approaches: Approaches,
-    /// Natural steps of the parameters.
-    pub scales: Vector,
     /// Half the width of the box of the next step, in units of the natural steps.
     pub size: f64,
+    /// The margin of its seed, metres, and the seed's place.
+    seed_m: f64,
+    pub seed: u8,
+    pub used: u8,
     pub done: bool,
 }
 
 impl Ascent {
     pub(super) const NONE: Self = Self {
-        seed: Found::NONE,
         at: [0.0; PARAMETERS],
-        used: 0,
         approaches: NO_APPROACHES,
-        scales: [0.0; PARAMETERS],
         size: 0.0,
+        seed_m: 0.0,
+        seed: 0,
+        used: 0,
         done: false,
     };
 
@@ -86,17 +87,14 @@ impl Ascent {
         self.used > 0
     }
 
-    /// From a manoeuvre.
-    pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
-        let [wait, turn, climb, after, turn2, climb2] = STEPS_RAD;
-        let rate = flyer.course_rate_radps();
-        let two = seed.turns.second.is_some();
+    /// From the manoeuvre at a place.
+    fn new(seed: &Found, place: u8) -> Self {
         Self {
-            seed: *seed,
             at: to_vector(&seed.turns),
-            used: if two { PARAMETERS } else { 3 },
-            scales: [wait / rate, turn, climb, after / rate, turn2, climb2],
             size: 1.0,
+            seed_m: seed.margin_m,
+            seed: place,
+            used: if seed.turns.second.is_some() { 6 } else { 3 },
             ..Self::NONE
         }
     }
@@ -106,11 +104,36 @@ impl Ascent {
         if !self.is_some() {
             f64::MIN
         } else if self.approaches.is_empty() {
-            self.seed.margin_m
+            self.seed_m
         } else {
             closest_m(&self.approaches)
         }
     }
+}
+
+/// Sorts some, the highest first, without a copy of any.
+#[inline(never)]
+pub(super) fn sort(climbers: &mut [Ascent]) {
+    for count in 1..=climbers.len() {
+        let Some([before @ .., last]) = climbers.get_mut(..count) else {
+            return;
+        };
+        let mut higher = last;
+        for lower in before.iter_mut().rev() {
+            if lower.least_m() >= higher.least_m() {
+                break;
+            }
+            core::mem::swap(lower, higher);
+            higher = lower;
+        }
+    }
+}
+
+/// Natural steps of the parameters.
+pub(super) fn scales(flyer: &Flyer) -> Vector {
+    let [wait, turn, climb, after, turn2, climb2] = STEPS_RAD;
+    let rate = flyer.course_rate_radps();
+    [wait / rate, turn, climb, after / rate, turn2, climb2]
 }
 
 fn to_vector(turns: &Turns) -> Vector {
@@ -132,7 +155,7 @@ fn to_vector(turns: &Turns) -> Vector {
 /// The best seeds, one of each row, and what climbs from them.
 #[derive(Debug, Clone)]
 pub(super) struct Climbs {
-    seeds: [Found; SEEDS],
+    pub seeds: [Found; SEEDS],
     pub climbers: [Ascent; CLIMBERS],
 }
 
@@ -165,6 +188,20 @@ impl Climbs {
         self.seeds
             .iter()
             .fold(f64::INFINITY, |least, seed| least.min(seed.margin_m))
+    }
+
+    /// Begins to climb from the best seeds, as far as a meter allows.
+    pub(super) fn begin(&mut self, meter: &Meter) {
+        let mut is_given = true;
+        for place in 0..CLIMBERS {
+            is_given = is_given && meter.take(SEEDS / COMPARED);
+            let seed = is_given.then(|| self.best_at(place)).flatten();
+            let climber = seed.zip(u8::try_from(place).ok());
+            let climber = climber.map_or(Ascent::NONE, |(seed, place)| Ascent::new(seed, place));
+            if let Some(slot) = self.climbers.get_mut(place) {
+                *slot = climber;
+            }
+        }
     }
 
     /// Moves the best one from a place on to there.

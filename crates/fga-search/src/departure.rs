@@ -29,9 +29,9 @@ impl Search<'_> {
             return Departure::UNKNOWN;
         }
         let scene = self.scene;
-        let departure = self.departure(turns.wait_s);
+        let from_rad = self.departure(turns.wait_s).course_rad;
         self.find_conflicts();
-        self.predict(turns, &departure);
+        self.predict(turns, from_rad);
         let last = self.path.nodes().last();
         let end = last.map_or(scene.start, |node| node.state);
         let until_s = self.passed_s(turns.wait_s, &end, self.path.end_velocity_mps());
@@ -51,21 +51,18 @@ impl Search<'_> {
     fn passed_s(&mut self, wait_s: f64, end: &MotionState, end_velocity_mps: Vec3) -> f64 {
         self.find_conflicts();
         let conflicts = &*self.conflicts;
-        let mut until_s = wait_s;
-        if !self.meter.take(conflicts.all.len().div_ceil(PASSED)) {
-            return until_s;
+        let rows = self.scene.around.rows.iter().zip(&conflicts.marks);
+        let rows = rows.filter_map(|(hazard, is_close)| is_close.then_some(hazard));
+        if !self.meter.take(rows.clone().count().div_ceil(PASSED)) {
+            return wait_s;
         }
-        for (place, closest_s) in conflicts.all.iter() {
-            let Some(hazard) = self.scene.around.rows.get(*place) else {
-                continue;
-            };
+        let passes_s = rows.map(|hazard| {
             let offset = end.position_m - hazard.position_after_m(end.time_s);
             let relative = end_velocity_mps - hazard.velocity_mps;
             let after_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
-            let passes_s = end.time_s + after_s.max(0.0);
-            until_s = until_s.max(*closest_s).max(passes_s.min(LONGEST_PASS_S));
-        }
-        until_s
+            (end.time_s + after_s.max(0.0)).min(LONGEST_PASS_S)
+        });
+        passes_s.fold(wait_s.max(conflicts.closest_s), f64::max)
     }
 
     /// Finds what comes too close on the mission, once. Uses the path.
@@ -79,28 +76,24 @@ impl Search<'_> {
         let reach @ (horizon_s, _) = (scene.horizon_s, scene.target_m);
         let start = &scene.start;
         (self.path).predict_within(scene.flyer, start, scene.nominal, horizon_s, &self.meter);
-        let marks = mark_close(
-            scene.flyer,
-            self.path,
-            scene.around.rows,
-            reach,
-            &self.meter,
-        );
+        let hazards = scene.around.rows;
+        let close = mark_close(scene.flyer, self.path, hazards, reach, &self.meter);
         let asked = Asked {
             horizon_s: scene.horizon_s,
             floor_m: f64::MIN,
             enough_m: scene.target_m,
         };
-        let rows = scene.around.rows.iter().zip(marks).enumerate();
         let conflicts = &mut *self.conflicts;
-        for (place, (hazard, _)) in rows.filter(|(_, (_, close))| *close) {
+        let rows = hazards.iter().zip(&mut conflicts.marks).zip(&close);
+        for ((hazard, mark), _) in rows.filter(|(_, close)| **close) {
             if self.meter.is_met() {
                 break;
             }
             let one = core::slice::from_ref(hazard);
             let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
             if closest.margin_m < scene.target_m {
-                conflicts.all.push((place, closest.at_s));
+                *mark = true;
+                conflicts.closest_s = conflicts.closest_s.max(closest.at_s);
             }
         }
     }

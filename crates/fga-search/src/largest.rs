@@ -8,7 +8,7 @@ use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
-use super::climbs::{Ascent, CLIMBERS, Climbs};
+use super::climbs::{Ascent, Climbs, sort};
 use super::lattice::{Prefix, Row};
 use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
 use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
@@ -121,8 +121,8 @@ impl Search<'_> {
 
     /// The margin of a manoeuvre as it is flown, metres.
     fn flown_m(&mut self, turns: &Turns, floor_m: f64) -> f64 {
-        let departure = self.scene.start;
-        self.certify(turns, &departure, floor_m).proven_m()
+        self.certify(turns, self.scene.start.course_rad, floor_m)
+            .proven_m()
     }
 
     /// Flies a manoeuvre, which replaces the best one of its row if its margin is larger.
@@ -312,28 +312,24 @@ impl Search<'_> {
     /// Climbs from the best seeds: a few steps from all, more from the best. The first round with certified ones ends the climb, with
     /// the cheapest of them.
     fn climb(&mut self, climbs: &mut Climbs, best: &mut Option<Found>) {
-        let mut is_given = true;
-        for place in 0..CLIMBERS {
-            is_given = is_given && self.meter.take(SEEDS / COMPARED);
-            let seed = is_given.then(|| climbs.best_at(place)).flatten();
-            let climber = seed.map_or(Ascent::NONE, |seed| Ascent::new(seed, self.scene.flyer));
-            if let Some(slot) = climbs.climbers.get_mut(place) {
-                *slot = climber;
-            }
-        }
-        let climbers = &mut climbs.climbers;
+        climbs.begin(&self.meter);
+        let Climbs { seeds, climbers } = climbs;
+        let seed_of = |climber: &Ascent| {
+            let seed = seeds.get(usize::from(climber.seed));
+            seed.filter(|_| climber.is_some())
+        };
         for (most, steps) in ROUNDS {
             let mut cheapest: Option<Found> = None;
             for climber in climbers.iter_mut().take(most) {
-                if !climber.is_some() {
+                let Some(seed) = seed_of(climber) else {
                     continue;
-                }
+                };
                 if self.limit_met() {
                     break;
                 }
                 climber.climb(self, steps);
                 if climber.least_m() >= self.scene.target_m {
-                    let found = climber.certified(self);
+                    let found = climber.certified(self, seed);
                     if found.margin_m >= self.scene.target_m
                         && cheapest.is_none_or(|cheapest| found.cost < cheapest.cost)
                     {
@@ -345,7 +341,7 @@ impl Search<'_> {
                 *best = cheapest;
                 return;
             }
-            climbers.sort_unstable_by(|a, b| b.least_m().total_cmp(&a.least_m()));
+            sort(climbers);
         }
         if self.limit_met() {
             if best.is_some() {
@@ -353,8 +349,11 @@ impl Search<'_> {
             }
             self.answer();
         }
-        if let Some(highest) = climbers.iter().find(|climber| climber.is_some()) {
-            let found = highest.certified(self);
+        let highest = climbers
+            .iter()
+            .find_map(|it| seed_of(it).map(|of| (it, of)));
+        if let Some((highest, seed)) = highest {
+            let found = highest.certified(self, seed);
             if best.is_none_or(|best| found.margin_m > best.margin_m) {
                 *best = Some(found);
             }
@@ -387,12 +386,12 @@ mod tests {
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-            let mut search = Search::new(scene, (&mut path, &mut tables), 100_000);
+            let mut search = Search::new(&scene, (&mut path, &mut tables), 100_000);
             let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
             assert_eq!(proof, Proof::Hopeless);
             // The search may have used up its work.
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-            let mut judge = Search::new(scene, (&mut path, &mut tables), 1_000_000);
+            let mut judge = Search::new(&scene, (&mut path, &mut tables), 1_000_000);
             for climb_rad in scene.extreme_climbs() {
                 for k in -30..=30 {
                     let turns = Turns {
@@ -401,7 +400,7 @@ mod tests {
                         climb_rad,
                         second: None,
                     };
-                    let margin_m = judge.certify(&turns, &start, f64::MIN).margin_m;
+                    let margin_m = judge.certify(&turns, start.course_rad, f64::MIN).margin_m;
                     assert!(margin_m < found.margin_m + 0.3, "{margin_m} {found:?}");
                 }
             }

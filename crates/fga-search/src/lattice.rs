@@ -25,8 +25,9 @@ pub(super) struct Way {
 /// What precedes the last turn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prefix {
-    /// The aircraft when it departs from the mission.
-    pub leaves: MotionState,
+    /// When it departs from the mission, seconds, and its course then, radians.
+    pub wait_s: f64,
+    pub from_rad: f64,
     /// First turn and climb, radians, if the last turn is the second one.
     pub first: Option<(f64, f64)>,
     /// Where the last turn begins.
@@ -35,22 +36,18 @@ pub(super) struct Prefix {
 
 impl Prefix {
     pub(super) const NONE: Self = Self {
-        leaves: MotionState::ahead(0.0),
+        wait_s: 0.0,
+        from_rad: 0.0,
         first: None,
         entry: MotionState::ahead(0.0),
     };
 
     /// The member of a row with this last turn, radians towards its side.
     pub(super) fn turns(&self, way: &Way, turn_rad: f64) -> Turns {
-        let Self {
-            leaves,
-            first,
-            entry,
-        } = self;
-        let to_rad = entry.course_rad + way.side.sign() * turn_rad - leaves.course_rad;
+        let Self { wait_s, entry, .. } = *self;
+        let to_rad = entry.course_rad + way.side.sign() * turn_rad - self.from_rad;
         let climb_rad = way.climb_rad;
-        let wait_s = leaves.time_s;
-        let Some((first_rad, first_climb)) = *first else {
+        let Some((first_rad, first_climb)) = self.first else {
             return Turns {
                 wait_s,
                 turn_rad: to_rad,
@@ -75,7 +72,7 @@ impl Prefix {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     /// Its prefix, by number.
-    pub prefix: usize,
+    pub prefix: u8,
     /// The side of its first turn.
     pub first: Side,
     pub way: Way,
@@ -157,7 +154,8 @@ impl Lattice {
 
     /// Adds a row of the last prefix.
     pub(super) fn put(&mut self, row: &Row) {
-        let prefix = self.prefixes.len().saturating_sub(1);
+        let prefix = u8::try_from(self.prefixes.len().saturating_sub(1));
+        let prefix = prefix.unwrap_or(u8::MAX);
         self.rows.push(Row { prefix, ..*row });
     }
 
@@ -173,7 +171,7 @@ impl Lattice {
     }
 
     /// Removes all rows of a prefix.
-    pub(super) fn close(&mut self, prefix: usize) {
+    pub(super) fn close(&mut self, prefix: u8) {
         for row in self.rows.iter_mut() {
             if row.prefix == prefix {
                 row.close();

@@ -39,7 +39,6 @@ use fga_proof::certificate::{
     Around, Asked, Certificate, Certified, MAX_HAZARDS, certify_set, prove,
 };
 use fga_proof::limit::Limit as _;
-use fga_proof::list::List;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
@@ -115,17 +114,20 @@ impl Scene<'_> {
     }
 }
 
-/// The hazards that come too close on the mission, and when each is closest, seconds.
+/// The hazards that come too close on the mission.
 #[derive(Debug, Clone)]
 struct Conflicts {
-    all: List<(usize, f64), MAX_HAZARDS>,
+    marks: [bool; MAX_HAZARDS],
+    /// When the last of them is closest, seconds.
+    closest_s: f64,
     is_known: bool,
 }
 
 impl Conflicts {
     /// Nothing known yet.
     const UNKNOWN: Self = Self {
-        all: List::new((0, 0.0)),
+        marks: [false; MAX_HAZARDS],
+        closest_s: 0.0,
         is_known: false,
     };
 }
@@ -173,6 +175,7 @@ pub struct Tables {
 impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
+        // The larger of both is zeros without anything in it.
         board: Board::Climbs(Climbs::NONE),
         bends: [Bend::NONE; 2],
         conflicts: Conflicts::UNKNOWN,
@@ -186,7 +189,7 @@ type Space<'a> = (&'a mut FlightPath, &'a mut Tables);
 /// A search in progress: the scene, scratch space and a count of the work.
 #[derive(Debug)]
 pub struct Search<'a> {
-    scene: Scene<'a>,
+    scene: &'a Scene<'a>,
     path: &'a mut FlightPath,
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
@@ -211,12 +214,12 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// A search with about `limit` tests of a line against four obstacles at most.
-    pub fn new(scene: Scene<'a>, space: Space<'a>, limit: u32) -> Self {
+    pub fn new(scene: &'a Scene<'a>, space: Space<'a>, limit: u32) -> Self {
         Self::within(scene, space, Meter::new(limit, u32::MAX))
     }
 
     /// A search that ends at the limit of a meter, and takes no more than that has.
-    pub fn within(scene: Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
+    pub fn within(scene: &'a Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
         let Tables {
             board,
@@ -225,8 +228,7 @@ impl<'a> Search<'a> {
             answer,
         } = tables;
         bends.iter_mut().for_each(Bend::clear);
-        conflicts.all.clear();
-        conflicts.is_known = false;
+        *conflicts = Conflicts::UNKNOWN;
         Self {
             scene,
             path,
@@ -272,9 +274,9 @@ impl<'a> Search<'a> {
     }
 
     /// Lays a manoeuvre and predicts it into the path.
-    fn predict(&mut self, turns: &Turns, departure: &MotionState) {
-        self.lay(turns, departure);
-        let scene = &self.scene;
+    fn predict(&mut self, turns: &Turns, from_rad: f64) {
+        self.lay(turns, from_rad);
+        let scene = self.scene;
         let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
         self.path
             .predict_within(flyer, start, self.maneuver, scene.horizon_s, meter);
@@ -288,18 +290,18 @@ impl<'a> Search<'a> {
             floor_m,
             enough_m,
         };
-        let Scene { flyer, around, .. } = &self.scene;
+        let Scene { flyer, around, .. } = self.scene;
         certify_set(flyer, self.path, around, &asked, &self.meter)
     }
 
-    /// Lays the commands of a manoeuvre: the mission up to its start, then its turns.
-    fn lay(&mut self, turns: &Turns, departure: &MotionState) {
+    /// Lays the commands of a manoeuvre: the mission up to its start, then its turns from the course there, radians.
+    fn lay(&mut self, turns: &Turns, from_rad: f64) {
         let Turns {
             wait_s, climb_rad, ..
         } = *turns;
         let nominal = self.scene.nominal.stages().iter();
         (self.maneuver).set(nominal.filter(|stage| stage.start_s < wait_s).copied());
-        let course_rad = departure.course_rad + turns.turn_rad;
+        let course_rad = from_rad + turns.turn_rad;
         (self.maneuver).push(Stage::turn(wait_s, course_rad, climb_rad));
         if let Some(second) = turns.second {
             let (start_s, course_rad) = (wait_s + second.after_s, course_rad + second.turn_rad);
@@ -308,10 +310,11 @@ impl<'a> Search<'a> {
     }
 
     /// Lays the manoeuvre of an answer.
+    #[inline(never)]
     pub fn keep(&mut self, turns: &Turns) {
         // A wait lets the bank roll out, which turns the aircraft.
-        let departure = self.departure(turns.wait_s);
-        self.lay(turns, &departure);
+        let from_rad = self.departure(turns.wait_s).course_rad;
+        self.lay(turns, from_rad);
     }
 
     /// The manoeuvre that was laid last.
@@ -320,6 +323,7 @@ impl<'a> Search<'a> {
     }
 
     /// The aircraft when a manoeuvre departs from the mission after a wait.
+    #[inline(never)]
     pub fn departure(&self, wait_s: f64) -> MotionState {
         let Scene {
             flyer,
@@ -327,13 +331,13 @@ impl<'a> Search<'a> {
             nominal,
             ..
         } = self.scene;
-        flown(flyer, &start, nominal.stages(), wait_s, &self.meter)
+        flown(flyer, start, nominal.stages(), wait_s, &self.meter)
     }
 
-    /// Certifies one manoeuvre; stops early below `floor_m`.
-    pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
+    /// Certifies one manoeuvre that departs from a course, radians; stops early below `floor_m`.
+    pub fn certify(&mut self, turns: &Turns, from_rad: f64, floor_m: f64) -> Certificate {
         self.evaluated += 1;
-        self.predict(turns, departure);
+        self.predict(turns, from_rad);
         self.certify_path(self.scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
@@ -342,8 +346,8 @@ impl<'a> Search<'a> {
     pub fn prove(&mut self, found: &Found) -> Option<Certified> {
         self.answer();
         let scene = self.scene;
-        let departure = self.departure(found.turns.wait_s);
-        self.predict(&found.turns, &departure);
+        let from_rad = self.departure(found.turns.wait_s).course_rad;
+        self.predict(&found.turns, from_rad);
         let asked = (scene.horizon_s, scene.target_m, scene.target_m);
         prove(scene.flyer, self.path, scene.around, asked, &self.meter)
     }
@@ -363,18 +367,18 @@ impl<'a> Search<'a> {
         self.scene.objective
     }
 
-    /// Its cost by the scene's objective.
-    pub fn cost(&mut self, turns: &Turns, departure: &MotionState) -> f64 {
+    /// The cost of a manoeuvre that departs from a course, radians, by the scene's objective.
+    pub fn cost(&mut self, turns: &Turns, from_rad: f64) -> f64 {
         match self.scene.objective {
-            Objective::PaperCost => self.paper_cost(turns, departure),
+            Objective::PaperCost => self.paper_cost(turns, from_rad),
             Objective::LeastDeviation => self.departure_of(turns).aside_m,
             Objective::ShortestPath => self.departure_of(turns).extra_path_m(),
         }
     }
 
     /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20) of the stage that departs most.
-    fn paper_cost(&self, turns: &Turns, departure: &MotionState) -> f64 {
-        let course = departure.course_rad + turns.turn_rad;
+    fn paper_cost(&self, turns: &Turns, from_rad: f64) -> f64 {
+        let course = from_rad + turns.turn_rad;
         let first = self.scene.cost(course, turns.climb_rad);
         turns.second.map_or(first, |second| {
             first.max(self.scene.cost(course + second.turn_rad, second.climb_rad))

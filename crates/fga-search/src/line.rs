@@ -227,7 +227,7 @@ mod tests {
             &hazards,
         );
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-        let search = Search::new(scene, (&mut path, &mut tables), 1000);
+        let search = Search::new(&scene, (&mut path, &mut tables), 1000);
         // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.
         let (speed_mps, rate_radps) = (flyer.airspeed_mps(), flyer.course_rate_radps());
         let moved_m = speed_mps * (0.2 * 4.0 - 0.04 / (2.0 * rate_radps));

@@ -26,24 +26,25 @@ const NEARER: usize = 3;
 impl Search<'_> {
     /// Turns that begin after a wait on the mission.
     pub(super) fn after_wait(&self, wait_s: f64) -> Prefix {
-        let leaves = self.departure(wait_s);
+        let entry = self.departure(wait_s);
         Prefix {
-            leaves,
-            entry: leaves,
-            ..Prefix::NONE
+            wait_s: entry.time_s,
+            from_rad: entry.course_rad,
+            first: None,
+            entry,
         }
     }
 
     /// Turns that begin some time after a first turn that begins now.
     pub(super) fn after_first(&self, (turn_rad, climb_rad): (f64, f64), after_s: f64) -> Prefix {
-        let scene = &self.scene;
-        let leaves = scene.start;
-        let first = [Stage::turn(0.0, leaves.course_rad + turn_rad, climb_rad)];
-        let from = flown(scene.flyer, &leaves, &first, after_s, &self.meter);
+        let scene = self.scene;
+        let start = &scene.start;
+        let first = [Stage::turn(0.0, start.course_rad + turn_rad, climb_rad)];
         Prefix {
-            leaves,
+            wait_s: start.time_s,
+            from_rad: start.course_rad,
             first: Some((turn_rad, climb_rad)),
-            entry: from,
+            entry: flown(scene.flyer, start, &first, after_s, &self.meter),
         }
     }
 
@@ -69,6 +70,7 @@ impl Search<'_> {
 
     /// Advances a row to about the first turn whose line stays clear and returns that line. `None` where the row has none, which
     /// closes it, or where more looks are needed.
+    #[inline(never)]
     pub(super) fn advance(&mut self, prefix: &Prefix, row: &mut Row) -> Option<Tangent> {
         let target_m = self.scene.target_m;
         let enough_m = target_m + 2.0 * self.scene.turn_radius_m();

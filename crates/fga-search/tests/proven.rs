@@ -73,8 +73,8 @@ impl Count {
         self.answers += 1;
         if search.prove(found).is_none() {
             self.unproven += 1;
-            let departure = search.departure(found.turns.wait_s);
-            let margin_m = search.certify(&found.turns, &departure, f64::MIN).margin_m;
+            let from_rad = search.departure(found.turns.wait_s).course_rad;
+            let margin_m = search.certify(&found.turns, from_rad, f64::MIN).margin_m;
             self.worst_m = self.worst_m.max(search.target_m() - margin_m);
         }
     }
@@ -129,7 +129,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             objective: Objective::PaperCost,
         };
         let mut search = |look: &mut dyn FnMut(&mut Search<'_>, &mut [Count; 5])| {
-            let mut search = Search::new(scene, (&mut path, &mut tables), 1_000_000);
+            let mut search = Search::new(&scene, (&mut path, &mut tables), 1_000_000);
             look(&mut search, &mut counts);
             made += 1;
         };

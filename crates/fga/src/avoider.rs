@@ -129,6 +129,8 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     flyer: Flyer,
     state: State,
     progress: Progress,
+    /// The same before a look for a way back.
+    before: Progress,
     /// The mission's part of the step's work.
     mission_meter: Meter,
     path: FlightPath,
@@ -192,6 +194,7 @@ impl<P> Avoider<P> {
             flyer: Flyer::NONE,
             state: State::Cruise,
             progress: Progress::new(),
+            before: Progress::new(),
             tracks,
             path: const { FlightPath::new() },
             tables: Tables::NONE,
@@ -377,6 +380,7 @@ impl Avoider<dyn Places + '_> {
         )
     }
 
+    #[inline(never)]
     fn decide(
         &mut self,
         situation: &Situation<'_>,
@@ -387,23 +391,35 @@ impl Avoider<dyn Places + '_> {
             state: MotionState::of(&situation.ownship),
             mission: &situation.mission,
         };
-        self.on_mission(situation, |progress, route| {
-            progress.update(route, &now, situation.time_s);
-        });
-        self.measure_drift(situation, &now);
+        self.come_to(situation, &now);
         self.step_turn_aware(situation, &now, kept, decision);
+        if self.gives_up(situation, &now) {
+            decision.record.reason = Reason::WaypointGivenUp;
+        }
+    }
+
+    /// Advances to the leg of now, and measures the drift.
+    #[inline(never)]
+    fn come_to(&mut self, situation: &Situation<'_>, now: &MotionState) {
+        self.on_mission(situation, |progress, route| {
+            progress.update(route, now, situation.time_s);
+        });
+        self.measure_drift(situation, now);
+    }
+
+    /// Whether it gives a waypoint up from which an obstacle at rest keeps the aircraft.
+    #[inline(never)]
+    fn gives_up(&mut self, situation: &Situation<'_>, now: &MotionState) -> bool {
         let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
         let hazards = self.tracks.rows();
-        if threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
-            let passed_s = self.settings.decision_period_s;
-            let gives_up = self.on_mission(situation, |progress, route| {
-                progress.gives_up(route, &now, passed_s)
-            });
-            if gives_up {
-                decision.record.reason = Reason::WaypointGivenUp;
-            }
+        if !threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
+            return false;
         }
+        let passed_s = self.settings.decision_period_s;
+        self.on_mission(situation, |progress, route| {
+            progress.gives_up(route, now, passed_s)
+        })
     }
 
     /// Measures the drift and the distance kept clear for it.
@@ -488,6 +504,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Levels a command off at the mission's limits of altitude, whatever is known about it.
+    #[inline(never)]
     fn level_off(&self, situation: &Situation<'_>, command: &mut Maneuver) {
         let own = &situation.ownship;
         let [lowest_m, highest_m] = self.levels_m(own);

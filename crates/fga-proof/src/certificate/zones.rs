@@ -27,10 +27,27 @@ const HIGHEST_M: f64 = 1e6;
 /// Edges of a polygon that follow one another.
 #[derive(Debug, Clone, Copy)]
 struct Run {
-    /// The box around them.
-    span_m: Span,
+    /// The box around them, metres, rounded outwards: from the west and the south to the east and the north.
+    span_m: [f32; 4],
     /// The index of the first of them.
-    first: usize,
+    first: u32,
+}
+
+impl Run {
+    fn new((low_m, high_m): Span, first: u32) -> Self {
+        let ((west, south), (east, north)) = (low_m.as_vec2().into(), high_m.as_vec2().into());
+        let [west, south]: [f32; 2] = [west, south].map(f32::next_down);
+        let [east, north] = [east, north].map(f32::next_up);
+        Self {
+            span_m: [west, south, east, north],
+            first,
+        }
+    }
+
+    fn meets(&self, span_m: &Span) -> bool {
+        let [west, south, east, north] = self.span_m.map(f64::from);
+        meet(&(Vec2::new(west, south), Vec2::new(east, north)), span_m)
+    }
 }
 
 /// A zone, the edges of which are runs.
@@ -39,7 +56,7 @@ struct Near {
     /// Its index among those of the mission.
     zone: u32,
     /// The first of its runs and the one behind the last.
-    runs: (u32, u32),
+    runs: (u8, u8),
 }
 
 /// The zones near an aircraft.
@@ -121,10 +138,10 @@ impl Fixed<'_> {
             let Some(zone) = self.mission.get(*zone as usize) else {
                 return Some((-DEEPEST_M, over.at_s));
             };
-            let runs = runs.get(of.0 as usize..of.1 as usize).unwrap_or(&[]);
+            let runs = runs.get(of.0.into()..of.1.into()).unwrap_or(&[]);
             let edges = |near_m: Span| {
-                let runs = runs.iter().filter(move |run| meet(&run.span_m, &near_m));
-                runs.flat_map(|run| zone.edges_from(run.first).take(RUN))
+                let runs = runs.iter().filter(move |run| run.meets(&near_m));
+                runs.flat_map(|run| zone.edges_from(run.first as usize).take(RUN))
             };
             let most_m = least.map_or(below_m, |(least_m, _)| least_m);
             least = zone.least_on_line(edges, over, most_m).or(least);
@@ -141,7 +158,7 @@ impl Zones {
             runs: (0, 0),
         }),
         runs: List::new(Run {
-            span_m: (Vec2::ZERO, Vec2::ZERO),
+            span_m: [0.0; 4],
             first: 0,
         }),
         entered: false,
@@ -218,12 +235,13 @@ impl Zones {
             let edges = zone.edges_from(first).take(RUN);
             let span_m = span_m(edges.flat_map(|(from_m, to_m)| [from_m, to_m]));
             if takes_all || meet(&span_m, &near_m) {
-                self.runs.push(Run { span_m, first })?;
+                let first = u32::try_from(first).ok()?;
+                self.runs.push(Run::new(span_m, first))?;
             }
         }
-        let word = |index| u32::try_from(index).ok();
-        let runs = (word(begin)?, word(self.runs.len())?);
-        let zone = word(index)?;
+        let place = |index| u8::try_from(index).ok();
+        let runs = (place(begin)?, place(self.runs.len())?);
+        let zone = u32::try_from(index).ok()?;
         self.all.push(Near { zone, runs }).map(|_| ())
     }
 }

@@ -123,6 +123,7 @@ impl<'a> Pieces<'a> {
 
 /// The aircraft at the end of the flight of some stages up to `limit_s`, with its pieces counted; before it if the meter refuses
 /// one. Without a limit, where its last piece begins.
+#[inline(never)]
 pub fn flown(
     flyer: &Flyer,
     start: &MotionState,

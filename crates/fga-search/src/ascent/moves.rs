@@ -105,14 +105,49 @@ impl Followed {
     }
 }
 
-/// Shows the pieces of the flight of some turns from their departure until a moment: from and until when each lasts, seconds,
-/// and the moves a time after its beginning.
+/// A piece of a flight of constant rates, and what precedes it.
+pub(super) struct Part<'a> {
+    flyer: &'a Flyer,
+    state: MotionState,
+    piece: Piece,
+    /// How much course and climb angle in it grow with each parameter.
+    grows: [(f64, f64); PARAMETERS],
+    /// The moves at its beginning.
+    moved: Moves,
+}
+
+impl Part<'_> {
+    /// The moves a time after its beginning, seconds.
+    #[inline(never)]
+    pub(super) fn moves_at(&self, after_s: f64) -> Moves {
+        let Self { flyer, state, .. } = self;
+        let flown_m = flyer.advance(state, &self.piece, after_s).position_m - state.position_m;
+        let level_m = flyer.airspeed_mps() * libm::cos(state.climb_rad) * after_s;
+        let slope = if level_m > 0.0 {
+            flown_m.z / level_m
+        } else {
+            0.0
+        };
+        let mut moves = self.moved;
+        for (move_m, (course, climb)) in moves.iter_mut().zip(self.grows) {
+            *move_m += Vec3::new(
+                -course * flown_m.y - climb * slope * flown_m.x,
+                course * flown_m.x - climb * slope * flown_m.y,
+                climb * level_m,
+            );
+        }
+        moves
+    }
+}
+
+/// Shows the parts of the flight of some turns from their departure until a moment: from and until when each lasts, seconds.
+#[inline(never)]
 pub(super) fn moves(
     flyer: &Flyer,
     departure: &MotionState,
     turns: &Turns,
     until_s: f64,
-    mut visit: impl FnMut(f64, f64, &dyn Fn(f64) -> Moves),
+    visit: &mut dyn FnMut(f64, f64, &Part<'_>),
 ) {
     let later_s = flyer.turns_later_s();
     let second = turns.second;
@@ -132,25 +167,32 @@ pub(super) fn moves(
         flyer.climb_rate_radps(),
         [(start_s, turns.climb_rad), (again_s, second_climb)],
     );
-    let mut state = MotionState {
-        time_s: start_s,
-        position_m: Vec3::ZERO,
-        course_rad: departure.course_rad + flyer.rollout_rad(departure.bank_rad),
-        climb_rad: departure.climb_rad,
-        bank_rad: 0.0,
+    let mut part = Part {
+        flyer,
+        state: MotionState {
+            time_s: start_s,
+            position_m: Vec3::ZERO,
+            course_rad: departure.course_rad + flyer.rollout_rad(departure.bank_rad),
+            climb_rad: departure.climb_rad,
+            bank_rad: 0.0,
+        },
+        piece: Piece::steady(0.0, 0.0, 0.0, 0.0),
+        grows: [(0.0, 0.0); PARAMETERS],
+        moved: [Vec3::ZERO; PARAMETERS],
     };
-    let mut moved: Moves = [Vec3::ZERO; PARAMETERS];
     for _ in 0..MOST_PIECES {
-        if state.time_s >= until_s {
+        let now = &part.state;
+        let (now_s, left_s) = (now.time_s, until_s - now.time_s);
+        if left_s <= 0.0 {
             return;
         }
-        let (turning_radps, turns_s) = course.next(state.time_s, state.course_rad);
-        let (climbing_radps, climbs_s) = climb.next(state.time_s, state.climb_rad);
-        let lasts_s = turns_s.min(climbs_s).min(until_s - state.time_s);
-        let piece = Piece::steady(lasts_s, turning_radps, climbing_radps, 0.0);
+        let (turning_radps, turns_s) = course.next(now_s, now.course_rad);
+        let (climbing_radps, climbs_s) = climb.next(now_s, now.climb_rad);
+        let lasts_s = turns_s.min(climbs_s).min(left_s);
         let [turn, second_turn, turn_later] = course.grows(turning_radps, true);
         let [up, second_up, up_later] = climb.grows(climbing_radps, false);
-        let grows = [
+        part.piece = Piece::steady(lasts_s, turning_radps, climbing_radps, 0.0);
+        part.grows = [
             (-turning_radps, -climbing_radps),
             (turn, 0.0),
             (0.0, up),
@@ -158,28 +200,9 @@ pub(super) fn moves(
             (second_turn, 0.0),
             (0.0, second_up),
         ];
-        let level_mps = flyer.airspeed_mps() * libm::cos(state.climb_rad);
-        let at = |after_s: f64| -> Moves {
-            let flown_m = flyer.advance(&state, &piece, after_s).position_m - state.position_m;
-            let level_m = level_mps * after_s;
-            let slope = if level_m > 0.0 {
-                flown_m.z / level_m
-            } else {
-                0.0
-            };
-            let mut moves = moved;
-            for (move_m, (course, climb)) in moves.iter_mut().zip(grows) {
-                *move_m += Vec3::new(
-                    -course * flown_m.y - climb * slope * flown_m.x,
-                    course * flown_m.x - climb * slope * flown_m.y,
-                    climb * level_m,
-                );
-            }
-            moves
-        };
-        visit(state.time_s, state.time_s + lasts_s, &at);
-        moved = at(lasts_s);
-        state = flyer.advance(&state, &piece, lasts_s);
+        visit(now_s, now_s + lasts_s, &part);
+        part.moved = part.moves_at(lasts_s);
+        part.state = flyer.advance(&part.state, &part.piece, lasts_s);
     }
 }
 
@@ -255,9 +278,9 @@ mod tests {
             &departure,
             &to_turns(at),
             at_s,
-            |from_s, until_s, at| {
+            &mut |from_s, until_s, part| {
                 if until_s >= at_s {
-                    closed = Some(at(at_s - from_s));
+                    closed = Some(part.moves_at(at_s - from_s));
                 }
             },
         );

@@ -129,12 +129,13 @@ impl Avoider<dyn Places + '_> {
         demand: &Demand,
         act: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        if !demand.in_need {
-            return act(self);
+        if demand.in_need {
+            self.change_limits();
         }
-        self.change_limits();
         let answer = act(self);
-        self.change_limits();
+        if demand.in_need {
+            self.change_limits();
+        }
         answer
     }
 

@@ -151,18 +151,8 @@ impl Avoider<dyn Places + '_> {
     fn watch(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
         decision.record.alternative = None;
-        if self.state == State::Threatened
-            && let Some(mut plan) = self.plan
-        {
-            self.go_on(&plan, time_s, &mut decision.command);
-            if self.kept_rung(&mut plan, &decision.command, now) == Some(plan.rung) {
-                self.plan = Some(plan);
-                if plan.start_s > time_s {
-                    return self.report(decision, &plan, time_s, Reason::WaitingForStart);
-                }
-                self.state = State::Avoiding;
-                return self.report(decision, &plan, time_s, Reason::ManeuverChosen);
-            }
+        if self.state == State::Threatened && self.still_waits(now, time_s, decision) {
+            return;
         }
         self.plan = None;
         let (nominal, far_s) = (&mut decision.command, self.far_s);
@@ -190,6 +180,27 @@ impl Avoider<dyn Places + '_> {
         decision.record.work.threats = 1;
     }
 
+    /// Whether a plan that waits keeps its certificate; then the decision waits on, or begins.
+    #[inline(never)]
+    fn still_waits(&mut self, now: &Now<'_>, time_s: f64, decision: &mut Decision) -> bool {
+        let Some(mut plan) = self.plan else {
+            return false;
+        };
+        self.go_on(&plan, time_s, &mut decision.command);
+        if self.kept_rung(&mut plan, &decision.command, now) != Some(plan.rung) {
+            return false;
+        }
+        self.plan = Some(plan);
+        let reason = if plan.start_s > time_s {
+            Reason::WaitingForStart
+        } else {
+            self.state = State::Avoiding;
+            Reason::ManeuverChosen
+        };
+        self.report(decision, &plan, time_s, reason);
+        true
+    }
+
     /// Chooses a manoeuvre and its start, in place of the command of a decision.
     #[inline(never)]
     fn plan_anew(
@@ -211,7 +222,7 @@ impl Avoider<dyn Places + '_> {
             command, record, ..
         } = decision;
         let (nominal, other) = (&*command, &mut record.alternative);
-        let answer = self.highest(0..RUNGS, nominal, now, |search| {
+        let answer = self.highest(0..RUNGS, nominal, now, &mut |search| {
             choice::choose(search, start, moments, (&mut latest_s, other))
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
@@ -282,11 +293,11 @@ impl Avoider<dyn Places + '_> {
         };
         let looks = (LOOK_BACK_EVERY, f64::INFINITY);
         if self.has_begun(&plan, situation, now)
-            && let Some(back) = self.way_back(situation, now, &plan, looks, &mut decision.command)
+            && self.way_back(situation, now, &mut plan, looks, &mut decision.command)
         {
-            (self.plan, self.flown) = (Some(back), decision.command);
+            (self.plan, self.flown) = (Some(plan), decision.command);
             self.state = State::Recovering;
-            return self.report(decision, &back, time_s, Reason::RejoinChosen);
+            return self.report(decision, &plan, time_s, Reason::RejoinChosen);
         }
         self.go_on(&plan, time_s, &mut decision.command);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
@@ -351,42 +362,60 @@ impl Avoider<dyn Places + '_> {
         demand: &Demand,
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> T {
+        let (mut look, mut answer) = (Some(look), T::default());
+        let is_whole = self.run_search(nominal, now, demand, &mut |search| {
+            if let Some(look) = look.take() {
+                answer = look(search);
+            }
+        });
+        // Else it may rest on pieces that were refused.
+        if is_whole { answer } else { T::default() }
+    }
+
+    /// Runs a search; whether it may answer.
+    #[inline(never)]
+    fn run_search(
+        &mut self,
+        nominal: &Maneuver,
+        now: &Now<'_>,
+        demand: &Demand,
+        look: &mut dyn FnMut(&mut Search<'_>),
+    ) -> bool {
         self.within_limits(demand, |avoider| {
             avoider.keep_rolls(now);
             let is_whole = avoider.plan.is_none() || !avoider.flyer.is_ideal();
             let most = if is_whole { u32::MAX } else { GRID_WORK };
-            let leg = avoider.progress.leg(now);
-            let (low, high) = avoider.climb_limits_rad();
             let scene = Scene {
                 flyer: &avoider.flyer,
                 start: now.state,
                 nominal,
-                original: (
-                    now.course_rad + leg.turn_onto_rad(now),
-                    leg.climb_rad.limited(low, high),
-                ),
+                original: avoider.original_rad(now),
                 around: avoider.tracks.around(now.mission),
                 horizon_s: demand.horizon_s,
                 target_m: demand.margin_m,
-                climb_limits_rad: (low, high),
+                climb_limits_rad: avoider.climb_limits_rad(),
                 costs: (avoider.settings.heading_cost, avoider.settings.pitch_cost),
                 objective: avoider.settings.objective,
             };
             let meter = avoider.meter.part(most);
             let space = (&mut avoider.path, &mut avoider.tables);
-            let mut search = Search::within(scene, space, meter);
-            let mut answer = look(&mut search);
-            if search.is_spent() {
-                // It may rest on pieces that were refused.
-                answer = T::default();
-            }
-            let (limit_met, grids) = (search.limit_met(), search.grids);
+            let mut search = Search::within(&scene, space, meter);
+            look(&mut search);
             avoider.looked_at += search.evaluated;
             avoider.meter.count(search.work() as usize);
-            avoider.grids = avoider.grids.saturating_add(grids);
-            avoider.is_cut |= limit_met;
-            answer
+            avoider.grids = avoider.grids.saturating_add(search.grids);
+            avoider.is_cut |= search.limit_met();
+            !search.is_spent()
         })
+    }
+
+    /// Course and climb angle of the mission, radians.
+    #[inline(never)]
+    fn original_rad(&self, now: &MotionState) -> (f64, f64) {
+        let leg = self.progress.leg(now);
+        let (low, high) = self.climb_limits_rad();
+        let course_rad = now.course_rad + leg.turn_onto_rad(now);
+        (course_rad, leg.climb_rad.limited(low, high))
     }
 
     /// Margin of a manoeuvre up to a horizon, between `floor_m`, below which it stops, and `enough_m`.

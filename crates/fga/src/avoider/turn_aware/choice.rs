@@ -43,17 +43,18 @@ pub(super) fn choose(
 /// Puts a manoeuvre on record if it is certified.
 #[inline(never)]
 fn show(search: &mut Search<'_>, found: Option<Found>, other: &mut Option<(Maneuver, Candidate)>) {
-    *other = found
-        .filter(|found| search.prove(found).is_some())
-        .map(|found| {
-            search.keep(&found.turns);
-            let worth = Candidate {
-                margin_m: found.margin_m,
-                cost: found.cost,
-                verdict: Verdict::Certified,
-            };
-            (*search.maneuver(), worth)
-        });
+    *other = None;
+    let Some(found) = found.filter(|found| search.prove(found).is_some()) else {
+        return;
+    };
+    search.keep(&found.turns);
+    let worth = Candidate {
+        margin_m: found.margin_m,
+        cost: found.cost,
+        verdict: Verdict::Certified,
+    };
+    let (maneuver, _) = other.get_or_insert_with(|| (Maneuver::HOLD, worth));
+    maneuver.clone_from(search.maneuver());
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ const FAR_S: f64 = 240.0;
 impl Avoider<dyn Places + '_> {
     /// The longer horizon of a manoeuvre's certificate: an obstacle that flies nearly as the aircraft does, now or
     /// on the mission, takes long to pass.
+    #[inline(never)]
     pub(super) fn far_horizon_s(&self, now: &MotionState) -> f64 {
         let horizon_s = self.settings.horizon_s;
         let slow_mps = SLOW * self.flyer.airspeed_mps();

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::angle::Side;
-use crate::avoider::demand::{BEYOND_M, RUNGS, WANTED};
+use crate::avoider::demand::{BEYOND_M, Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::certificate::Hazard;
@@ -32,6 +32,7 @@ const DEPTH_WORK: u32 = 4000;
 
 impl Avoider<dyn Places + '_> {
     /// A manoeuvre on a higher rung, or one on the same, nearer to the mission's course than the present one.
+    #[inline(never)]
     pub(super) fn better(
         &mut self,
         plan: &Plan,
@@ -48,7 +49,7 @@ impl Avoider<dyn Places + '_> {
         let flown = Turns::of(flown, now.course_rad);
         let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
             let rungs = 0..if has_aircraft { 0 } else { plan.rung };
-            self.highest(rungs, hold, now, |search| {
+            self.highest(rungs, hold, now, &mut |search| {
                 let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
                 proof.is_certified().then_some(found)
             })
@@ -99,21 +100,23 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The certified manoeuvre on the highest of some rungs that has one, on the side of the present manoeuvre.
+    #[inline(never)]
     pub(super) fn highest_beside(&mut self, rungs: Range<usize>, now: &Now<'_>) -> Option<Answer> {
         let side = [Side::of(self.away_rad(now))];
-        self.highest(rungs, &Maneuver::HOLD, now, |search| {
+        self.highest(rungs, &Maneuver::HOLD, now, &mut |search| {
             let beside = search.cheapest_to(&side, 0.0);
             beside.or_else(|| search.cheapest(0.0))
         })
     }
 
     /// The certified manoeuvre on the highest of some rungs that has one.
+    #[inline(never)]
     pub(super) fn highest(
         &mut self,
         rungs: Range<usize>,
         nominal: &Maneuver,
         now: &Now<'_>,
-        mut look: impl FnMut(&mut Search<'_>) -> Option<Found>,
+        look: &mut dyn FnMut(&mut Search<'_>) -> Option<Found>,
     ) -> Option<Answer> {
         for rung in rungs {
             let Some(demand) = self.distinct_demand(rung) else {
@@ -163,17 +166,7 @@ impl Avoider<dyn Places + '_> {
         if best.proof == Proof::Hopeless {
             self.grids = GRIDS_A_SEARCH;
         }
-        let mut deepest = Some(best);
-        let cylinders = self.tracks.rows().iter().any(Hazard::is_cylinder);
-        let differs = cylinders || self.tracks.uncertain;
-        if best.found.margin_m < 0.0 && differs && self.meter.left() >= DEPTH_WORK {
-            self.by_depth();
-            let from = Turns::of(&self.tables.answer, now.course_rad);
-            deepest = self.search(&Maneuver::HOLD, now, &demand, |search| {
-                let (found, _) = search.best(from, Effort::Quick, variety)?;
-                Some(Answer::new(search, (found, best.proof), lowest))
-            });
-        }
+        let deepest = self.least_deep(&best, &demand, now, variety);
         let Some((plan, flown)) = flown else {
             return deepest;
         };
@@ -181,6 +174,28 @@ impl Avoider<dyn Places + '_> {
         plan.rung = lowest;
         plan.margin_m = self.within_limits(&demand, |avoider| avoider.margin_of(flown, now, asked));
         deepest.filter(|deepest| deepest.found.margin_m > plan.margin_m + CLEARLY_BETTER_M)
+    }
+
+    /// In place of a manoeuvre that enters a volume one that comes less deep, from it on.
+    #[inline(never)]
+    fn least_deep(
+        &mut self,
+        best: &Answer,
+        demand: &Demand,
+        now: &Now<'_>,
+        variety: u32,
+    ) -> Option<Answer> {
+        let cylinders = self.tracks.rows().iter().any(Hazard::is_cylinder);
+        let differs = cylinders || self.tracks.uncertain;
+        if best.found.margin_m >= 0.0 || !differs || self.meter.left() < DEPTH_WORK {
+            return Some(*best);
+        }
+        self.by_depth();
+        let from = Turns::of(&self.tables.answer, now.course_rad);
+        self.search(&Maneuver::HOLD, now, demand, |search| {
+            let (found, _) = search.best(from, Effort::Quick, variety)?;
+            Some(Answer::new(search, (found, best.proof), best.rung))
+        })
     }
 
     /// Takes the expected motions of all obstacles as hazards, without uncertainty, with margins by depth.
@@ -205,9 +220,8 @@ mod tests {
     fn highest(rows: &[Obstacle], drift_m: f64) -> Option<(usize, f64)> {
         among(rows, |avoider, _, now| {
             avoider.drift_m = drift_m;
-            let answer = avoider.highest(0..RUNGS, &Maneuver::HOLD, now, |search| {
-                search.cheapest(0.0)
-            })?;
+            let look = &mut |search: &mut Search<'_>| search.cheapest(0.0);
+            let answer = avoider.highest(0..RUNGS, &Maneuver::HOLD, now, look)?;
             assert!(answer.proof.is_certified());
             Some((answer.rung, answer.found.turns.turn_rad))
         })

@@ -40,34 +40,51 @@ impl Avoider<dyn Places + '_> {
         decision: &mut Decision,
     ) {
         let time_s = situation.time_s;
-        if let Some(mut plan) = self.plan {
+        if let Some(plan) = &self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                return self.meet_next((&plan, start_s), (situation, now), decision);
+                return self.meet_next(start_s, (situation, now), decision);
             }
             // Beyond the mission's end there is nothing to return to.
-            if time_s >= plan.joined_s || self.progress.is_complete() {
-                self.plan = None;
-                self.state = State::Cruise;
-                self.watch(situation, now, decision);
-                if decision.record.reason == Reason::Clear {
-                    decision.record.reason = Reason::Rejoined;
-                }
+            let is_back = time_s >= plan.joined_s || self.progress.is_complete();
+            if !is_back && self.flies_back(situation, now, decision) {
                 return;
             }
-            self.go_on(&plan, time_s, &mut decision.command);
-            if self.keeps_back(&mut plan, &decision.command, now) {
-                let back = &mut decision.command;
-                if let Some(sooner) = self.sooner_back(situation, now, &plan, back) {
-                    (self.plan, self.flown) = (Some(sooner), *back);
-                    return self.report(decision, &sooner, time_s, Reason::RejoinChosen);
-                }
-                self.plan = Some(plan);
-                return self.report(decision, &plan, time_s, Reason::RejoinKept);
+            self.plan = None;
+            self.state = State::Cruise;
+            self.watch(situation, now, decision);
+            if is_back && decision.record.reason == Reason::Clear {
+                decision.record.reason = Reason::Rejoined;
             }
+            return;
         }
-        self.plan = None;
         self.state = State::Cruise;
         self.watch(situation, now, decision);
+    }
+
+    /// Whether it flies the way back on, or a sooner one; then the decision to do so.
+    #[inline(never)]
+    fn flies_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        decision: &mut Decision,
+    ) -> bool {
+        let Some(mut plan) = self.plan else {
+            return false;
+        };
+        let back = &mut decision.command;
+        self.go_on(&plan, situation.time_s, back);
+        if !self.keeps_back(&mut plan, back, now) {
+            return false;
+        }
+        let mut reason = Reason::RejoinKept;
+        if self.sooner_back(situation, now, &mut plan, back) {
+            self.flown = *back;
+            reason = Reason::RejoinChosen;
+        }
+        self.plan = Some(plan);
+        self.report(decision, &plan, situation.time_s, reason);
+        true
     }
 
     /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
@@ -75,12 +92,15 @@ impl Avoider<dyn Places + '_> {
     #[inline(never)]
     fn meet_next(
         &mut self,
-        (plan, start_s): (&Plan, f64),
+        start_s: f64,
         (situation, now): (&Situation<'_>, &Now<'_>),
         decision: &mut Decision,
     ) {
-        let next = plan.threat.zip(self.returned);
-        let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
+        let Some(plan) = self.plan else {
+            return;
+        };
+        let came = self.returned.as_ref().zip(plan.threat);
+        let is_again = came.is_some_and(|(came, threat)| came.against.contains(threat.id));
         if !is_again {
             self.plan = None;
             self.state = State::Cruise;
@@ -97,23 +117,23 @@ impl Avoider<dyn Places + '_> {
         self.plan = Some(Plan {
             start_s,
             next_start_s: None,
-            ..*plan
+            ..plan
         });
         self.state = State::Threatened;
         self.watch(situation, now, decision);
     }
 
-    /// A certified way back that joins the mission sooner than this one, if there is one now.
+    /// Changes a plan to a certified way back that joins the mission sooner than this one, if there is one now.
     fn sooner_back(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
-        plan: &Plan,
+        plan: &mut Plan,
         back: &mut Maneuver,
-    ) -> Option<Plan> {
+    ) -> bool {
         let left_s = plan.joined_s - situation.time_s;
         if plan.next_start_s.is_some() || left_s < SOONER_S {
-            return None;
+            return false;
         }
         let looks = (LOOK_EVERY / 2, plan.joined_s - SOONER_S);
         self.way_back(situation, now, plan, looks, back)

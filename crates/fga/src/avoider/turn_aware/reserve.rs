@@ -79,6 +79,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// A small manoeuvre to begin now, because its last moment has come.
+    #[inline(never)]
     pub(super) fn small_now(
         &mut self,
         nominal: &Maneuver,
@@ -89,7 +90,7 @@ impl Avoider<dyn Places + '_> {
         if !is_time || self.may_wait(nominal, now, SMALL_TURN_RAD) {
             return None;
         }
-        self.highest(0..WANTED + 1, &Maneuver::HOLD, now, |search| {
+        self.highest(0..WANTED + 1, &Maneuver::HOLD, now, &mut |search| {
             search.cheapest(0.0)
         })
         .filter(|answer| answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD)

@@ -104,6 +104,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.
+    #[inline(never)]
     pub(super) fn also_against(
         &mut self,
         maneuver: &Maneuver,

@@ -4,12 +4,11 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Now, Places, Plan, Returned};
+use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
-use crate::mission::leg::Leg;
 use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
@@ -93,43 +92,75 @@ const fn place_of(look: usize) -> usize {
 }
 
 impl Avoider<dyn Places + '_> {
-    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; with `latest_s` only
-    /// one that joins the mission sooner than then, without another encounter. `back` takes its manoeuvre.
+    /// Changes a plan to a certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`; with
+    /// `latest_s` only to one that joins the mission sooner than then, without another encounter. `back` takes its manoeuvre.
+    #[inline(never)]
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
-        plan: &Plan,
+        plan: &mut Plan,
         (every, latest_s): (u32, f64),
         back: &mut Maneuver,
-    ) -> Option<Plan> {
+    ) -> bool {
         if !self.cycle.is_multiple_of(every) || self.meter.is_met() {
-            return None;
+            return false;
         }
         // After a long search without room for the wanted margin less is enough.
         let given_up = plan.given_up(situation.time_s);
         let rung = (WANTED + given_up).min(RUNGS - 2);
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
+        self.before = self.progress;
+        let waited_s = situation.time_s - plan.start_s;
+        let asked = (look, given_up, waited_s, latest_s.is_finite());
+        let mut found = *plan;
+        let is_found = self.way(situation, now, asked, back).is_some_and(|joined| {
+            situation.time_s + joined.joined_s <= latest_s
+                && self.fly_back(&joined, &mut found, (situation, now), rung, back)
+                // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
+                // then what is clear of the expected motion.
+                && (self.is_robust_back(back, now, rung)
+                    || given_up > 2 && self.has_reserve(back, now)
+                    || waited_s > FLEES_S)
+                && (latest_s.is_infinite()
+                    || found.next_start_s.is_none() && found.joined_s < latest_s)
+                && self.return_to(&joined, plan.against, (situation, now))
+        });
+        if is_found {
+            *plan = found;
+        } else {
+            self.progress = self.before;
+        }
+        is_found
+    }
+
+    /// A way onto the mission, which a manoeuvre takes.
+    #[inline(never)]
+    fn way(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        (look, given_up, waited_s, is_flown): (usize, usize, f64, bool),
+        back: &mut Maneuver,
+    ) -> Option<Join> {
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
-        let waited_s = situation.time_s - plan.start_s;
         let skipped = MAX_SKIPPED * usize::from(waited_s >= SKIP_AFTER_S);
-        let detour = (look % 2 == 1)
-            .then(|| self.detour(situation, now, (waited_s, look / 2)))
-            .flatten();
         let is_any = look.is_multiple_of(2);
-        let is_long = given_up > 2;
+        let detour = if is_any {
+            None
+        } else {
+            self.detour(situation, now, (waited_s, look / 2))
+        };
         let mut first = detour.map(|(first, _)| first);
         let from = detour.map_or(now.state, |(_, from)| from);
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
-        let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
-        let asked_rad = if is_any && latest_s.is_finite() {
-            flown_rad
+        let asked_rad = if is_any && is_flown {
+            self.progress.leg(now).turn_onto_rad(now).abs()
         } else {
             intercept_rad
         };
-        let before = self.progress;
         let way = self.on_mission(situation, |progress, route| {
             progress.way_back(route, &from, asked_rad, skipped)
         });
@@ -143,60 +174,37 @@ impl Avoider<dyn Places + '_> {
             let away = Stage::turn(0.0, now.course_rad + turn_rad, 0.0);
             first = Some(away);
             let from = self.after(now, &[away], radii / self.flyer.course_rate_radps());
-            self.progress = before;
+            self.progress = self.before;
             way = self.on_mission(situation, |progress, route| {
                 progress.direct_way(route, &from)
             });
         }
-        let in_time = |joined: &Join| situation.time_s + joined.joined_s <= latest_s;
-        let Some(joined) = way.filter(in_time) else {
-            self.progress = before;
-            return None;
-        };
+        let joined = way?;
         back.set(first.into_iter().chain(joined.stages().iter().copied()));
-        let found = self.fly_back(&joined, plan, (situation, now), rung, back);
-        // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and then what is
-        // clear of the expected motion.
-        let is_robust = |avoider: &mut Self| {
-            avoider.is_robust_back(back, now, rung)
-                || is_long && avoider.has_reserve(back, now)
-                || waited_s > FLEES_S
-        };
-        let found = found.filter(|_| is_robust(self));
-        let is_sooner = |found: &Plan| found.next_start_s.is_none() && found.joined_s < latest_s;
-        let Some(found) = found.filter(|found| latest_s.is_infinite() || is_sooner(found)) else {
-            self.progress = before;
-            return None;
-        };
-        self.return_to(&joined, plan, (situation, now));
-        Some(found)
+        Some(joined)
     }
 
-    /// The plan to fly a way that joins a leg, and on; `None` where it leads to an obstacle, or to another encounter that cannot be
+    /// Changes a plan to fly a way that joins a leg, and on; false where it leads to an obstacle, or to another encounter that cannot be
     /// avoided.
     #[inline(never)]
     fn fly_back(
         &mut self,
         joined: &Join,
-        plan: &Plan,
+        plan: &mut Plan,
         (situation, now): (&Situation<'_>, &Now<'_>),
         rung: usize,
         maneuver: &mut Maneuver,
-    ) -> Option<Plan> {
+    ) -> bool {
         let far = Demand {
             horizon_s: self.far_s,
             ..self.demand_of(rung)
         };
-        let leg = self.progress.leg(now);
-        let gained_m = if joined.index == self.progress.index() {
-            joined.along_m - leg.position(now.position_m, now.time_s).along_m
-        } else {
-            f64::INFINITY
-        };
         self.on_mission(situation, |progress, route| {
             progress.round_corners(route, far.horizon_s, maneuver, joined)
         });
-        let mut back = Plan {
+        self.predict(maneuver, now, far.horizon_s);
+        let ahead = self.way_ahead(plan, joined, (situation, now), &far);
+        *plan = Plan {
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
@@ -206,74 +214,88 @@ impl Avoider<dyn Places + '_> {
             next_start_s: None,
             ..*plan
         };
-        self.predict(maneuver, now, far.horizon_s);
-        match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
-            WayAhead::Blocked => None,
+        match ahead {
+            WayAhead::Blocked => false,
             WayAhead::Clear => {
                 let certified = self.prove(now, (far.horizon_s, far.margin_m, ENOUGH_M));
-                certified.map(|certified| {
-                    back.proof = Proof::Certified(certified);
-                    back.margin_m = certified.margin_m();
-                    back
-                })
+                if let Some(certified) = certified {
+                    plan.proof = Proof::Certified(certified);
+                    plan.margin_m = certified.margin_m();
+                }
+                certified.is_some()
             }
             WayAhead::NextEncounter => {
-                self.way_back_and_on(&back, joined.joined_s, now, &far, maneuver)
+                self.way_back_and_on(plan, joined.joined_s, now, &far, maneuver)
             }
         }
     }
 
-    /// Remembers a chosen way back and goes on to its leg.
+    /// Remembers a chosen way back and goes on to its leg; true.
     fn return_to(
         &mut self,
         joined: &Join,
-        plan: &Plan,
+        against: Against,
         (situation, now): (&Situation<'_>, &Now<'_>),
-    ) {
+    ) -> bool {
         self.returned = Some(Returned {
-            against: plan.against,
+            against,
             leg: joined.index,
             time_s: situation.time_s + joined.joined_s,
         });
         self.on_mission(situation, |progress, route| {
             progress.advance_to(route, now, joined.index);
         });
+        true
     }
 
-    /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
+    /// Adds to a way back that meets other obstacles later the manoeuvre that avoids those; false without one.
+    #[inline(never)]
     fn way_back_and_on(
         &mut self,
-        back: &Plan,
+        back: &mut Plan,
         joined_s: f64,
         now: &Now<'_>,
         demand: &Demand,
         maneuver: &mut Maneuver,
-    ) -> Option<Plan> {
-        let (threat, against) = self.first_threat(maneuver, now, demand)?;
+    ) -> bool {
+        let Some((threat, against)) = self.first_threat(maneuver, now, demand) else {
+            return false;
+        };
         let found = self.search(maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let proven = search.proven(found)?;
             Some(Answer::new(search, proven, back.rung))
-        })?;
+        });
+        let Some(found) = found else {
+            return false;
+        };
         *maneuver = self.tables.answer;
-        Some(Plan {
+        *back = Plan {
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
             threat_found_s: back.decided_s,
             against,
             ..back.with(&found, back.decided_s)
-        })
+        };
+        true
     }
 
-    /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
+    /// The clearance of the way back in the path, which joins a leg.
     #[inline(never)]
     fn way_ahead(
         &self,
         plan: &Plan,
-        (joined_s, gained_m): (f64, f64),
-        (situation, leg): (&Situation<'_>, &Leg),
+        joined: &Join,
+        (situation, now): (&Situation<'_>, &Now<'_>),
         demand: &Demand,
     ) -> WayAhead {
+        let leg = self.progress.leg(now);
+        let joined_s = joined.joined_s;
+        let gained_m = if joined.index == self.progress.index() {
+            joined.along_m - leg.position(now.position_m, now.time_s).along_m
+        } else {
+            f64::INFINITY
+        };
         let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
