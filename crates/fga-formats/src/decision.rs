@@ -44,7 +44,7 @@ pub fn to_json(
         "start_s": record.start_s,
         "command": maneuver(&decision.command),
         "chosen": record.chosen.as_ref().map(|it| candidate(&decision.command, it)),
-        "alternative": record.alternative.as_ref().map(|(stages, it)| candidate(stages, it)),
+        "alternative": record.alternative.as_ref().map(|(stages, it)| candidate(&stages.to(), it)),
         "tracked": record.work.tracked,
         "threats": record.work.threats,
         "candidates": record.work.candidates,

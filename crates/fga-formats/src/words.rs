@@ -137,7 +137,7 @@ pub fn decision_words(
     let chosen = record.chosen.as_ref();
     parts.extend(chosen.map(|chosen| candidate_words(&decision.command, chosen)));
     if let Some((maneuver, other)) = &record.alternative {
-        let words = candidate_words(maneuver, other);
+        let words = candidate_words(&maneuver.to(), other);
         parts.push(format!("to the other side: {words}"));
     }
     if record.straight_aircraft > 0 {

@@ -122,6 +122,14 @@ impl<const N: usize> StageList<N> {
         self.is_cut |= earlier.is_cut;
     }
 
+    /// The same with room for another number of stages.
+    pub fn to<const M: usize>(&self) -> StageList<M> {
+        let mut other = StageList::hold();
+        other.set(self.stages().iter().copied());
+        other.is_cut |= self.is_cut;
+        other
+    }
+
     /// Limits its climb angles, radians.
     pub fn limit_climbs(&mut self, low: f64, high: f64) {
         for stage in self.list.iter_mut().take(self.len) {

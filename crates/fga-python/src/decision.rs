@@ -357,7 +357,7 @@ impl Decision {
     #[getter]
     fn alternative(&self) -> Option<Candidate> {
         let (maneuver, worth) = self.decision.record.alternative?;
-        Some(Candidate(maneuver, worth))
+        Some(Candidate(maneuver.to(), worth))
     }
 
     /// Share of the bounds of aircraft that the manoeuvre withstands.
@@ -572,7 +572,7 @@ pub(crate) fn _decision(
         latest_start_s: figures.0,
         start_s: figures.1,
         chosen: candidates.0.map(|candidate| candidate.1),
-        alternative: candidates.1.map(|it| (it.0, it.1)),
+        alternative: candidates.1.map(|it| (it.0.to(), it.1)),
         resilience: figures.2,
         in_need: flags.0,
         clock_set_back: flags.1,

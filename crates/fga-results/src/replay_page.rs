@@ -323,7 +323,7 @@ impl Drawer {
         }
         if let Some((maneuver, other)) = &record.alternative {
             let (kind, margin_m) = (other.verdict.into(), finite(other.margin_m));
-            paths.push(self.drawn(own, maneuver, kind, margin_m, DRAWN_S));
+            paths.push(self.drawn(own, &maneuver.to(), kind, margin_m, DRAWN_S));
         }
         if decision.state == State::Recovering {
             let kind = ReplayPathKind::WayBack;

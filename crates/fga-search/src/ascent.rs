@@ -10,10 +10,7 @@ mod moves;
 use fga_proof::certificate::{Hazard, Line};
 use fga_proof::prediction::MotionState;
 
-use super::climbs::{
-    Approach, Approaches, Ascent, CLOSEST, NO_APPROACHES, PARAMETERS, Vector, closest_m, note,
-    scales,
-};
+use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Seed, Vector, scales};
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
@@ -57,11 +54,12 @@ impl Ascent {
     }
 
     /// The result, certified.
-    pub(super) fn certified(&self, search: &mut Search<'_>, seed: &Found) -> Found {
+    pub(super) fn certified(&self, search: &mut Search<'_>, seed: &Seed) -> Found {
         // Without work left to prove it: its seed, with the seed's margin.
         let seed = Found {
+            turns: seed.turns,
             margin_m: seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
-            ..*seed
+            cost: 0.0,
         };
         if search.limit_met() {
             return seed;
@@ -107,7 +105,7 @@ impl Ascent {
                 *x += step * scale;
             }
             let there = self.look(search, &tried);
-            let gained_m = (there.as_ref()).map_or(f64::MIN, |there| closest_m(there) - here_m);
+            let gained_m = (there.as_ref()).map_or(f64::MIN, |there| there.closest_m() - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
             {
@@ -140,24 +138,24 @@ impl Ascent {
     #[inline(never)]
     fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.around.rows;
-        let mut closest = NO_APPROACHES;
+        let mut closest = Approaches::NONE;
         if predict(search, &self.turns(&self.at)) {
-            for (place, hazard) in hazards.iter().enumerate() {
+            for (place, hazard) in (0..).zip(hazards) {
                 if search.limit_met() {
                     self.done = true;
                     break;
                 }
-                if let Some(approach) = nearest(search, place, hazard) {
-                    note(&mut closest, approach);
+                if let Some(approach) = nearest(search, hazard) {
+                    closest.note(place, approach);
                 }
             }
         } else {
             self.done = true;
         }
-        let near_m = closest_m(&closest) + NEAR * search.scene.turn_radius_m();
-        self.approaches = NO_APPROACHES;
-        for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
-            note(&mut self.approaches, *approach);
+        let near_m = closest.closest_m() + NEAR * search.scene.turn_radius_m();
+        self.approaches = Approaches::NONE;
+        for (place, approach) in closest.iter().filter(|(_, it)| it.margin_m < near_m) {
+            self.approaches.note(place, *approach);
         }
     }
 
@@ -169,13 +167,11 @@ impl Ascent {
             return None;
         }
         let hazards = search.scene.around.rows;
-        let mut approaches = NO_APPROACHES;
-        for known in self.approaches.iter() {
-            if let Some(approach) = hazards
-                .get(known.place)
-                .and_then(|hazard| nearest(search, known.place, hazard))
-            {
-                note(&mut approaches, approach);
+        let mut approaches = Approaches::NONE;
+        for (place, _) in self.approaches.iter() {
+            let hazard = hazards.get(usize::from(place));
+            if let Some(approach) = hazard.and_then(|hazard| nearest(search, hazard)) {
+                approaches.note(place, approach);
             }
         }
         Some(approaches)
@@ -185,7 +181,7 @@ impl Ascent {
     #[inline(never)]
     fn slopes(&self, search: &Search<'_>, scales: &Vector, margins: &mut [Margin; CLOSEST]) {
         let hazards = search.scene.around.rows;
-        for (margin, known) in margins.iter_mut().zip(self.approaches.iter()) {
+        for (margin, (_, known)) in margins.iter_mut().zip(self.approaches.iter()) {
             margin.now_m = known.margin_m;
         }
         if !search.meter.take(SLOPES_WORK + self.approaches.len()) {
@@ -196,18 +192,18 @@ impl Ascent {
         let last_s = self
             .approaches
             .iter()
-            .fold(0.0, |last: f64, a| last.max(a.at_s));
+            .fold(0.0, |last: f64, (_, a)| last.max(a.at_s));
         moves(
             search.scene.flyer,
             &departure,
             &turns,
             last_s,
             &mut |from_s, until_s, part| {
-                for (margin, known) in margins.iter_mut().zip(self.approaches.iter()) {
+                for (margin, (place, known)) in margins.iter_mut().zip(self.approaches.iter()) {
                     if known.at_s < from_s || known.at_s > until_s {
                         continue;
                     }
-                    let Some(hazard) = hazards.get(known.place) else {
+                    let Some(hazard) = hazards.get(usize::from(place)) else {
                         continue;
                     };
                     let moves = part.moves_at(known.at_s - from_s);
@@ -247,7 +243,7 @@ fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
 }
 
 /// The closest approach to a hazard along the path: on its chords, then on the flight itself.
-fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approach> {
+fn nearest(search: &Search<'_>, hazard: &Hazard) -> Option<Approach> {
     let scene = search.scene;
     let meter = &search.meter;
     if !meter.take(1 + search.path.nodes().len() / 2) {
@@ -282,7 +278,6 @@ fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approac
     let at_s = least.1;
     let state = search.path.state_at(scene.flyer, at_s)?;
     Some(Approach {
-        place,
         position_m: state.position_m,
         margin_m: hazard.margin_m(state.position_m, at_s),
         at_s,

@@ -5,7 +5,7 @@ use fga_proof::list::List;
 use fga_proof::meter::{COMPARED, Meter};
 use fga_proof::prediction::Flyer;
 
-use super::terms::{ENOUGH_M, Found, SecondTurn, Turns};
+use super::terms::{ENOUGH_M, SecondTurn, Turns};
 use super::tuned::{ROUNDS, SEEDS};
 
 /// Most seeds that climb.
@@ -25,36 +25,65 @@ pub(super) type Vector = [f64; PARAMETERS];
 /// The closest approach to an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Approach {
-    pub place: usize,
     pub position_m: Vec3,
     pub margin_m: f64,
     pub at_s: f64,
 }
 
-/// The closest approaches to the closest obstacles, in no order.
-pub(super) type Approaches = List<Approach, CLOSEST>;
-
-pub(super) const NO_APPROACHES: Approaches = List::new(Approach {
-    place: 0,
-    position_m: Vec3::ZERO,
-    margin_m: 0.0,
-    at_s: 0.0,
-});
-
-/// The least margin of some, metres.
-pub(super) fn closest_m(approaches: &Approaches) -> f64 {
-    (approaches.iter()).fold(ENOUGH_M, |least, a| least.min(a.margin_m))
+/// The closest approaches to the closest obstacles, in no order, and the places of these.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Approaches {
+    all: List<Approach, CLOSEST>,
+    places: [u8; CLOSEST],
 }
 
-/// Adds one, or replaces the farthest if full.
-pub(super) fn note(approaches: &mut Approaches, new: Approach) {
-    if approaches.push(new).is_some() {
-        return;
+impl Approaches {
+    pub(super) const NONE: Self = Self {
+        all: List::new(Approach {
+            position_m: Vec3::ZERO,
+            margin_m: 0.0,
+            at_s: 0.0,
+        }),
+        places: [0; CLOSEST],
+    };
+
+    pub(super) fn len(&self) -> usize {
+        self.all.len()
     }
-    let farthest = (approaches.iter_mut()).max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
-    if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
-        *farthest = new;
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u8, &Approach)> {
+        self.places.into_iter().zip(self.all.iter())
     }
+
+    /// The least margin, metres.
+    pub(super) fn closest_m(&self) -> f64 {
+        (self.all.iter()).fold(ENOUGH_M, |least, a| least.min(a.margin_m))
+    }
+
+    /// Adds one, or replaces the farthest if full.
+    pub(super) fn note(&mut self, place: u8, new: Approach) {
+        let added = self.all.push(new);
+        let replaced = || {
+            let all = self.all.iter_mut().enumerate();
+            let farthest = all.max_by(|(_, a), (_, b)| a.margin_m.total_cmp(&b.margin_m));
+            let (index, farthest) = farthest.filter(|(_, it)| it.margin_m > new.margin_m)?;
+            *farthest = new;
+            Some(index)
+        };
+        if let Some(slot) = added
+            .or_else(replaced)
+            .and_then(|at| self.places.get_mut(at))
+        {
+            *slot = place;
+        }
+    }
+}
+
+/// A manoeuvre to climb from, and about its margin, metres; a place without one has the margin `f64::MIN`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seed {
+    pub turns: Turns,
+    pub margin_m: f64,
 }
 
 /// A climb in progress.
@@ -74,7 +103,7 @@ pub(super) struct Ascent {
 impl Ascent {
     pub(super) const NONE: Self = Self {
         at: [0.0; PARAMETERS],
-        approaches: NO_APPROACHES,
+        approaches: Approaches::NONE,
         size: 0.0,
         seed_m: 0.0,
         seed: 0,
@@ -88,7 +117,7 @@ impl Ascent {
     }
 
     /// From the manoeuvre at a place.
-    fn new(seed: &Found, place: u8) -> Self {
+    fn new(seed: &Seed, place: u8) -> Self {
         Self {
             at: to_vector(&seed.turns),
             size: 1.0,
@@ -103,10 +132,10 @@ impl Ascent {
     pub(super) fn least_m(&self) -> f64 {
         if !self.is_some() {
             f64::MIN
-        } else if self.approaches.is_empty() {
+        } else if self.approaches.len() == 0 {
             self.seed_m
         } else {
-            closest_m(&self.approaches)
+            self.approaches.closest_m()
         }
     }
 }
@@ -155,13 +184,21 @@ fn to_vector(turns: &Turns) -> Vector {
 /// The best seeds, one of each row, and what climbs from them.
 #[derive(Debug, Clone)]
 pub(super) struct Climbs {
-    pub seeds: [Found; SEEDS],
+    pub seeds: [Seed; SEEDS],
     pub climbers: [Ascent; CLIMBERS],
 }
 
 impl Climbs {
     pub(super) const NONE: Self = Self {
-        seeds: [Found::NONE; SEEDS],
+        seeds: [Seed {
+            turns: Turns {
+                wait_s: 0.0,
+                turn_rad: 0.0,
+                climb_rad: 0.0,
+                second: None,
+            },
+            margin_m: 0.0,
+        }; SEEDS],
         climbers: [Ascent::NONE; CLIMBERS],
     };
 
@@ -173,7 +210,7 @@ impl Climbs {
     }
 
     /// Replaces the least one if it is less.
-    pub(super) fn take(&mut self, seed: Found) {
+    pub(super) fn take(&mut self, seed: Seed) {
         let least = self
             .seeds
             .iter_mut()
@@ -205,7 +242,7 @@ impl Climbs {
     }
 
     /// Moves the best one from a place on to there.
-    pub(super) fn best_at(&mut self, place: usize) -> Option<&mut Found> {
+    pub(super) fn best_at(&mut self, place: usize) -> Option<&mut Seed> {
         let rest = self.seeds.get_mut(place..)?;
         let best = (rest.iter().enumerate()).max_by(|a, b| a.1.margin_m.total_cmp(&b.1.margin_m));
         let (from, best) = best.filter(|(_, best)| best.margin_m > f64::MIN)?;

@@ -8,7 +8,7 @@ use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
-use super::climbs::{Ascent, Climbs, sort};
+use super::climbs::{Ascent, Climbs, Seed, sort};
 use super::lattice::{Prefix, Row};
 use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
 use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
@@ -22,17 +22,8 @@ const FIRST_STEPS: u32 = 17;
 /// The same, radians.
 const MOST_FIRST_RAD: f64 = FIRST_STEPS as f64 * STEP_RAD;
 
-/// A manoeuvre to climb from, and about its margin, metres; a place without one has the margin `f64::MIN`.
-fn seed(turns: Turns, margin_m: f64) -> Found {
-    Found {
-        turns,
-        margin_m,
-        cost: 0.0,
-    }
-}
-
 /// The margin of a seed, metres; without a seed the least number.
-fn margin_m(slot: Option<&Found>) -> f64 {
+fn margin_m(slot: Option<&Seed>) -> f64 {
     slot.map_or(f64::MIN, |seed| seed.margin_m)
 }
 
@@ -69,7 +60,7 @@ impl Search<'_> {
         let mut best = None;
         if let Some(turns) = flown {
             let margin_m = self.flown_m(&turns, f64::MIN);
-            climbs.take(seed(turns, margin_m));
+            climbs.take(Seed { turns, margin_m });
         }
         self.single_turns(climbs);
         if most > 0 && self.scene.around.rows.iter().any(Hazard::is_cylinder) {
@@ -126,11 +117,11 @@ impl Search<'_> {
     }
 
     /// Flies a manoeuvre, which replaces the best one of its row if its margin is larger.
-    fn fly_seed(&mut self, turns: Turns, best: &mut Option<Found>) {
+    fn fly_seed(&mut self, turns: Turns, best: &mut Option<Seed>) {
         let least_m = margin_m(best.as_ref());
         let margin_m = self.flown_m(&turns, least_m);
         if margin_m > least_m {
-            *best = Some(seed(turns, margin_m));
+            *best = Some(Seed { turns, margin_m });
         }
     }
 
@@ -143,7 +134,7 @@ impl Search<'_> {
                 let Some(row) = self.row(&prefix, climb_rad, side) else {
                     continue;
                 };
-                let mut best: Option<Found> = None;
+                let mut best: Option<Seed> = None;
                 self.scan(
                     &prefix,
                     row,
@@ -167,7 +158,7 @@ impl Search<'_> {
     fn levelled(&mut self, climbs: &mut Climbs) {
         let level_rad = self.scene.original.1;
         for climb_rad in self.scene.extreme_climbs().skip(1) {
-            let mut best: Option<Found> = None;
+            let mut best: Option<Seed> = None;
             for radii in LEVEL_AFTER {
                 if self.limit_met() {
                     return;
@@ -223,7 +214,7 @@ impl Search<'_> {
             .and_then(|bend| bend.exit(scene.flyer, turn_rad.abs().max(bend.least_rad())));
         let Some(exit) = exit else { return };
         let rate_radps = scene.flyer.course_rate_radps();
-        let mut best: [Option<Found>; 2] = [None; 2];
+        let mut best: [Option<Seed>; 2] = [None; 2];
         let floor_m = climbs.floor_m().max(least_m);
         let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
         let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
@@ -254,7 +245,7 @@ impl Search<'_> {
                         let least_m = best.map_or(floor_m, |best| best.margin_m);
                         if margin_m > least_m && last_rad != 0.0 {
                             let turns = prefix.turns(&row.way, last_rad);
-                            *best = Some(seed(turns, margin_m));
+                            *best = Some(Seed { turns, margin_m });
                         }
                         best.map_or(floor_m, |best| best.margin_m)
                     },

@@ -175,8 +175,12 @@ pub struct Tables {
 impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
-        // The larger of both is zeros without anything in it.
-        board: Board::Climbs(Climbs::NONE),
+        // Only the larger of both is zeros, with nothing in it.
+        board: if size_of::<Lattice>() > size_of::<Climbs>() {
+            Board::Lattice(Lattice::NONE)
+        } else {
+            Board::Climbs(Climbs::NONE)
+        },
         bends: [Bend::NONE; 2],
         conflicts: Conflicts::UNKNOWN,
         answer: Maneuver::hold(),

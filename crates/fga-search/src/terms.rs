@@ -68,20 +68,6 @@ pub struct Found {
     pub cost: f64,
 }
 
-impl Found {
-    /// No turn.
-    pub(super) const NONE: Self = Self {
-        turns: Turns {
-            wait_s: 0.0,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        },
-        margin_m: 0.0,
-        cost: 0.0,
-    };
-}
-
 /// The status of the best manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Proof {

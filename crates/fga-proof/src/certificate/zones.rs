@@ -54,7 +54,7 @@ impl Run {
 #[derive(Debug, Clone, Copy)]
 struct Near {
     /// Its index among those of the mission.
-    zone: u32,
+    zone: u16,
     /// The first of its runs and the one behind the last.
     runs: (u8, u8),
 }
@@ -135,7 +135,7 @@ impl Fixed<'_> {
         }
         let mut least = None;
         for Near { zone, runs: of } in all.iter() {
-            let Some(zone) = self.mission.get(*zone as usize) else {
+            let Some(zone) = self.mission.get(usize::from(*zone)) else {
                 return Some((-DEEPEST_M, over.at_s));
             };
             let runs = runs.get(of.0.into()..of.1.into()).unwrap_or(&[]);
@@ -241,7 +241,7 @@ impl Zones {
         }
         let place = |index| u8::try_from(index).ok();
         let runs = (place(begin)?, place(self.runs.len())?);
-        let zone = u32::try_from(index).ok()?;
+        let zone = u16::try_from(index).ok()?;
         self.all.push(Near { zone, runs }).map(|_| ())
     }
 }

@@ -1,7 +1,7 @@
 //! The decision and its reasons.
 
 use crate::certificate::Certified;
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, StageList};
 
 /// State of the avoider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -138,8 +138,8 @@ pub struct Record {
     pub chosen: Option<Candidate>,
     /// Its certificate; `None` for a manoeuvre without one.
     pub certified: Option<Certified>,
-    /// The best manoeuvre to the other side and what it is worth, if there was a search for it.
-    pub alternative: Option<(Maneuver, Candidate)>,
+    /// The best manoeuvre to the other side and what it is worth, if there was a search for it and it has at most eight stages.
+    pub alternative: Option<(StageList<8>, Candidate)>,
     /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
     /// to 1 (turns and changes of climb up to their bounds), as its certificate shows; `None` without a certified
     /// manoeuvre, on the way back, without an aircraft among the obstacles, and where some count as flying straight on.

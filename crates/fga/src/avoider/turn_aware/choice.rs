@@ -1,7 +1,7 @@
 //! Which manoeuvre, and when it begins.
 
 use crate::avoider::{Candidate, Start, Verdict};
-use crate::maneuver::Maneuver;
+use crate::maneuver::StageList;
 use crate::search::{Found, Search};
 
 /// Share of a wait after which no manoeuvre is certified that is tried next.
@@ -13,7 +13,7 @@ pub(super) fn choose(
     search: &mut Search<'_>,
     start: Start,
     (entry_s, period_s): (f64, f64),
-    (latest_s, other): (&mut Option<f64>, &mut Option<(Maneuver, Candidate)>),
+    (latest_s, other): (&mut Option<f64>, &mut Option<(StageList<8>, Candidate)>),
 ) -> Option<Found> {
     let score = match start {
         Start::AtDetection => return search.cheapest(0.0),
@@ -42,7 +42,11 @@ pub(super) fn choose(
 
 /// Puts a manoeuvre on record if it is certified.
 #[inline(never)]
-fn show(search: &mut Search<'_>, found: Option<Found>, other: &mut Option<(Maneuver, Candidate)>) {
+fn show(
+    search: &mut Search<'_>,
+    found: Option<Found>,
+    other: &mut Option<(StageList<8>, Candidate)>,
+) {
     *other = None;
     let Some(found) = found.filter(|found| search.prove(found).is_some()) else {
         return;
@@ -53,8 +57,8 @@ fn show(search: &mut Search<'_>, found: Option<Found>, other: &mut Option<(Maneu
         cost: found.cost,
         verdict: Verdict::Certified,
     };
-    let (maneuver, _) = other.get_or_insert_with(|| (Maneuver::HOLD, worth));
-    maneuver.clone_from(search.maneuver());
+    let shown = search.maneuver().to();
+    *other = shown.is_whole().then_some((shown, worth));
 }
 
 #[cfg(test)]
@@ -62,6 +66,7 @@ mod tests {
     use super::super::tests::{among, sphere};
     use super::*;
     use crate::avoider::demand::WANTED;
+    use crate::maneuver::Maneuver;
 
     /// The wait of the manoeuvre that is chosen past a sphere 400 m ahead, and the latest start, seconds.
     fn wait_s(start: Start) -> (f64, Option<f64>) {
