@@ -183,6 +183,7 @@ pub fn certify_set<H: HazardSet + ?Sized>(
 }
 
 /// The same with chords split into this many at most.
+#[inline(never)]
 fn bounded<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
@@ -244,12 +245,17 @@ fn bounded_from<H: HazardSet + ?Sized>(
     let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
     let above = above
         && (floor_m >= enough_m
-            || each_near(scene, path, &mut worst, |chord, hazard, least, worst| {
-                lower(worst, least.0 + chord.bow_m, least.1, hazard);
-            }));
+            || each_near(
+                scene,
+                path,
+                &mut worst,
+                &mut |chord, hazard, least, worst| {
+                    lower(worst, least.0 + chord.bow_m, least.1, hazard);
+                },
+            ));
     // Those are split until the bow no longer matters.
     let above = above
-        && each_near(scene, path, &mut worst, |chord, hazard, _, worst| {
+        && each_near(scene, path, &mut worst, &mut |chord, hazard, _, worst| {
             chord.split(flyer, hazard, (floor_m, most_splits), worst, meter);
         });
     let below_floor = worst.margin_m < floor_m;
@@ -290,7 +296,7 @@ pub fn mark_close(
     let below_m = below_m + path.remainder_m();
     let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
     let clear = &mut Certificate::clear(below_m);
-    let goes_on = each_near(scene, path, clear, |_, hazard, _, _| {
+    let goes_on = each_near(scene, path, clear, &mut |_, hazard, _, _| {
         mark(hazard);
     });
     if goes_on && let Some(mut line) = end_line(path, horizon_s) {
@@ -450,12 +456,12 @@ fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
 /// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
 /// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
 /// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
-#[inline]
+#[inline(never)]
 fn each_near<H: HazardSet + ?Sized>(
     (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
     path: &FlightPath,
     worst: &mut Certificate,
-    mut look: impl FnMut(&Chord<'_>, &H::Each, (f64, f64), &mut Certificate),
+    look: &mut dyn FnMut(&Chord<'_>, &H::Each, (f64, f64), &mut Certificate),
 ) -> bool {
     let mut rest = path.nodes();
     let mut count = rest.len();

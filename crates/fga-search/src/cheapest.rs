@@ -217,6 +217,7 @@ impl Search<'_> {
     }
 
     /// The row of one member, a climb or descent straight ahead that levels off, if its line stays clear.
+    #[inline(never)]
     fn levels(&mut self, climb_rad: f64, after_s: f64) -> Option<(Prefix, Row)> {
         let prefix = self.after_first((0.0, climb_rad), after_s);
         let mut row = self.row(&prefix, self.scene.original.1, Side::Left)?;

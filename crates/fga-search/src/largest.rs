@@ -139,7 +139,7 @@ impl Search<'_> {
                     &prefix,
                     row,
                     (MAX_TURN_RAD, f64::MIN),
-                    |search, turn_rad, line_m| {
+                    &mut |search, turn_rad, line_m| {
                         if line_m > margin_m(best.as_ref()) {
                             search.fly_seed(prefix.turns(&row.way, turn_rad), &mut best);
                         }
@@ -205,6 +205,7 @@ impl Search<'_> {
     }
 
     /// The best second turn to each side after a first one, over the gaps between them.
+    #[inline(never)]
     fn second_turns(&mut self, first: (f64, f64), side: Side, least_m: f64, climbs: &mut Climbs) {
         let scene = self.scene;
         let (turn_rad, climb_rad) = first;
@@ -240,7 +241,7 @@ impl Search<'_> {
                     &prefix,
                     row,
                     (MOST_FIRST_RAD, floor_m),
-                    |_, last_rad, line_m| {
+                    &mut |_, last_rad, line_m| {
                         let margin_m = line_m.min(before_m);
                         let least_m = best.map_or(floor_m, |best| best.margin_m);
                         if margin_m > least_m && last_rad != 0.0 {
@@ -259,12 +260,13 @@ impl Search<'_> {
 
     /// Visits turns of a row at moderate steps, until a margin reaches the target. `visit` gets the turn and the margin of its line, and
     /// returns the margin that the next ones must exceed.
+    #[inline(never)]
     fn scan(
         &mut self,
         prefix: &Prefix,
         row: Row,
         (most_rad, mut floor_m): (f64, f64),
-        mut visit: impl FnMut(&mut Self, f64, f64) -> f64,
+        visit: &mut dyn FnMut(&mut Self, f64, f64) -> f64,
     ) {
         let mut row = row;
         while row.at_rad <= most_rad && !self.limit_met() {

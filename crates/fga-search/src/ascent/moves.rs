@@ -53,6 +53,7 @@ impl Followed {
     }
 
     /// The rate from a moment on, and how long it lasts, seconds.
+    #[inline(never)]
     fn next(&mut self, now_s: f64, angle_rad: f64) -> (f64, f64) {
         let [first, second] = self.commands;
         let begins = |at_s: f64| at_s <= now_s + SAME_S;

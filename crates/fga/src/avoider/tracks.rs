@@ -79,6 +79,7 @@ struct SeenFrom {
 
 impl SeenFrom {
     /// The expected motion of an obstacle that counts up to a moment, seconds.
+    #[inline(never)]
     fn hazard(&self, place: usize, obstacle: &Obstacle, until_s: f64) -> Hazard {
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         let mut hazard = Hazard::new(index, obstacle, self.wind_mps, self.sigmas);
