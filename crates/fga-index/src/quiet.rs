@@ -49,6 +49,7 @@ impl LineAhead {
     }
 
     /// Whether an obstacle may come within its volume on the line, or near the aircraft if it may turn.
+    #[inline(never)]
     pub fn may_meet(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let velocity = self.velocity_mps - row.velocity_mps;

@@ -117,7 +117,7 @@ impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 90 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
+/// It holds its scratch space (some 85 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider<P: ?Sized = AllPlaces> {
     settings: Settings,

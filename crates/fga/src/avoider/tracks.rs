@@ -198,6 +198,7 @@ impl<P: Places + ?Sized> Tracks<P> {
     }
 
     /// An obstacle of this step.
+    #[inline(never)]
     fn obstacle(&self, place: usize) -> Option<Known> {
         let known = self.known().get(place)?;
         let missing_s = self.seen_from.time_s - known.heard_s;
