@@ -453,6 +453,9 @@ fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
     })
 }
 
+/// Looks at a hazard near a chord, with its least margin there and when.
+type Visit<'a, H> = dyn FnMut(&Chord<'_>, &H, (f64, f64), &mut Certificate) + 'a;
+
 /// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
 /// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
 /// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
@@ -461,7 +464,7 @@ fn each_near<H: HazardSet + ?Sized>(
     (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
     path: &FlightPath,
     worst: &mut Certificate,
-    look: &mut dyn FnMut(&Chord<'_>, &H::Each, (f64, f64), &mut Certificate),
+    look: &mut Visit<'_, H::Each>,
 ) -> bool {
     let mut rest = path.nodes();
     let mut count = rest.len();

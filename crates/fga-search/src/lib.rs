@@ -134,7 +134,6 @@ impl Conflicts {
 
 /// The rows of a search, or the seeds and climbs of one for the largest margin: in one place, because no search needs both at once.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "no allocation")]
 enum Board {
     Lattice(Lattice),
     Climbs(Climbs),
