@@ -66,7 +66,7 @@ pub(super) struct OverGround {
     order: Option<GroundOrder>,
     /// The last square that was ordered.
     ordered: Option<Square>,
-    made: Option<Result<LocalGround, String>>,
+    made: Option<Result<Arc<LocalGround>, String>>,
     /// The last reports about the mission.
     told_mission: [Option<String>; 3],
     told_unanswered: bool,
@@ -143,7 +143,7 @@ impl OverGround {
     /// Takes ground that was made around here, and reports what it means for the mission.
     pub(super) fn take_ground(&mut self, made: MadeGround, voice: &mut Voice) {
         let content = json!({
-            "vertical_error_m": made.ground.as_ref().ok().map(LocalGround::error_m),
+            "vertical_error_m": made.ground.as_ref().ok().map(|ground| ground.error_m()),
             "unusable": made.ground.as_ref().err(),
             "low_legs": made.low,
             "unknown_legs": made.unknown.iter().map(|(item, _)| item).collect::<Vec<_>>(),
@@ -278,7 +278,7 @@ impl OverGround {
     }
 
     /// The ground as it is known now.
-    pub(super) fn known(&self) -> Option<&LocalGround> {
+    pub(super) fn known(&self) -> Option<&Arc<LocalGround>> {
         self.made.as_ref()?.as_ref().ok()
     }
 
