@@ -11,6 +11,9 @@ use fga_sim::world::World;
 
 use crate::common::{pilot, settings, world};
 
+/// Work and time of a search, microseconds.
+type Cost = [f64; 2];
+
 /// Numbers, distances and speeds of the obstacles: at rest, and intruders.
 const OBSTACLES: [(&str, &str, Movement); 2] = [
     ("at rest", "3:100-600:0-0", Movement::Straight),
@@ -30,9 +33,9 @@ pub(crate) struct CostArgs {
     families: Vec<String>,
 }
 
-/// The first search: its work, and its time, microseconds.
+/// The first search.
 #[derive(Default)]
-struct First(Option<[f64; 2]>);
+struct First(Option<Cost>);
 
 impl Observer for First {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
@@ -48,7 +51,7 @@ impl Observer for First {
 pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
     let settings = settings(false, PolicyChoice::Avoider(Start::Free), 30.0)?;
     for (words, obstacles, movement) in OBSTACLES {
-        let mut searches = Vec::new();
+        let mut searches: Vec<(Cost, Cost)> = Vec::new();
         for family in &args.families {
             let source = EncounterSource::parse(&format!("{family}:{obstacles}"), args.seed)?;
             for number in 0..args.count {
@@ -56,7 +59,7 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
                 for obstacle in &mut world.obstacles {
                     obstacle.movement = movement;
                 }
-                let first = |world: &World| -> Result<Option<[f64; 2]>, String> {
+                let first = |world: &World| -> Result<Option<Cost>, String> {
                     let mut first = First::default();
                     Engine::new().fly(world, pilot(&settings, world)?.as_mut(), &mut first);
                     Ok(first.0)
@@ -67,7 +70,7 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
             }
         }
         for (unit, part) in [("units of work", 0), ("microseconds", 1)] {
-            let all = |of: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| {
+            let all = |of: &dyn Fn(&(Cost, Cost)) -> f64| {
                 let mut all: Vec<f64> = searches.iter().map(of).collect();
                 all.sort_by(f64::total_cmp);
                 all
