@@ -92,12 +92,9 @@ impl Fixed<'_> {
             let lowest = |beside_m| ground.lowest(&over, (beside_m, stop_m), zones.binding, meter);
             let near = lowest(beside_m);
             if near.0 < 0.0 {
-                let (below_m, after_s) = match near {
-                    entered if beside_m == 0.0 => entered,
-                    _ => Some(lowest(0.0))
-                        .filter(|entered| entered.0 < 0.0)
-                        .unwrap_or((floor_m.max(0.0) - ROUNDED_M, near.1)),
-                };
+                let entered = if beside_m > 0.0 { lowest(0.0) } else { near };
+                let below = (floor_m - ROUNDED_M, near.1);
+                let (below_m, after_s) = if entered.0 < 0.0 { entered } else { below };
                 least = (least.0.min(below_m), line.at_s + after_s);
             }
         }
