@@ -12,7 +12,7 @@ use fga_sim::world::World;
 use crate::common::{pilot, settings, world};
 
 /// Work and time of a search, microseconds.
-type Cost = [f64; 2];
+type SearchCost = [f64; 2];
 
 /// Numbers, distances and speeds of the obstacles: at rest, and intruders.
 const OBSTACLES: [(&str, &str, Movement); 2] = [
@@ -35,9 +35,9 @@ pub(crate) struct CostArgs {
 
 /// The first search.
 #[derive(Default)]
-struct First(Option<Cost>);
+struct FirstSearch(Option<SearchCost>);
 
-impl Observer for First {
+impl Observer for FirstSearch {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let work = moment.decision.record.work;
         let begins = work.candidates > 0 && self.0.is_none();
@@ -51,7 +51,7 @@ impl Observer for First {
 pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
     let settings = settings(false, PolicyChoice::Avoider(Start::Free), 30.0)?;
     for (words, obstacles, movement) in OBSTACLES {
-        let mut searches: Vec<(Cost, Cost)> = Vec::new();
+        let mut searches: Vec<(SearchCost, SearchCost)> = Vec::new();
         for family in &args.families {
             let source = EncounterSource::parse(&format!("{family}:{obstacles}"), args.seed)?;
             for number in 0..args.count {
@@ -59,8 +59,8 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
                 for obstacle in &mut world.obstacles {
                     obstacle.movement = movement;
                 }
-                let first = |world: &World| -> Result<Option<Cost>, String> {
-                    let mut first = First::default();
+                let first = |world: &World| -> Result<Option<SearchCost>, String> {
+                    let mut first = FirstSearch::default();
                     Engine::new().fly(world, pilot(&settings, world)?.as_mut(), &mut first);
                     Ok(first.0)
                 };
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
             }
         }
         for (unit, part) in [("units of work", 0), ("microseconds", 1)] {
-            let all = |of: &dyn Fn(&(Cost, Cost)) -> f64| {
+            let all = |of: &dyn Fn(&(SearchCost, SearchCost)) -> f64| {
                 let mut all: Vec<f64> = searches.iter().map(of).collect();
                 all.sort_by(f64::total_cmp);
                 all
