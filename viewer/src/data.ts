@@ -249,7 +249,7 @@ export class Run {
   /** `terrain` is the ground below it, where the page has one. */
   constructor(
     raw: RawRun,
-    readonly terrain: Terrain | null = null,
+    public terrain: Terrain | null = null,
   ) {
     this.name = raw.name;
     const columns = COLUMNS.map((c) => [c, floats(raw.samples[c])] as const);

@@ -13,12 +13,14 @@ import {
   type RunEvent,
   type Vec3,
 } from "./data";
+import { type RawTerrain, Terrain } from "./terrain";
 
 type Message =
   | { type: "reset" }
   | { type: "run"; data: RawRun }
   | { type: "sample"; run: number; row: number[] }
   | { type: "mission"; run: number; points: Vec3[] }
+  | { type: "ground"; run: number; data: RawTerrain }
   | { type: "obstacle"; run: number; data: RawObstacle; motion: string }
   | { type: "decision"; run: number; data: RawDecision; points: string }
   | { type: "time"; run: number; row: [number, number] }
@@ -50,6 +52,9 @@ export function apply(runs: Run[], text: string): Change {
       return "growth";
     case "mission":
       run.mission = message.points;
+      return "structure";
+    case "ground":
+      run.terrain = new Terrain(message.data);
       return "structure";
     case "obstacle": {
       const obstacle = new Obstacle(message.data, floats(message.motion), 0);

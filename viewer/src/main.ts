@@ -62,7 +62,7 @@ class App {
     this.decision = new DecisionPanel($("decision"));
     this.guidance = new GuidancePanel($("guidance-box"), $("guidance"));
     try {
-      this.scene = new Scene($("view"), $<HTMLCanvasElement>("scene"), () => this.redraw(), terrain);
+      this.scene = new Scene($("view"), $<HTMLCanvasElement>("scene"), () => this.redraw());
     } catch {
       $("no-graphics").hidden = false;
     }

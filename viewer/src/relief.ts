@@ -60,6 +60,11 @@ export class Relief {
     this.mesh = new THREE.Mesh(geometryOf(terrain), material);
   }
 
+  dispose(): void {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+
   color([low, high]: [string, string]): void {
     this.mesh.material.uniforms.low!.value.set(low);
     this.mesh.material.uniforms.high!.value.set(high);

@@ -46,7 +46,8 @@ export class Scene {
   ground = 0;
   private readonly scene = new THREE.Scene();
   private readonly grid = new Ground();
-  private readonly relief: Relief | null;
+  private terrain: Terrain | null = null;
+  private relief: Relief | null = null;
   private readonly field = new ObstacleField();
   private readonly zones = new ZoneField();
   private readonly cone = new CollisionCone();
@@ -65,7 +66,6 @@ export class Scene {
     private readonly host: HTMLElement,
     canvas: HTMLCanvasElement,
     changed: () => void,
-    private readonly terrain: Terrain | null,
   ) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: false });
     this.renderer.setPixelRatio(Math.min(2, globalThis.devicePixelRatio));
@@ -77,8 +77,6 @@ export class Scene {
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8899aa, 1.6), sun);
     this.scene.add(this.grid.mesh, this.field.group, this.cone.mesh, this.shadow);
     this.scene.add(this.zones.group);
-    this.relief = terrain && new Relief(terrain);
-    if (this.relief) this.scene.add(this.relief.mesh);
     for (const lines of [this.mission, this.ahead, this.paths, this.vectors]) {
       this.scene.add(lines.mesh);
     }
@@ -96,8 +94,9 @@ export class Scene {
       track.lines.mesh.visible = false;
       aircraft.mesh.visible = false;
     }
-    this.rebuildTracks(runs, focus, theme);
     const run = runs[focus];
+    this.setTerrain(run?.terrain ?? null);
+    this.rebuildTracks(runs, focus, theme);
     this.field.rebuild(run?.obstacles ?? []);
     this.relief?.color(theme.relief);
     this.ground = this.terrain ? Math.floor(this.terrain.lowest) : groundOf(runs);
@@ -110,6 +109,16 @@ export class Scene {
     }
     this.mission.end();
     this.drawnPaths = "";
+  }
+
+  /** Puts the relief of this ground in place of the other one. */
+  private setTerrain(terrain: Terrain | null): void {
+    if (terrain === this.terrain) return;
+    this.relief?.mesh.removeFromParent();
+    this.relief?.dispose();
+    this.terrain = terrain;
+    this.relief = terrain && new Relief(terrain);
+    if (this.relief) this.scene.add(this.relief.mesh);
   }
 
   /** The tracks alone, for runs that grow. */

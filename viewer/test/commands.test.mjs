@@ -296,7 +296,7 @@ test("fga run --live is followed to its end", async () => {
   assert.ok(track.length > 300);
 });
 
-test("fga fly --live shows the flight, the threat and the avoidance", async () => {
+test("fga fly --live shows the flight, the ground, the threat and the avoidance", async () => {
   // The ArduPlane-like emulator flies north; a mast stands on its way.
   const vehicle = built("--example", "emulator");
   const config = `[[obstacle]]
@@ -305,8 +305,19 @@ latitude_deg = 37.6243
 longitude_deg = -122.375
 altitude_m = 104
 radius_m = 60
+[terrain]
+file = "N37W123.hgt"
+clearance_m = 20
 `;
   writeFileSync(join(HOME, "fly.toml"), config);
+  // A valley along the flight, at 0 m, with walls of 200 m.
+  const posts = 1201;
+  const heights = Buffer.alloc(2 * posts * posts);
+  for (let i = 0; i < posts * posts; i++) {
+    const east = 90 * (-123 + (i % posts) / (posts - 1) + 122.375);
+    heights.writeInt16BE(Math.round(200 * Math.min(1, Math.max(0, Math.abs(east) - 1))), 2 * i);
+  }
+  writeFileSync(join(HOME, "N37W123.hgt"), heights);
   const port = await freePort();
   const emulator = spawn(vehicle, [`tcpin:127.0.0.1:${port}`, "120"], { stdio: "ignore" });
   const connect = ["--connect", `tcp:127.0.0.1:${port}`, "--config", "fly.toml", "--out", "fly"];
@@ -330,6 +341,8 @@ radius_m = 60
     assert.match(await page.locator("#decision").textContent(), /mast <b>/);
     await page.waitForFunction(() => globalThis.fgaReplay.stats().samples[0] > 80);
     assert.ok((await stats(page)).live);
+    assert.match(await page.locator("#scale").textContent(), /contours every \d+ m/);
+    assert.ok((await stats(page)).triangles > 10_000, "the relief");
     if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, "fly.png") });
     await drawn(page);
     companion.kill("SIGINT");

@@ -227,7 +227,17 @@ fn holds_areas(path: &Path) -> bool {
 
 /// Areas as a `[[zone]]` of a scenario reads them.
 fn areas_in(path: &Path) -> Result<Usable, Failure> {
-    let holds = counted(areas::read(path)?.len(), "area");
+    let all = areas::read(path)?;
+    for (area, number) in all.iter().zip(1..) {
+        area.check().map_err(|error| {
+            let name = area.name.as_deref().unwrap_or("no name");
+            Failure::Input(format!(
+                "{}: area {number} ({name}): {error}",
+                path.display()
+            ))
+        })?;
+    }
+    let holds = counted(all.len(), "area");
     Ok(Usable::new("file of areas for [[zone]]", holds))
 }
 

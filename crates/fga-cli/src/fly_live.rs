@@ -3,6 +3,7 @@
 //! The flight hands pictures over and never waits: a separate thread draws them, and drops those that
 //! it cannot draw in time.
 
+use alloc::sync::Arc;
 use core::net::SocketAddr;
 use core::time::Duration;
 use std::collections::HashMap;
@@ -15,6 +16,7 @@ use fga::angle::{climb_of, course_of};
 use fga::avoider::{Reason, State};
 use fga::certificate::Hazard;
 use fga::situation::Obstacle;
+use fga_formats::terrain::LocalGround;
 use fga_formats::words::reason_words;
 use fga_link::Companion;
 use fga_link::authority::Authority;
@@ -24,7 +26,7 @@ use fga_report::replay::{
 };
 use fga_view::{Live, Server};
 
-use fga_results::replay_page::{Drawer, due};
+use fga_results::replay_page::{Drawer, due, replay_ground};
 
 /// Most pictures in the queue.
 const WAITING: usize = 32;
@@ -159,6 +161,7 @@ fn piece(obstacle: &Obstacle, time_s: f64) -> ReplayPiece {
 struct Painter {
     live: Live,
     mission_m: Vec<[f64; 3]>,
+    ground: Option<Arc<LocalGround>>,
     obstacles: HashMap<u32, Told>,
     /// State, reason and threat of the last shown decision.
     last: Option<(State, Reason, Option<u32>)>,
@@ -171,6 +174,7 @@ impl Painter {
         Self {
             live,
             mission_m: Vec::new(),
+            ground: None,
             obstacles: HashMap::new(),
             last: None,
             authority: "",
@@ -191,6 +195,7 @@ impl Painter {
             self.mission_m.clone_from(&mission_m);
             self.live.send(&LiveMessage::Mission { run: 0, mission_m });
         }
+        self.draw_ground(picture.ground.as_ref());
         self.draw_obstacles(picture);
         let sample = sample(picture);
         self.live.send(&LiveMessage::Sample { run: 0, sample });
@@ -217,6 +222,20 @@ impl Painter {
         if authority != self.authority {
             self.authority = authority;
             self.tell(t_s, authority.to_owned());
+        }
+    }
+
+    /// Sends ground that the page does not have. Where none is known any more, the page keeps the last one.
+    fn draw_ground(&mut self, ground: Option<&Arc<LocalGround>>) {
+        let Some(ground) = ground else { return };
+        if self
+            .ground
+            .as_ref()
+            .is_none_or(|shown| !Arc::ptr_eq(shown, ground))
+        {
+            self.ground = Some(Arc::clone(ground));
+            let ground = replay_ground(ground);
+            self.live.send(&LiveMessage::Ground { run: 0, ground });
         }
     }
 

@@ -12,7 +12,9 @@ use fga_report::replay::{
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_view::{Live, Server};
 
-use fga_results::replay_page::{Drawer, due, event_words, planned_obstacles};
+use fga_results::replay_page::{
+    Drawer, due, event_words, planned_obstacles, planned_zones, replay_ground,
+};
 
 /// Time for browsers to take the last messages.
 const LAST_WORDS: Duration = Duration::from_secs(5);
@@ -36,7 +38,12 @@ impl LiveView {
         let mut run = ReplayRun::named(policy);
         run.mission_m = plan.world.mission_m.iter().map(Vec3::to_array).collect();
         run.obstacles = planned_obstacles(plan);
+        run.zones = planned_zones(plan);
         live.send(&LiveMessage::Run(Box::new(run)));
+        if let Some(ground) = plan.world.ground.as_deref() {
+            let ground = replay_ground(ground);
+            live.send(&LiveMessage::Ground { run: 0, ground });
+        }
         Ok(Self {
             server,
             live,

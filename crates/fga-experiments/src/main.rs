@@ -15,6 +15,7 @@
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
 //! | [`ground`] | how many flights come into the ground, leave a fence or enter a volume that an oracle with the same ground keeps? |
+//! | [`ground_cost`] | what does choosing a manoeuvre cost over ground? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
 //! | [`proven`] | is the resilience in a record true? |
 //! | [`returns`] | does every aircraft return to its mission once nothing is near? |
@@ -30,6 +31,7 @@ mod departures;
 mod families;
 mod flown;
 mod ground;
+mod ground_cost;
 mod intruders;
 mod lost;
 mod missions;
@@ -75,6 +77,8 @@ enum Experiment {
     Flown(flown::FlownArgs),
     /// Count the flights over ground and among zones that go wrong, and what an oracle with the same ground saves of them.
     Ground(ground::SceneryArgs),
+    /// Measure the work and the time of a search over ground and without it.
+    GroundCost(ground_cost::CostArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
     /// Count the claims of a resilience that do not hold when the aircraft do exactly what it covers.
@@ -102,6 +106,7 @@ fn main() -> ExitCode {
         Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),
         Experiment::Ground(args) => ground::run(&args),
+        Experiment::GroundCost(args) => ground_cost::run(&args),
         Experiment::Intruders(args) => {
             intruders::run(&args);
             Ok(())

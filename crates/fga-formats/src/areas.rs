@@ -16,7 +16,9 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::error::{InputError, read_text};
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::units::FOOT_M;
+use crate::zones::{ZoneError, heights_m, with_holes};
 
 /// A circle has at most this radius, metres.
 const LARGEST_M: f64 = 1e7;
@@ -49,6 +51,39 @@ pub enum AreaOutline {
         /// Its radius, metres.
         radius_m: f64,
     },
+}
+
+impl NamedArea {
+    /// Whether a zone can be made of it, wherever a flight begins.
+    ///
+    /// # Errors
+    /// As [`with_holes`], with its first corner as origin; a floor that is not below a ceiling with the same reference.
+    pub fn check(&self) -> Result<(), ZoneError> {
+        if let [Some(floor), Some(ceiling)] = self.limits
+            && floor.above == ceiling.above
+        {
+            heights_m(floor.height_m, ceiling.height_m)?;
+        }
+        let AreaOutline::Polygon(rings) = &self.outline else {
+            return Ok(());
+        };
+        let place = |[latitude_deg, longitude_deg]: &[f64; 2]| {
+            Geodetic::new(*latitude_deg, *longitude_deg, 0.0)
+        };
+        let Some(origin) = rings.iter().flatten().find_map(place) else {
+            return Err(ZoneError::Corners(0));
+        };
+        let frame = LocalFrame::new(origin, Earth::Wgs84);
+        let local_m = |ring: &Vec<[f64; 2]>| {
+            let places = ring.iter().filter_map(place);
+            places
+                .map(|place| frame.to_local_m(place).truncate())
+                .collect()
+        };
+        let mut rings_m = rings.iter().map(local_m);
+        with_holes(rings_m.next().unwrap_or_default(), rings_m.collect())?;
+        Ok(())
+    }
 }
 
 impl Default for AreaOutline {

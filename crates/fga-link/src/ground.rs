@@ -109,7 +109,7 @@ pub struct GroundOrder {
 pub struct MadeGround {
     pub(crate) square: Square,
     /// The ground, or the reason for its absence.
-    pub(crate) ground: Result<LocalGround, String>,
+    pub(crate) ground: Result<Arc<LocalGround>, String>,
     /// The items at the end of legs that are lower than it takes to clear the ground, with the least height above it, metres.
     pub(crate) low: Vec<(u16, f64)>,
     /// The items at the end of legs over unknown ground, with the first unknown place.
@@ -148,7 +148,7 @@ impl GroundOrder {
         }
         MadeGround {
             square: self.square,
-            ground,
+            ground: ground.map(Arc::new),
             low,
             unknown,
         }

@@ -337,12 +337,15 @@ fn a_flight_into_a_ridge_is_as_deep_as_at_its_crest() {
         ground
             .least_on_line(&line, 5.0, Binding::ALL, &meter)
             .unwrap(),
-        fixed.lower(&line, clear, 0.0, &meter),
+        fixed.lower(&line, clear, -100.0, &meter),
     ] {
         // 40 m below what clears the crest, 190 m after the start.
         assert!((-40.2..=-40.0).contains(&depth_m), "{depth_m} m");
         assert!((at_s - 190.0 / 400.0).abs() < 0.01, "{at_s} s");
     }
+    // Below a floor any depth will do.
+    let stopped_m = fixed.lower(&line, clear, -10.0, &meter).0;
+    assert!((-40.2..-10.0).contains(&stopped_m), "{stopped_m} m");
 }
 
 /// Within m to the side the slope of 1 in 2 rises by m / 2: 45 m above, less 30 m, leave 10 m.

@@ -53,7 +53,7 @@ pub fn guided_page<'a>(
         .map_or_else(String::new, |log| log.plan.name.clone());
     let ground = logs
         .peek()
-        .and_then(|log| log.plan.world.ground.as_deref().map(ground));
+        .and_then(|log| log.plan.world.ground.as_deref().map(replay_ground));
     let runs = logs.map(|log| {
         let mut run = replay_run(log);
         if let Some(settings) = settings {
@@ -68,7 +68,8 @@ pub fn guided_page<'a>(
     })
 }
 
-fn ground(ground: &WorldGround) -> ReplayGround {
+/// The ground for the page.
+pub fn replay_ground(ground: &WorldGround) -> ReplayGround {
     let ((corner_m, spacing_m), columns, heights_m) = ground.posts();
     ReplayGround {
         corner_m: corner_m.to_array(),
@@ -92,7 +93,7 @@ fn replay_run(log: &RunLog) -> ReplayRun {
         samples: log.samples.iter().map(sample).collect(),
         mission_m: log.mission_line_m().iter().map(Vec3::to_array).collect(),
         obstacles: obstacles(log),
-        zones: log.plan.world.zones.iter().map(zone).collect(),
+        zones: planned_zones(&log.plan),
         decisions: drawer.decisions(log),
         decision_times: Vec::new(),
         events: replay_events(log),
@@ -162,6 +163,11 @@ pub fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
         Some(threat) => format!("{reason} ({})", name_of(plan, threat.id)),
         None => reason.to_owned(),
     }
+}
+
+/// The zones of a plan.
+pub fn planned_zones(plan: &Plan) -> Vec<ReplayZone> {
+    plan.world.zones.iter().map(zone).collect()
 }
 
 fn zone(zone: &WorldZone) -> ReplayZone {

@@ -48,6 +48,8 @@ struct Kept {
     spare: bool,
     /// The run and obstacle that a later message of this kind replaces.
     obstacle: Option<(usize, u32)>,
+    /// The run whose ground this is; it is large, and the next one replaces it at once.
+    ground: Option<usize>,
 }
 
 impl Live {
@@ -76,7 +78,15 @@ impl Live {
             LiveMessage::Obstacle { run, obstacle } => Some((*run, obstacle.id)),
             _ => None,
         };
+        let ground = match message {
+            LiveMessage::Ground { run, .. } => Some(*run),
+            _ => None,
+        };
         let mut shared = self.lock();
+        if ground.is_some() {
+            shared.history.retain(|kept| kept.ground != ground);
+            shared.count();
+        }
         let number = shared.next;
         shared.next += 1;
         shared.bytes += text.len();
@@ -85,6 +95,7 @@ impl Live {
             text,
             spare,
             obstacle,
+            ground,
         });
         shared.forget();
         drop(shared);
@@ -196,18 +207,26 @@ impl Shared {
     }
 
     /// Drops every second sample, decision and duration, and replaced obstacles; and where that is not enough, the older
-    /// half, but not the first message, which names the run.
+    /// half, but not the ground and the first message, which names the run.
     fn forget(&mut self) {
         if !self.is_full() {
             return;
         }
         thin(&mut self.history);
-        self.bytes = self.history.iter().map(|kept| kept.text.len()).sum();
+        self.count();
         if self.history.len() > 3 * REMEMBERED / 4 || self.bytes > 3 * REMEMBERED_BYTES / 4 {
             let half = self.history.len() / 2;
-            self.history.drain(1.min(half)..half);
-            self.bytes = self.history.iter().map(|kept| kept.text.len()).sum();
+            let mut place = 0;
+            self.history.retain(|kept| {
+                place += 1;
+                place == 1 || place > half || kept.ground.is_some()
+            });
+            self.count();
         }
+    }
+
+    fn count(&mut self) {
+        self.bytes = self.history.iter().map(|kept| kept.text.len()).sum();
     }
 }
 
@@ -233,9 +252,42 @@ fn thin(history: &mut Vec<Kept>) {
 
 #[cfg(test)]
 mod tests {
-    use fga_report::replay::{ReplayRun, ReplaySample};
+    use fga_report::replay::{ReplayEvent, ReplayGround, ReplayRun, ReplaySample};
 
     use super::*;
+
+    #[test]
+    fn only_the_newest_ground_is_remembered_and_it_stays() {
+        let live = Live::new();
+        live.send(&LiveMessage::Run(Box::new(ReplayRun::named("over ground"))));
+        for corner_m in [1.0, 2.0] {
+            let ground = ReplayGround {
+                corner_m: [corner_m, 0.0],
+                spacing_m: [30.0, 30.0],
+                columns: 2,
+                heights_m: vec![100.0; 4],
+            };
+            live.send(&LiveMessage::Ground { run: 0, ground });
+        }
+        let grounds = || {
+            let shared = live.lock();
+            let texts = shared.history.iter().map(|kept| kept.text.to_string());
+            let is_ground = |text: &String| text.contains("\"type\":\"ground\"");
+            texts.filter(is_ground).collect::<Vec<_>>()
+        };
+        let first = grounds();
+        assert_eq!(first.len(), 1);
+        assert!(first[0].contains("\"corner\":[2.0,0.0]"), "{}", first[0]);
+        for step in 0..100_000_u32 {
+            let event = ReplayEvent {
+                t_s: f64::from(step),
+                text: "news".into(),
+            };
+            live.send(&LiveMessage::Event { run: 0, event });
+        }
+        assert_eq!(grounds(), first, "after older messages were dropped");
+        assert!(!live.lock().is_full());
+    }
 
     #[test]
     fn a_long_run_is_remembered_within_bounds() {

@@ -369,4 +369,23 @@ fn areas_of_zones_are_checked_by_themselves() {
     }
     fs::write(at.join("a.kml"), "<kml><Placemark>").unwrap();
     assert!(said(at, &["check", "a.kml"], 1).contains("a.kml, line 1: is no KML"));
+    // What a [[zone]] refuses, wherever its flight begins.
+    let crossing = "[[8.0, 47.0], [8.1, 47.1], [8.1, 47.0], [8.0, 47.1], [8.0, 47.0]]";
+    let apart = format!("{ring}, [[8.3, 47.0], [8.4, 47.0], [8.4, 47.1], [8.3, 47.0]]");
+    let mercator = r#""crs": {"name": "EPSG:3857"}, "features""#;
+    for (text, words) in [
+        (
+            geojson.replace(ring, crossing),
+            "area 1 (no name): polygon crosses itself",
+        ),
+        (
+            geojson.replace(ring, &apart),
+            "area 1 (no name): hole 1 is not inside of the outline",
+        ),
+        (geojson.replace("\"features\"", mercator), "expected WGS 84"),
+    ] {
+        fs::write(at.join("wrong.geojson"), text).unwrap();
+        let said = said(at, &["check", "wrong.geojson"], 1);
+        assert!(said.contains(words), "{said}");
+    }
 }

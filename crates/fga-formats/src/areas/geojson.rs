@@ -6,12 +6,17 @@ use serde_json::{Map, Value};
 use super::{Areas, NamedArea};
 use crate::error::InputError;
 
+/// Names of the coordinate system of GeoJSON.
+const WGS84: [&str; 3] = ["CRS84", "EPSG:4326", "EPSG::4326"];
+
 /// An object of GeoJSON.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", expecting = "an object of GeoJSON")]
 pub(super) enum GeoJson {
     FeatureCollection {
         features: Vec<Self>,
+        /// A coordinate system; RFC 7946 has WGS 84 alone, files from before it may name another one.
+        crs: Option<Value>,
     },
     Feature {
         geometry: Option<Box<Self>>,
@@ -61,7 +66,13 @@ pub(super) struct Extent {
 impl Areas<'_> {
     pub(super) fn take_geojson(&mut self, json: GeoJson) -> Result<(), InputError> {
         match json {
-            GeoJson::FeatureCollection { features } => {
+            GeoJson::FeatureCollection { features, crs } => {
+                if let Some(crs) = crs.map(|crs| crs.to_string())
+                    && !WGS84.iter().any(|name| crs.contains(name))
+                {
+                    let message = format!("has the coordinate system {crs}, expected WGS 84 (CRS84, EPSG:4326) or none");
+                    return Err(InputError::in_file(self.path, message));
+                }
                 features.into_iter().try_for_each(|each| self.take_geojson(each))
             }
             GeoJson::GeometryCollection { geometries, layer } => {

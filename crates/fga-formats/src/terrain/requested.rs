@@ -85,6 +85,11 @@ impl RequestedBlock {
         ALL & !self.filled
     }
 
+    /// Every piece is missing again; the next heights of a piece replace those that were known.
+    pub const fn ask_again(&mut self) {
+        self.filled = 0;
+    }
+
     /// Latitudes and longitudes of the posts of a piece, 10⁻⁷ degrees, in the order of its heights in `TERRAIN_DATA`.
     pub fn posts_e7(&self, piece: u8) -> [[i32; 2]; PIECE * PIECE] {
         let (piece, per_row) = (usize::from(piece), COLUMNS / PIECE);
@@ -147,10 +152,11 @@ impl RequestedBlock {
         }
     }
 
-    /// What is known so far; missing pieces are holes. `None` before the first piece, or if the heights cannot be ground.
+    /// What is known so far; pieces that were never known are holes. `None` before the first piece, or if the heights cannot be ground.
     pub fn field(&self) -> Option<HeightField> {
+        let is_known = self.heights.iter().any(|height| *height != HOLE);
         let heights = Heights::Whole(self.heights.clone());
-        (self.filled != 0)
+        is_known
             .then(|| HeightField::new(self.grid, heights).ok())
             .flatten()
     }

@@ -42,6 +42,7 @@ impl Companion {
         }
         // Before the take-off too: a ground station needs minutes.
         let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
+        self.over.follow_arming(self.session.is_armed());
         self.over.order(route, lists, &self.ownship, voice);
         let state = state?;
         self.lay_fence();

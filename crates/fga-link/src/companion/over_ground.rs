@@ -66,11 +66,12 @@ pub(super) struct OverGround {
     order: Option<GroundOrder>,
     /// The last square that was ordered.
     ordered: Option<Square>,
-    made: Option<Result<LocalGround, String>>,
+    made: Option<Result<Arc<LocalGround>, String>>,
     /// The last reports about the mission.
     told_mission: [Option<String>; 3],
     told_unanswered: bool,
     rangefinder: Rangefinder,
+    is_armed: bool,
     /// Whether the last choice is another one without the ground.
     bounds: bool,
     told: Reports,
@@ -143,7 +144,7 @@ impl OverGround {
     /// Takes ground that was made around here, and reports what it means for the mission.
     pub(super) fn take_ground(&mut self, made: MadeGround, voice: &mut Voice) {
         let content = json!({
-            "vertical_error_m": made.ground.as_ref().ok().map(LocalGround::error_m),
+            "vertical_error_m": made.ground.as_ref().ok().map(|ground| ground.error_m()),
             "unusable": made.ground.as_ref().err(),
             "low_legs": made.low,
             "unknown_legs": made.unknown.iter().map(|(item, _)| item).collect::<Vec<_>>(),
@@ -172,6 +173,17 @@ impl OverGround {
             }
         }
         self.made = Some(made.ground);
+    }
+
+    /// ArduPilot shifts its ground as it arms, by up to `TERRAIN_OFS_MAX`, so that it stands on it: heights from before do not belong to the
+    /// altitudes that it reports from then on, and are asked of it again.
+    pub(super) fn follow_arming(&mut self, is_armed: bool) {
+        let arms = !core::mem::replace(&mut self.is_armed, is_armed) && is_armed;
+        if let GroundSource::Asked(TerrainSource::Vehicle, asked, _) = &mut self.heights
+            && arms
+        {
+            asked.ask_again();
+        }
     }
 
     /// Asks for ground, and orders it where the present one does not serve any more.
@@ -278,7 +290,7 @@ impl OverGround {
     }
 
     /// The ground as it is known now.
-    pub(super) fn known(&self) -> Option<&LocalGround> {
+    pub(super) fn known(&self) -> Option<&Arc<LocalGround>> {
         self.made.as_ref()?.as_ref().ok()
     }
 
@@ -313,13 +325,14 @@ impl OverGround {
         if !keeper.is_engaged() {
             self.told = Reports::default();
         }
-        let Some(ground) = self.known().filter(|_| keeper.commands()) else {
+        if matches!(self.heights, GroundSource::Nobody) || !keeper.commands() {
             return;
-        };
-        let needed_m = ground.clearance_m() + ground.error_m();
+        }
+        let ground = self.known();
+        let needed_m = ground.map_or(0.0, |ground| ground.clearance_m() + ground.error_m());
         let (mut at_m, mut is_known, mut least_m) = (state.ownship.position_m, true, f64::INFINITY);
         for second in 0..LOOKS_AHEAD {
-            let above_m = ground.above_m(at_m);
+            let above_m = ground.and_then(|ground| ground.above_m(at_m));
             is_known &= above_m.is_some();
             least_m = least_m.min(above_m.unwrap_or(f64::INFINITY));
             let turned = Vec2::from_angle(state.course_rate_radps * (f64::from(second) + 0.5));

@@ -1,9 +1,12 @@
 //! A picture of the moment, for viewers of the flight.
 
+use alloc::sync::Arc;
+
 use fga::Vec3;
 use fga::avoider::Decision;
 use fga::situation::Obstacle;
 use fga::vehicle::Vehicle;
+use fga_formats::terrain::LocalGround;
 
 use crate::authority::Authority;
 use crate::ground::AboveGround;
@@ -34,4 +37,6 @@ pub struct Picture {
     pub margin_m: f64,
     /// The height above the ground, here and ahead; `None` where no ground is known.
     pub above_ground: Option<AboveGround>,
+    /// The ground around the vehicle; another one from time to time.
+    pub ground: Option<Arc<LocalGround>>,
 }

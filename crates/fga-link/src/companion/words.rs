@@ -116,6 +116,7 @@ impl Companion {
             horizon_s: self.config.protection.horizon_s,
             margin_m: self.config.protection.margin_m,
             above_ground: self.above_ground(),
+            ground: self.over.known().cloned(),
         })
     }
 

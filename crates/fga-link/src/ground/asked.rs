@@ -13,7 +13,7 @@ use mavlink::dialects::ardupilotmega::{
     TERRAIN_CHECK_DATA, TERRAIN_DATA_DATA, TERRAIN_REPORT_DATA, TERRAIN_REQUEST_DATA,
 };
 
-use self::checked::{Answer, CheckedPiece, NEAREST, UNKNOWN_S};
+use self::checked::{Answer, CheckedPiece, UNKNOWN_S};
 
 /// Distance between posts, metres: ArduPilot's `TERRAIN_SPACING` where nobody changes it, so that one answer serves the vehicle too.
 const SPACING_M: u16 = 100;
@@ -23,6 +23,8 @@ const ERROR_M: f64 = 16.0;
 const PAUSE_S: f64 = 2.0;
 /// … up to this, seconds: then nobody seems to answer.
 const LONGEST_PAUSE_S: f64 = 32.0;
+/// After so many pieces in a row that the vehicle does not know, one a second, the operator reads it.
+const MOST_UNKNOWN: usize = 30;
 /// Most blocks in memory.
 const MOST_BLOCKS: usize = 64;
 /// New pieces become ground this often, seconds.
@@ -135,7 +137,8 @@ impl AskedBlocks {
         }
         let piece = self.checked.as_mut();
         let (checks, pause_s) = piece.map_or((Vec::new(), PAUSE_S), |it| it.checks(self.pause_s));
-        self.due_s = now_s + pause_s;
+        // From when it was due: calls come some milliseconds early or late.
+        self.due_s = (self.due_s + pause_s).max(now_s);
         checks
     }
 
@@ -161,6 +164,12 @@ impl AskedBlocks {
             Answer::Whole(data) => self.take(&data),
             _ => None,
         }
+    }
+
+    /// Asks for all that is known again; it counts until the new heights come.
+    pub(crate) fn ask_again(&mut self) {
+        self.blocks.iter_mut().for_each(RequestedBlock::ask_again);
+        self.checked = None;
     }
 
     /// Puts the blocks of these places first, and keeps as many of the others as there is room for.
@@ -239,7 +248,7 @@ impl AskedBlocks {
 
     /// Whether requests have stayed without an answer for long.
     pub(crate) fn is_unanswered(&self) -> bool {
-        self.waits && (self.pause_s >= LONGEST_PAUSE_S || self.unanswered >= NEAREST)
+        self.waits && (self.pause_s >= LONGEST_PAUSE_S || self.unanswered >= MOST_UNKNOWN)
     }
 
     /// What is known so far; `None` before the first piece.

@@ -1,5 +1,8 @@
 //! Ground asked of the vehicle itself, which answers `TERRAIN_CHECK` post by post as ArduPilot does.
 
+use alloc::sync::Arc;
+use core::sync::atomic::{AtomicBool, Ordering};
+
 use fga_emulator::{Mode, Settings};
 
 use crate::common::{GOOD, Intruder, Network, World};
@@ -77,9 +80,43 @@ fn a_vehicle_that_knows_no_ground_is_told_and_traffic_is_avoided() {
     let (world, flown) = asked(GOOD, |_, _| None, 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert!(is_told(&world, "fga: no terrain from the vehicle"));
+    assert!(is_told(&world, "fga: avoids over unknown ground"));
     assert_eq!(pieces(&flown, "taken"), 0);
     // Heights that are no ground are left out.
     let (world, flown) = asked(GOOD, |_, _| Some(3e4), 40.0);
     assert!(is_told(&world, "fga: terrain answers that are no ground"));
     assert_eq!(pieces(&flown, "taken"), 0);
+}
+
+/// ArduPlane 4.7 gives heights as its card has them until it arms, and from then on so that the ground below it is where it stands.
+#[test]
+fn ground_from_before_the_vehicle_armed_is_asked_for_again() {
+    let settings = Settings {
+        armed: false,
+        ..Settings::default()
+    };
+    let mut world = World::with(settings, CONFIG, GOOD, 8);
+    let shifts = Arc::new(AtomicBool::new(false));
+    let shifted = Arc::clone(&shifts);
+    world.emulator.set_card(move |_| {
+        let is_shifted = shifted.load(Ordering::Relaxed);
+        Some(if is_shifted { 12.0 } else { 32.0 })
+    });
+    let run = |world: &mut World, until_s: f64| {
+        while world.time_s < until_s {
+            world.step();
+        }
+    };
+    run(&mut world, 60.0);
+    shifts.store(true, Ordering::Relaxed);
+    world.emulator.set_armed(true);
+    let here_m = |world: &World| {
+        let picture = world.companion.picture().expect("a decision");
+        picture.above_ground.and_then(|above| above.here_m)
+    };
+    // 104 m above the sea: what was known counts until the new heights come.
+    run(&mut world, 61.5);
+    assert_eq!(here_m(&world).map(f64::round), Some(72.0));
+    run(&mut world, 80.0);
+    assert_eq!(here_m(&world).map(f64::round), Some(92.0));
 }

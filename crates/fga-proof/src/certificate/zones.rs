@@ -89,7 +89,7 @@ impl Fixed<'_> {
         self.zones.is_empty() && self.ground.is_none()
     }
 
-    /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or that it is below a floor.
+    /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or anything below a floor.
     pub fn lower(
         &self,
         line: &Line,
@@ -105,13 +105,13 @@ impl Fixed<'_> {
             least = (self.margin_m(found.0), found.1);
         }
         if let Some(ground) = self.ground.filter(|_| least.0 >= floor_m) {
-            let asked = ((floor_m - spare_m).max(0.0), 0.0);
-            let (above_m, after_s) = ground.lowest(&over, asked, zones.binding, meter);
-            if above_m < 0.0 {
-                let (below_m, after_s) = match ground.deepest(&over, zones.binding, meter) {
-                    entered if entered.0 < 0.0 => entered,
-                    _ => (floor_m.max(0.0) - ROUNDED_M, after_s),
-                };
+            let (beside_m, stop_m) = ((floor_m - spare_m).max(0.0), floor_m.min(0.0));
+            let lowest = |beside_m| ground.lowest(&over, (beside_m, stop_m), zones.binding, meter);
+            let near = lowest(beside_m);
+            if near.0 < 0.0 {
+                let entered = if beside_m > 0.0 { lowest(0.0) } else { near };
+                let below = (floor_m - ROUNDED_M, near.1);
+                let (below_m, after_s) = if entered.0 < 0.0 { entered } else { below };
                 least = (least.0.min(below_m), line.at_s + after_s);
             }
         }

@@ -26,7 +26,7 @@ struct Page<'a> {
 
 /// The ground: a height is `low` and as many steps, two bytes little endian, the largest number where it is unknown.
 #[derive(Serialize)]
-struct EncodedGround {
+pub(super) struct EncodedGround {
     corner: [f64; 2],
     spacing: [f64; 2],
     columns: usize,
@@ -206,7 +206,7 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
     }
 }
 
-fn ground(all: &ReplayGround) -> EncodedGround {
+pub(super) fn ground(all: &ReplayGround) -> EncodedGround {
     let ReplayGround {
         corner_m: corner,
         spacing_m: spacing,

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::{ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, ReplayOutcome};
-use super::{ReplayRun, ReplaySample, encode};
+use super::{ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayGround, ReplayObstacle};
+use super::{ReplayOutcome, ReplayRun, ReplaySample, encode};
 use crate::page::{self, json};
 
 /// A page that connects to a WebSocket on the host that served it and draws each message.
@@ -34,6 +34,13 @@ pub enum LiveMessage {
         run: usize,
         /// Its waypoints, metres.
         mission_m: Vec<[f64; 3]>,
+    },
+    /// The ground, in place of the one before.
+    Ground {
+        /// The run.
+        run: usize,
+        /// Its heights.
+        ground: ReplayGround,
     },
     /// A new obstacle, or an update of the obstacle with this identifier.
     Obstacle {
@@ -93,6 +100,9 @@ impl LiveMessage {
                 typed("sample", Some(*run), "row", row)
             }
             Self::Mission { run, mission_m } => typed("mission", Some(*run), "points", mission_m),
+            Self::Ground { run, ground } => {
+                typed("ground", Some(*run), "data", encode::ground(ground))
+            }
             Self::Obstacle { run, obstacle } => {
                 let mut pool = Vec::new();
                 let data = encode::obstacle(obstacle, &mut pool);

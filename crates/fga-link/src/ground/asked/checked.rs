@@ -10,7 +10,7 @@ use mavlink::dialects::ardupilotmega::{
 const POSTS: usize = 16;
 /// Only this many unanswered pieces, those nearest to the way, are asked for: a block of ArduPilot's has so many pieces, and ArduPilot
 /// holds twelve blocks in memory.
-pub(super) const NEAREST: usize = 56;
+const NEAREST: usize = 56;
 /// Where some posts of a piece were answered the others are asked for again after this, seconds.
 const AGAIN_S: f64 = 0.5;
 /// Time after an answer that a height is not known, seconds.
