@@ -1,7 +1,8 @@
 //! Intruders whose climb changes: they level off, go on through the altitude of the aircraft, or pull up.
 //!
 //! The experiment measures separations itself, on the drawn intruder and the flown samples. An encounter counts as avoidable where one
-//! turn with one climb that begins with the change keeps clear: a search that learns then what the intruder will do.
+//! turn with one climb that begins with the change keeps clear: a search that learns then what the intruder will do. A needless
+//! manoeuvre could not be left out where the intruder, had it levelled off at some moment, would have left nothing to that search.
 
 use core::f64::consts::{PI, TAU};
 
@@ -18,6 +19,7 @@ use fga_sim::scenario::parse;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 
+use crate::common::PERIOD_S;
 use crate::flown::{FOOT_M, Moments, NMAC, acted, measure, moments, transitions};
 use crate::intruders::stream;
 use crate::intruders::traffic::Random;
@@ -90,7 +92,20 @@ struct ClimbFlight {
     cross_m: f64,
     changes: usize,
     is_avoidable: bool,
+    /// Whether a needless manoeuvre could not be left out.
+    is_due: bool,
     number: u64,
+}
+
+impl ClimbFlight {
+    /// Whether it would have been lost on the mission.
+    fn would_be_lost(&self) -> bool {
+        self.nominal_m < 0.0
+    }
+
+    fn is_needless(&self) -> bool {
+        self.acted && !self.would_be_lost()
+    }
 }
 
 /// Flies all kinds and shows the counts.
@@ -109,11 +124,11 @@ pub(crate) fn run(args: &ClimbsArgs) -> Result<(), String> {
 
 fn show(name: &str, flown: &[ClimbFlight], rows: bool) {
     let is_lost = |f: &&ClimbFlight| f.least_m < 0.0;
-    let would = |f: &&ClimbFlight| f.nominal_m < 0.0;
+    let would = |f: &&ClimbFlight| f.would_be_lost();
     let mut cross_m: Vec<f64> = flown.iter().map(|f| f.cross_m).collect();
     cross_m.sort_by(f64::total_cmp);
     println!(
-        "{name}: NMAC {} of {}, induced {}, avoidable {} of {}; needless {} of {}; cross-track median {:.0} 90% {:.0} m; changes over 2: {}, most {}",
+        "{name}: NMAC {} of {}, induced {}, avoidable {} of {}; needless {} of {}, not to be left out {}; cross-track median {:.0} 90% {:.0} m; changes over 2: {}, most {}",
         flown.iter().filter(is_lost).count(),
         flown.iter().filter(would).count(),
         flown.iter().filter(|f| is_lost(f) && !would(f)).count(),
@@ -122,8 +137,9 @@ fn show(name: &str, flown: &[ClimbFlight], rows: bool) {
             .filter(|f| is_lost(f) && f.is_avoidable)
             .count(),
         flown.iter().filter(|f| would(f) && f.is_avoidable).count(),
-        flown.iter().filter(|f| f.acted && !would(f)).count(),
+        flown.iter().filter(|f| f.is_needless()).count(),
         flown.iter().filter(|f| !would(f)).count(),
+        flown.iter().filter(|f| f.is_due).count(),
         cross_m[cross_m.len() / 2],
         cross_m[(cross_m.len() - 1) * 9 / 10],
         flown.iter().filter(|f| f.changes > 2).count(),
@@ -153,6 +169,20 @@ fn is_avoidable(vehicle: &Vehicle, intruder: &Moments, from_s: f64) -> bool {
             track.push((plant.time_s(), plant.ownship().position_m));
         }
         measure(&track, intruder, DURATION_S, 1.0)[0] >= 0.0
+    })
+}
+
+/// Whether an intruder that climbs or descends on, had it levelled off at some moment, would have met the aircraft on its mission and
+/// left nothing to a search that learns of it one decision later.
+fn is_due(vehicle: &Vehicle, own: &Moments, intruder: &Moments) -> bool {
+    intruder.iter().any(|&(from_s, from_m)| {
+        let levels_off = |&(time_s, at_m): &(f64, Vec3)| {
+            let height_m = if time_s < from_s { at_m.z } else { from_m.z };
+            (time_s, at_m.with_z(height_m))
+        };
+        let level: Moments = intruder.iter().map(levels_off).collect();
+        measure(own, &level, DURATION_S, 1.0)[0] < 0.0
+            && !is_avoidable(vehicle, &level, from_s + PERIOD_S)
     })
 }
 
@@ -228,13 +258,49 @@ fn fly_one(
     let plan = parse(text, Some(model.clone())).map_err(|e| e.to_string())?;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
     let track = moments(&log);
-    Ok(ClimbFlight {
+    let mut flight = ClimbFlight {
         nominal_m: measure(&own, &intruder, DURATION_S, 1.0)[0],
         least_m: measure(&track, &intruder, DURATION_S, 1.0)[0],
         acted: acted(&log),
         cross_m: log.outcome.max_cross_track_m,
         changes: transitions(&log),
         is_avoidable: is_avoidable(&model.vehicle, &intruder, change_s),
+        is_due: false,
         number,
-    })
+    };
+    flight.is_due = matches!(kind, Kind::GoesOn(_))
+        && flight.is_needless()
+        && is_due(&model.vehicle, &own, &intruder);
+    Ok(flight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Head-on at 2,000 ft/min: one that levels off at the altitude of the aircraft 4 s before leaves no time, 20 s before it does.
+    #[test]
+    fn a_manoeuvre_is_due_where_a_late_level_off_leaves_nothing() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../vehicles/general-aviation.toml"
+        );
+        let vehicle = VehicleModel::read(path.as_ref()).unwrap().vehicle;
+        let is_due_where_it_passes = |before_s: f64| {
+            let flies = |x_mps: f64, climb_mps: f64| -> Moments {
+                let times = (0..=STEPS).map(|k| f64::from(k) * STEP_S);
+                let place_m = |time_s: f64| {
+                    let x_m = vehicle.airspeed_mps * CLOSEST_S + x_mps * (time_s - CLOSEST_S);
+                    Vec3::new(x_m, 0.0, climb_mps * (time_s - CLOSEST_S + before_s))
+                };
+                times.map(|time_s| (time_s, place_m(time_s))).collect()
+            };
+            let own = flies(vehicle.airspeed_mps, 0.0);
+            let intruder = flies(-70.0, 2000.0 * FPM_MPS);
+            assert!(measure(&own, &intruder, DURATION_S, 1.0)[0] >= 0.0);
+            is_due(&vehicle, &own, &intruder)
+        };
+        assert!(is_due_where_it_passes(4.5));
+        assert!(!is_due_where_it_passes(20.0));
+    }
 }
