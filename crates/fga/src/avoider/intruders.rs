@@ -13,7 +13,7 @@ use crate::angle::wrap_pi;
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::prediction::whole;
-use crate::situation::{MovementBounds, Obstacle};
+use crate::situation::{MovementBounds, Obstacle, ProtectedVolume};
 
 /// Duration of a change of climb, seconds.
 pub(super) const CLIMB_CHANGES_S: f64 = 20.0;
@@ -43,6 +43,10 @@ const CLIMB_AVERAGED_S: f64 = 3.0;
 /// The present climb is expected to become steeper by this multiple of what it has added to the average climb. `fga-experiments climbs 300`
 /// and the recordings chose it.
 const CLIMB_GOES_ON: f64 = 1.5;
+
+/// A share of the bounds has this many times as much of the change of climb as of turns.
+/// `fga-experiments climbs 300` and the recordings chose it.
+const CLIMB_SHARE: f64 = 1.5;
 
 /// Below this speed over the ground an aircraft has no course, metres per second.
 const HOVERS_MPS: f64 = 2.0;
@@ -198,14 +202,15 @@ pub(super) fn add_aircraft(
         return add(hazard);
     };
     let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
-    let (climbs, at_once_m, speeds_m) = match freedom {
-        Freedom::Expected => (1.0, 0.0, 0.0),
-        Freedom::Share(share) => (share, 0.0, 0.0),
-        Freedom::Brief => (1.0, 0.0, speeds_m),
-        Freedom::Wide => (1.0, speeds_m, 0.0),
+    let (climbs, changes, at_once_m, speeds_m) = match freedom {
+        Freedom::Expected => (1.0, 1.0, 0.0, 0.0),
+        Freedom::Share(share) => (share, CLIMB_SHARE * share, 0.0, 0.0),
+        Freedom::Brief => (1.0, 1.0, 0.0, speeds_m),
+        Freedom::Wide => (1.0, 1.0, speeds_m, 0.0),
     };
-    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + at_once_m);
-    let may_mps = climbs * bounds.climb_change_mps;
+    let volume = hazard.volume.grown(clearance.growth_m(climbs));
+    hazard.volume = widened(volume, at_once_m);
+    let may_mps = changes * bounds.climb_change_mps;
     let change_mps = may_mps.max(trend.climb_change_mps(obstacle));
     let age_s = obstacle.age_s.max(0.0);
     let since = Since {
@@ -215,7 +220,7 @@ pub(super) fn add_aircraft(
         speeds_m,
     };
     if motions == 0 {
-        hazard.volume = hazard.volume.grown(since.speeds_m);
+        hazard.volume = widened(hazard.volume, since.speeds_m);
         let at = since.report(&hazard);
         hazard.velocity_mps = at.velocity_mps;
         hazard.position_m = at.position_m + at.velocity_mps * age_s;
@@ -248,7 +253,7 @@ fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn
         add_leg(add, &since.faster(&hazard, next.at_s), &at, &next, 0.0);
         at = next;
     }
-    hazard.volume = hazard.volume.grown(since.speeds_m);
+    hazard.volume = widened(hazard.volume, since.speeds_m);
     let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
     if left_s > 0.0 && since.change_mps > 0.0 {
         let next = at.turned(0.0, left_s);
@@ -280,10 +285,18 @@ fn add_leg(
     add(Hazard {
         position_m: from.position_m - velocity_mps * from.at_s,
         velocity_mps,
-        volume: hazard.volume.grown(bow_m),
+        volume: widened(hazard.volume, bow_m),
         window_s: (from.at_s, to.at_s),
         ..*hazard
     });
+}
+
+/// A volume with places to all sides of it at the same height.
+const fn widened(mut volume: ProtectedVolume, by_m: f64) -> ProtectedVolume {
+    let (ProtectedVolume::Sphere { radius_m } | ProtectedVolume::Cylinder { radius_m, .. }) =
+        &mut volume;
+    *radius_m += by_m;
+    volume
 }
 
 /// How heights and speeds may have changed since a report, and may change: by a change of climb, by its end, by a change of speed.
@@ -312,7 +325,7 @@ impl Since {
         let grows_mps =
             self.speeds_m * (until_s + self.age_s) / (SPEED_CHANGES_S * SPEED_CHANGES_S);
         Hazard {
-            volume: hazard.volume.grown(grows_mps * self.age_s),
+            volume: widened(hazard.volume, grows_mps * self.age_s),
             growth_mps: hazard.growth_mps + grows_mps,
             ..*hazard
         }
@@ -372,7 +385,7 @@ impl Moment {
 mod tests {
     use super::*;
     use crate::certificate::Hazards;
-    use crate::situation::{Movement, ProtectedVolume};
+    use crate::situation::Movement;
 
     const BOUNDS: MovementBounds = MovementBounds::CREWED;
 
