@@ -44,7 +44,7 @@ const CLIMB_AVERAGED_S: f64 = 3.0;
 /// and the recordings chose it.
 const CLIMB_GOES_ON: f64 = 1.5;
 
-/// A share of the bounds has this many times as much of the change of climb as of turns.
+/// A share of turns comes with this many times as much of the change of climb, at most all of it.
 /// `fga-experiments climbs 300` and the recordings chose it.
 const CLIMB_SHARE: f64 = 1.5;
 
@@ -59,7 +59,7 @@ const NOISE_SIGMAS: f64 = 3.0;
 pub(super) enum Freedom {
     /// The expected motion; climbs may change.
     Expected,
-    /// Also this share of turns and changes of climb, from 0 to 1.
+    /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
     /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
     Brief,
@@ -204,7 +204,7 @@ pub(super) fn add_aircraft(
     let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
     let (climbs, changes, at_once_m, speeds_m) = match freedom {
         Freedom::Expected => (1.0, 1.0, 0.0, 0.0),
-        Freedom::Share(share) => (share, CLIMB_SHARE * share, 0.0, 0.0),
+        Freedom::Share(share) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0),
         Freedom::Brief => (1.0, 1.0, 0.0, speeds_m),
         Freedom::Wide => (1.0, 1.0, speeds_m, 0.0),
     };
@@ -484,6 +484,38 @@ mod tests {
         })
     }
 
+    /// An earlier version raised cylinders by the bows of chords and by what a change of speed makes.
+    #[test]
+    fn level_motions_make_no_volume_higher() {
+        let mut level = MovementBounds::CREWED;
+        level.climb_change_mps = 0.0;
+        let obstacle = Obstacle {
+            movement: Movement::Aircraft(level),
+            velocity_mps: intruder().velocity_mps.with_z(0.0),
+            ..intruder()
+        };
+        for freedom in [
+            Freedom::Share(0.0),
+            Freedom::Share(0.5),
+            Freedom::Brief,
+            Freedom::Wide,
+        ] {
+            let motions = motions_of(&obstacle, freedom, MOTIONS);
+            let heights_m = motions.rows().iter().map(|row| {
+                let (now_m, more_mps) = row.stretch_m;
+                (row.volume.half_height_m() + now_m, more_mps)
+            });
+            let share = f64::from(freedom != Freedom::Share(0.0));
+            let most_m = obstacle.volume.half_height_m() + TRACKING_M * share + 1e-9;
+            for (height_m, more_mps) in heights_m {
+                assert!(
+                    height_m <= most_m && more_mps == 0.0,
+                    "{freedom:?}: {height_m}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn the_margin_counts_towards_the_distance_for_tracking_errors() {
         let growth_m = |beyond_m, margin_m, share| {
@@ -535,7 +567,8 @@ mod tests {
                 for climb in [-1.0, 0.0, 0.7, 1.0] {
                     for at_s in [0.0, 1.3, 4.0, 7.7, 12.1, 19.9, 20.1, 33.0] {
                         let rate = side * BOUNDS.turn_rate_radps;
-                        let climb_mps = climb * share * BOUNDS.climb_change_mps;
+                        let most = f64::min(CLIMB_SHARE * share, 1.0);
+                        let climb_mps = climb * most * BOUNDS.climb_change_mps;
                         let place_m = flown(rate, for_s, climb_mps, at_s);
                         assert!(
                             is_within(&motions, place_m, at_s),
