@@ -92,8 +92,8 @@ fn drawn(random: &mut Random, id: u32, planar: bool, airspeed_mps: f64) -> Obsta
     }
 }
 
-/// One of the motions that a share of the bounds covers: turn rate, its duration, and the change of climb, which is one and a
-/// half times the share of its bound.
+/// One of the motions that a share of the bounds covers: turn rate, its duration, and the change of climb, which is 1.4 times
+/// the share of its bound.
 fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) -> (f64, f64, f64) {
     let Some(bounds) = obstacle.movement.bounds() else {
         return (0.0, 0.0, 0.0);
@@ -102,7 +102,7 @@ fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) ->
     let climb_mps = if planar {
         0.0
     } else {
-        1.5 * share * bounds.climb_change_mps * random.within(-1.0, 1.0)
+        1.4 * share * bounds.climb_change_mps * random.within(-1.0, 1.0)
     };
     (
         side * bounds.turn_rate_radps,

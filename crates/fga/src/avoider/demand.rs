@@ -7,7 +7,7 @@ use crate::certificate::Hazard;
 /// The separation that a manoeuvre must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Demand {
-    /// Share of the bounds of aircraft that it withstands: turns of this share, changes of climb of one and a half times it.
+    /// Share of the bounds of aircraft that it withstands: turns of this share, changes of climb of 1.4 times it.
     pub(super) share: f64,
     /// Distance beyond every volume, metres.
     pub(super) margin_m: f64,
@@ -40,7 +40,7 @@ impl Rung {
     }
 }
 
-/// The demands, the highest first. An aircraft may turn by half of its bounds, and change its climb by three quarters of them.
+/// The demands, the highest first. An aircraft may turn by half of its bounds, and change its climb by 0.7 of them.
 const LADDER: [Rung; 5] = [
     Rung {
         is_far: true,

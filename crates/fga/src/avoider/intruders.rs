@@ -46,7 +46,7 @@ const CLIMB_GOES_ON: f64 = 1.5;
 
 /// A share of turns comes with this many times as much of the change of climb, at most all of it.
 /// `fga-experiments climbs 300` and the recordings chose it.
-const CLIMB_SHARE: f64 = 1.5;
+const CLIMB_SHARE: f64 = 1.4;
 
 /// Below this speed over the ground an aircraft has no course, metres per second.
 const HOVERS_MPS: f64 = 2.0;
