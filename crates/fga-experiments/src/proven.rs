@@ -111,11 +111,17 @@ fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) ->
     )
 }
 
-/// The least distance of the aircraft, which flies its command, from intruders that each turn at a rate for a time and climb, metres.
-fn least_m(plant: &mut Plant, intruders: &mut [Obstacle], motions: &[(f64, f64, f64)]) -> f64 {
+/// The least distance of the aircraft, which flies its command for a time, from intruders that each turn at a rate for a time and
+/// climb, metres.
+fn least_m(
+    plant: &mut Plant,
+    intruders: &mut [Obstacle],
+    motions: &[(f64, f64, f64)],
+    horizon_s: f64,
+) -> f64 {
     let mut least_m = f64::INFINITY;
     // Counted, so that no rounding adds an instant: nothing is claimed beyond the horizon.
-    for instant in 0..(HORIZON_S / INSTANT_S).round() as u32 {
+    for instant in 0..(horizon_s / INSTANT_S).round() as u32 {
         let at_s = f64::from(instant) * INSTANT_S;
         plant.advance(INSTANT_S, |_, _| ());
         for (intruder, (rate_radps, turns_s, climb_mps)) in intruders.iter_mut().zip(motions) {
@@ -202,7 +208,11 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
                     .map(|one| motion(&mut random, one, share, planar))
                     .collect();
                 plant.command(&decision.command, HORIZON_S);
-                let least_m = least_m(&mut plant, &mut intruders, &motions);
+                // Of a kept manoeuvre a little less than the horizon is proven.
+                let certified = decision.record.certified;
+                let until_s = certified.map_or(0.0, |certified| certified.horizon_s());
+                let until_s = until_s.min(HORIZON_S);
+                let least_m = least_m(&mut plant, &mut intruders, &motions, until_s);
                 if least_m < RADIUS_M {
                     count.entered.push((number, RADIUS_M - least_m));
                 }
