@@ -293,10 +293,8 @@ impl Progress {
             held.stages.push(route.stage(0.0, course_rad, &leg));
             return held;
         }
-        let mut found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
-        if found.is_none() {
-            found = self.direct_way_or_none(route, state);
-        }
+        let found = (self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS))
+            .or_else(|| self.direct_way_or_none(route, state));
         let Some(joined) = found else {
             return join(route, (self.index, &leg), state, INTERCEPT_RAD);
         };

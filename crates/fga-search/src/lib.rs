@@ -174,7 +174,7 @@ pub struct Tables {
 impl Tables {
     /// With nothing in them.
     pub const NONE: Self = Self {
-        // Only the larger of both is zeros, with nothing in it.
+        // The larger variant makes all bytes zeros: the constant then takes no flash.
         board: if size_of::<Lattice>() > size_of::<Climbs>() {
             Board::Lattice(Lattice::NONE)
         } else {

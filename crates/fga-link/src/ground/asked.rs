@@ -23,7 +23,7 @@ const ERROR_M: f64 = 16.0;
 const PAUSE_S: f64 = 2.0;
 /// … up to this, seconds: then nobody seems to answer.
 const LONGEST_PAUSE_S: f64 = 32.0;
-/// After so many pieces in a row that the vehicle does not know, one a second, the operator reads it.
+/// The operator reads it once the vehicle has not known this many pieces in a row; one is asked for each second.
 const MOST_UNKNOWN: usize = 30;
 /// Most blocks in memory.
 const MOST_BLOCKS: usize = 64;

@@ -8,8 +8,8 @@ use mavlink::dialects::ardupilotmega::{
 
 /// Posts of a piece.
 const POSTS: usize = 16;
-/// Only this many unanswered pieces, those nearest to the way, are asked for: a block of ArduPilot's has so many pieces, and ArduPilot
-/// holds twelve blocks in memory.
+/// Most unanswered pieces that are asked for, those nearest to the way. A block of ArduPilot has this many pieces; its memory holds
+/// twelve blocks.
 const NEAREST: usize = 56;
 /// Where some posts of a piece were answered the others are asked for again after this, seconds.
 const AGAIN_S: f64 = 0.5;

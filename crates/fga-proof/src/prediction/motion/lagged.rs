@@ -115,11 +115,9 @@ impl Flyer {
 
     /// Keeps the rolls from a bank at which many predictions are about to begin.
     pub fn keep_rolls_from(&mut self, bank_rad: f64) {
-        if !self.keeps_rolls_from(bank_rad) {
-            self.begin_rolls_from(bank_rad);
-            self.keep_bend(1, bank_rad);
-            self.keep_bend(2, -bank_rad);
-        }
+        self.begin_rolls_from(bank_rad);
+        self.keep_bend(1, bank_rad);
+        self.keep_bend(2, -bank_rad);
     }
 
     /// Keeps the turns from a bank in a place.

@@ -115,9 +115,9 @@ impl Avoider<dyn Places + '_> {
         let waited_s = situation.time_s - plan.start_s;
         let asked = (look, given_up, waited_s, latest_s.is_finite());
         let mut found = *plan;
-        let is_found = self.way(situation, now, asked, back).is_some_and(|joined| {
+        let joined = self.way(situation, now, asked, back).filter(|joined| {
             situation.time_s + joined.joined_s <= latest_s
-                && self.fly_back(&joined, &mut found, (situation, now), rung, back)
+                && self.fly_back(joined, &mut found, (situation, now), rung, back)
                 // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
                 // then what is clear of the expected motion.
                 && (self.is_robust_back(back, now, rung)
@@ -125,14 +125,14 @@ impl Avoider<dyn Places + '_> {
                     || waited_s > FLEES_S)
                 && (latest_s.is_infinite()
                     || found.next_start_s.is_none() && found.joined_s < latest_s)
-                && self.return_to(&joined, plan.against, (situation, now))
         });
-        if is_found {
-            *plan = found;
-        } else {
+        let Some(joined) = joined else {
             self.progress = self.before;
-        }
-        is_found
+            return false;
+        };
+        self.return_to(&joined, plan.against, (situation, now));
+        *plan = found;
+        true
     }
 
     /// A way onto the mission, which a manoeuvre takes.
@@ -230,13 +230,13 @@ impl Avoider<dyn Places + '_> {
         }
     }
 
-    /// Remembers a chosen way back and goes on to its leg; true.
+    /// Remembers a chosen way back and goes on to its leg.
     fn return_to(
         &mut self,
         joined: &Join,
         against: Against,
         (situation, now): (&Situation<'_>, &Now<'_>),
-    ) -> bool {
+    ) {
         self.returned = Some(Returned {
             against,
             leg: joined.index,
@@ -245,7 +245,6 @@ impl Avoider<dyn Places + '_> {
         self.on_mission(situation, |progress, route| {
             progress.advance_to(route, now, joined.index);
         });
-        true
     }
 
     /// Adds to a way back that meets other obstacles later the manoeuvre that avoids those; false without one.
