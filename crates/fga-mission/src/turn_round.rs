@@ -9,6 +9,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use crate::join::Join;
 use crate::leg::{Leg, NEAR_M};
 use crate::route::Route;
+use fga_proof::angle::wrap_pi;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::WORD;
@@ -52,7 +53,7 @@ impl Path {
         let is_one = apart < NO_TURN_RAD;
         let between_rad = if is_one { 0.0 } else { libm::atan2(dy, dx) };
         let turn_rad = |side: f64, by_rad: f64| {
-            let turn_rad = libm::fmod(side * by_rad, TAU);
+            let turn_rad = wrap_pi(side * by_rad);
             let turn_rad = if turn_rad < 0.0 {
                 turn_rad + TAU
             } else {

@@ -92,7 +92,7 @@ impl Roll {
         let longest = if may_end {
             LAST
         } else {
-            pace * libm::pow(USUAL_BOW / (BOW * unevenness), 0.2)
+            pace * libm::exp(0.2 * libm::log(USUAL_BOW / (BOW * unevenness)))
         };
         let room = FROM_UPRIGHT * upright;
         let longest = if size > room {

@@ -29,7 +29,7 @@ impl Flyer {
         // The error of a piece grows as the fifth power of its length.
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
-        self.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
+        self.pace = libm::exp(0.2 * libm::log(USUAL_SCALE_M / scale_m)).limited(0.3, 1.0);
         self.rolling_over.set(-full_rad, full_rad, self.pace);
         self.rolling_out.set(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
