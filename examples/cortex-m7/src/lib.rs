@@ -21,8 +21,17 @@ pub const PERIOD_S: f64 = 0.1;
 /// Steps of an encounter.
 pub const STEPS: u32 = 450;
 
-/// Encounters.
+/// Encounters of all but the crowded aircraft.
 pub const ENCOUNTERS: u32 = 10;
+
+/// Encounters of the crowded aircraft.
+pub const CROWDED_ENCOUNTERS: u32 = 3;
+
+/// Work limit of the crowded aircraft: the least that there is.
+const CROWDED_WORK: u32 = 10_000;
+
+/// Posts of the ground in a row, and rows.
+const POSTS: u32 = 41;
 
 /// Bytes with the alignment of all storage.
 #[repr(C, align(16))]
@@ -30,6 +39,24 @@ struct Storage<const BYTES: usize>([u8; BYTES]);
 
 static mut AVOIDER: Storage<STORAGE_BYTES> = Storage([0; STORAGE_BYTES]);
 static mut PROVER: Storage<FGA_PROVER_BYTES> = Storage([0; FGA_PROVER_BYTES]);
+
+/// Hills of 120 m, 400 m apart, lower about the leg.
+static HEIGHTS_M: [f32; (POSTS * POSTS) as usize] = hills();
+/// `fga_ground_peak_count` of them are used.
+static mut PEAKS_M: [f32; 110] = [0.0; 110];
+
+const fn hills() -> [f32; (POSTS * POSTS) as usize] {
+    let mut heights_m = [0.0; (POSTS * POSTS) as usize];
+    let mut at = 0;
+    while at < POSTS * POSTS {
+        let (east, north) = (at % POSTS % 8, at / POSTS);
+        let beside = (north as f32 - 20.0) / 20.0;
+        let slope = if east < 4 { east } else { 8 - east };
+        heights_m[at as usize] = slope as f32 * 30.0 * beside * beside;
+        at += 1;
+    }
+    heights_m
+}
 
 /// Bytes of the storage of the avoider.
 pub const AVOIDER_BYTES: usize = STORAGE_BYTES;
@@ -53,10 +80,12 @@ pub enum Aircraft {
     Lagged,
     /// The same, held at its altitude among obstacles known within 5 m and 0.5 m/s.
     Noisy,
+    /// As the lagged one, among sixteen small unmanned aircraft known as badly, over hills and beside a zone.
+    Crowded,
 }
 
 impl Aircraft {
-    pub const ALL: [Self; 3] = [Self::Ideal, Self::Lagged, Self::Noisy];
+    pub const ALL: [Self; 4] = [Self::Ideal, Self::Lagged, Self::Noisy, Self::Crowded];
 
     /// Its name.
     pub const fn name(self) -> &'static str {
@@ -64,7 +93,21 @@ impl Aircraft {
             Self::Ideal => "ideal",
             Self::Lagged => "lagged",
             Self::Noisy => "noisy",
+            Self::Crowded => "crowded",
         }
+    }
+
+    /// Its encounters, and the obstacles of each.
+    pub fn encounters(self) -> impl Iterator<Item = (u32, u32)> {
+        let row = self as u32;
+        let of_all = (0..ENCOUNTERS)
+            .filter(move |encounter| encounter % 3 == row)
+            .map(|encounter| (encounter, 1 + encounter / 3 % 3));
+        let crowded = match self {
+            Self::Crowded => ENCOUNTERS..ENCOUNTERS + CROWDED_ENCOUNTERS,
+            _ => 0..0,
+        };
+        of_all.chain(crowded.map(|encounter| (encounter, OBSTACLES_MOST)))
     }
 
     fn vehicle(self) -> fga_vehicle {
@@ -112,6 +155,11 @@ impl Flight {
         // SAFETY: right pointers, and this is the only flight.
         let done = unsafe {
             let defaults = fga_settings_default(&raw mut settings);
+            if aircraft == Aircraft::Crowded {
+                settings.work_limit = CROWDED_WORK;
+            }
+            let peaks =
+                fga_ground_fill_peaks(POSTS, POSTS, HEIGHTS_M.as_ptr(), (&raw mut PEAKS_M).cast());
             let made = fga_avoider_init(
                 (&raw mut AVOIDER).cast(),
                 STORAGE_BYTES,
@@ -125,6 +173,7 @@ impl Flight {
             );
             [
                 defaults,
+                peaks,
                 made,
                 fga_avoider_set_mission(avoider, &raw const mission, null_mut()),
                 fga_prover_init(
@@ -159,6 +208,34 @@ impl Flight {
         obstacles: &[fga_obstacle],
         decision: &mut fga_decision,
     ) -> fga_status {
+        let corners = [
+            (250.0, -15.0),
+            (700.0, -15.0),
+            (700.0, -200.0),
+            (250.0, -200.0),
+        ]
+        .map(|(east_m, north_m)| place(east_m, north_m));
+        let village = fga_zone {
+            kind: fga_zone_kind::KeepOut as u32,
+            corner_count: 4,
+            corners: corners.as_ptr(),
+            center: place(0.0, 0.0),
+            radius_m: 0.0,
+            floor_m: f64::NEG_INFINITY,
+            ceiling_m: 300.0,
+        };
+        let ground = fga_ground {
+            columns: POSTS,
+            rows: POSTS,
+            corner: place(-500.0, -1000.0),
+            spacing: place(50.0, 50.0),
+            heights_m: HEIGHTS_M.as_ptr(),
+            peaks_m: (&raw const PEAKS_M).cast(),
+            error_m: 5.0,
+            clearance_m: 30.0,
+            ..sized()
+        };
+        let is_crowded = self.aircraft == Aircraft::Crowded;
         let situation = fga_situation {
             size: size_of::<fga_situation>() as u32,
             obstacle_count: obstacles.len() as u32,
@@ -170,9 +247,13 @@ impl Flight {
                 north: 0.0,
                 up: 0.0,
             },
-            zone_count: 0,
-            zones: null(),
-            ground: null(),
+            zone_count: u32::from(is_crowded),
+            zones: &raw const village,
+            ground: if is_crowded {
+                &raw const ground
+            } else {
+                null()
+            },
         };
         // SAFETY: right pointers.
         unsafe { fga_avoider_step(self.avoider, &raw const situation, decision, null_mut()) }
@@ -263,6 +344,11 @@ impl Flight {
     }
 }
 
+/// A place on the ground.
+const fn place(east_m: f64, north_m: f64) -> fga_place {
+    fga_place { east_m, north_m }
+}
+
 /// A mission that says nothing.
 fn mission() -> fga_mission {
     fga_mission {
@@ -351,7 +437,8 @@ impl Drawn {
         let mut obstacles = [(); OBSTACLES_MOST as usize].map(|()| obstacle());
         for (id, slot) in (1..=count).zip(&mut obstacles) {
             let meets_s = self.real(8.0, 30.0);
-            let is_still = self.below(3) == 0;
+            let is_crowded = aircraft == Aircraft::Crowded;
+            let is_still = self.below(3) == 0 && !is_crowded;
             let velocity_mps = if is_still {
                 fga_enu {
                     east: 0.0,
@@ -370,16 +457,16 @@ impl Drawn {
                 north: self.real(-25.0, 25.0) - velocity_mps.north * meets_s,
                 up: 100.0 + self.real(-10.0, 10.0),
             };
-            let is_noisy = aircraft == Aircraft::Noisy;
+            let is_noisy = is_crowded || aircraft == Aircraft::Noisy;
             *slot = fga_obstacle {
                 id,
                 position_m: place_m,
                 velocity_mps,
                 volume: fga_volume::Sphere as u32,
-                movement: if is_still {
-                    fga_movement::AtRest
-                } else {
-                    fga_movement::Straight
+                movement: match (is_crowded, is_still) {
+                    (true, _) => fga_movement::SmallUas,
+                    (_, true) => fga_movement::AtRest,
+                    _ => fga_movement::Straight,
                 } as u32,
                 radius_m: 30.0,
                 position_sigma_m: if is_noisy { 5.0 } else { 0.0 },

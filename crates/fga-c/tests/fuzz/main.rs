@@ -1,8 +1,9 @@
 //! Drawn calls through the C interface, right and wrong: none crashes, none writes outside of what it is lent, every misuse is
 //! a status, and a refused call changes nothing.
 //!
-//! `FGA_C_CALLS` is the number of calls, 10,000 without it. Under the address sanitizer:
-//! `RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p fga-c --test fuzz --target x86_64-unknown-linux-gnu`.
+//! `FGA_C_CALLS` is the number of calls, 10,000 without it; `FGA_C_SEED` draws others. Under the address sanitizer:
+//! `RUSTFLAGS=-Zsanitizer=address cargo +nightly test --release -p fga-c --test fuzz --target x86_64-unknown-linux-gnu`;
+//! without `--release` a million take an hour.
 
 #![allow(unsafe_code, reason = "calls the interface as C does")]
 
@@ -423,12 +424,15 @@ impl Fuzz {
 
 #[test]
 fn drawn_calls_never_crash_write_outside_or_pass_a_misuse() {
-    let calls = std::env::var("FGA_C_CALLS").map_or(10_000, |text| text.parse().expect("a number"));
-    // The present core needs half a megabyte of stack.
+    let number = |name: &str, otherwise: u64| {
+        std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
+    };
+    let (calls, seed) = (number("FGA_C_CALLS", 10_000), number("FGA_C_SEED", 37));
+    // Frames of the address sanitizer are large.
     let flown = std::thread::Builder::new()
         .stack_size(8 << 20)
         .spawn(move || {
-            let mut fuzz = Fuzz::new(37);
+            let mut fuzz = Fuzz::new(seed);
             for _ in 0..calls {
                 fuzz.call();
             }

@@ -1,4 +1,4 @@
-//! Flies ten encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
+//! Flies thirteen encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
 //!
 //! `qemu-system-arm -M mps2-an500 -icount shift=0 -nographic -semihosting-config enable=on,target=native -kernel target`: an
 //! instruction takes a nanosecond, and the system timer counts every fortieth.
@@ -122,37 +122,33 @@ mod board {
         writeln!(out, "bytes of a prover,{FGA_PROVER_BYTES}").ok()?;
         writeln!(out, "bytes of a decision,{}", size_of::<fga_decision>()).ok()?;
 
-        let mut taken = [[Taken::default(); 3]; 3];
+        let mut taken = [[Taken::default(); 3]; Aircraft::ALL.len()];
         let mut init_stack = 0;
         let mut hash = HASH_SEED;
         for (row, aircraft) in Aircraft::ALL.into_iter().enumerate() {
             stack.paint();
             let mut flight = Flight::new(aircraft)?;
             init_stack = init_stack.max(stack.used());
-            for encounter in (0..ENCOUNTERS).filter(|encounter| *encounter as usize % 3 == row) {
+            for (encounter, obstacles) in aircraft.encounters() {
                 let mut flown = [0_u32; 3];
-                let square = flight.fly(
-                    u64::from(encounter) + 10,
-                    1 + encounter / 3 % 3,
-                    |step, decision| {
-                        stack.paint();
-                        let before = SYST::get_current();
-                        let status = step(decision);
-                        let passed = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
-                        let used = stack.used();
-                        if !matches!(status, fga_status::Ok) {
-                            debug::exit(debug::EXIT_FAILURE);
-                        }
-                        let kind = kind(decision);
-                        flown[kind] += 1;
-                        let of = &mut taken[row][kind];
-                        let instructions = u64::from(passed) * TICK;
-                        of.steps += 1;
-                        of.instructions += instructions;
-                        of.most = of.most.max(instructions);
-                        of.stack = of.stack.max(used);
-                    },
-                );
+                let square = flight.fly(u64::from(encounter) + 10, obstacles, |step, decision| {
+                    stack.paint();
+                    let before = SYST::get_current();
+                    let status = step(decision);
+                    let passed = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
+                    let used = stack.used();
+                    if !matches!(status, fga_status::Ok) {
+                        debug::exit(debug::EXIT_FAILURE);
+                    }
+                    let kind = kind(decision);
+                    flown[kind] += 1;
+                    let of = &mut taken[row][kind];
+                    let instructions = u64::from(passed) * TICK;
+                    of.steps += 1;
+                    of.instructions += instructions;
+                    of.most = of.most.max(instructions);
+                    of.stack = of.stack.max(used);
+                });
                 let [quiet, kept, chosen] = flown;
                 // Whole numbers: the formatting of reals is no part of what is measured.
                 let clear = square >= 30.0 * 30.0;
