@@ -8,6 +8,9 @@ pub const MAX_CORNERS: usize = 256;
 /// A corner is at most this far from the origin, metres.
 const FARTHEST_M: f64 = 1e7;
 
+/// A polygon narrower than this has no area, metres: two corners, each rounded to 10⁻⁷ degrees.
+const NARROWEST_M: f64 = 0.02;
+
 /// Why numbers are no zone; corners and edges count from 1, and edge n leads from corner n to the next one.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -36,6 +39,9 @@ pub enum ZoneError {
         /// A later one.
         other: usize,
     },
+    /// Corners on one line.
+    #[error("polygon has no area, expected one that is wider than {NARROWEST_M} m")]
+    Narrow,
     /// A hole that is not inside of the outline, or meets another ring.
     #[error("hole {0} is not inside of the outline and apart from the other holes")]
     Hole(usize),
@@ -48,7 +54,7 @@ pub enum ZoneError {
 ///
 /// # Errors
 /// Fewer than 3 corners or more than [`MAX_CORNERS`], a corner that is no place or repeats another one, edges that meet elsewhere
-/// than in their common corner.
+/// than in their common corner, corners on one line.
 pub fn polygon(corners_m: Vec<Vec2>) -> Result<Vec<Vec2>, ZoneError> {
     let count = corners_m.len();
     if !(3..=MAX_CORNERS).contains(&count) {
@@ -78,6 +84,10 @@ pub fn polygon(corners_m: Vec<Vec2>) -> Result<Vec<Vec2>, ZoneError> {
                 return Err(ZoneError::Crosses { one, other });
             }
         }
+    }
+    let length_m: f64 = edges(&corners_m).map(|(a, b)| a.distance(b)).sum();
+    if twice_area_m2(&corners_m).abs() < NARROWEST_M * length_m {
+        return Err(ZoneError::Narrow);
     }
     Ok(corners_m)
 }
@@ -166,10 +176,14 @@ fn surrounds(ring: &[Vec2], at: Vec2) -> bool {
     edges(ring).filter(is_beyond).count() % 2 == 1
 }
 
+/// Twice the area of a ring, square metres; positive to the left.
+fn twice_area_m2(ring: &[Vec2]) -> f64 {
+    edges(ring).map(|(a, b)| a.perp_dot(b)).sum()
+}
+
 /// Turns a ring round, unless it is.
 fn turn(ring: &mut [Vec2], to_left: bool) {
-    let twice_m2: f64 = edges(ring).map(|(a, b)| a.perp_dot(b)).sum();
-    if (twice_m2 > 0.0) != to_left {
+    if (twice_area_m2(ring) > 0.0) != to_left {
         ring.reverse();
     }
 }
@@ -230,6 +244,11 @@ mod tests {
         assert_eq!(at(&back), crosses(1, 2));
         let touching = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.0], [0.0, 2.0]];
         assert_eq!(at(&touching), crosses(1, 3));
+        // Three corners on one line, each within 8 mm of it, as degrees with seven decimals are.
+        let line = [[0.0, 0.0], [700.0, 499.992], [1400.0, 1000.008]];
+        assert_eq!(at(&line), ZoneError::Narrow);
+        let sliver = [[0.0, 0.0], [700.0, 500.0], [1400.0, 1000.2]];
+        assert!(polygon(sliver.map(Vec2::from_array).to_vec()).is_ok());
         assert!(heights_m(2.0, 2.0).is_err() && heights_m(f64::NAN, 2.0).is_err());
         assert_eq!(
             heights_m(f64::NEG_INFINITY, 2.0),

@@ -1,7 +1,8 @@
 //! Zones against code of this test: containment as `geo` has it, and the certificate never above what a flight keeps.
 //!
 //! The flights are integrated here in steps of a millisecond, the distances are measured here. 2,000 flights and 10⁵ places
-//! by default; `FGA_ZONE_CASES` and `FGA_ZONE_PLACES` set other numbers (10⁵ flights take a minute).
+//! by default; `FGA_ZONE_CASES` and `FGA_ZONE_PLACES` set other numbers (10⁵ flights take a minute),
+//! `FGA_FIRST_CASE` draws other flights.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -22,7 +23,7 @@ use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::Mission;
 use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga_proof::{Vec2, Vec3};
-use flown::{Flown, INTEGRATED_M, number};
+use flown::{Flown, INTEGRATED_M, drawn, number};
 use random::Random;
 
 /// Most corners of a drawn polygon.
@@ -129,7 +130,7 @@ impl Shape {
 fn no_zone_is_nearer_than_certified() {
     let cases = number("FGA_ZONE_CASES", 2_000);
     let (mut clear, mut entered, mut slackest) = (0, 0, 0.0_f64);
-    for case in 0..cases {
+    for case in drawn(cases) {
         let random = &mut Random(0x5ee0_0000 + case);
         let vehicle = random.vehicle();
         let maneuver = random.maneuver();
@@ -248,13 +249,11 @@ fn no_zone_is_nearer_than_certified() {
             "{case}: {bound_m} above {least_m}"
         );
         let known_m = SLACK_M + 1e-3 * speed_mps;
-        // So near a zone a flight is not known to enter none, and nothing is spared.
-        let spared_m = if least_m < known_m + path.remainder_m() {
-            0.0
-        } else {
-            spare_m
-        };
-        let slack_m = least_m.min(1e3) + spared_m - found.margin_m - path.remainder_m();
+        // So near a zone a flight is not known to enter none: just above a ceiling it may be as deep as the zone is wide.
+        if least_m < known_m + path.remainder_m() {
+            continue;
+        }
+        let slack_m = least_m.min(1e3) + spare_m - found.margin_m - path.remainder_m();
         slackest = slackest.max(slack_m);
         assert!(
             slack_m <= known_m,

@@ -66,6 +66,12 @@ pub(crate) fn number(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
 }
 
+/// The numbers of some cases, from `FGA_FIRST_CASE` on, 0 without it.
+pub(crate) fn drawn(cases: u64) -> core::ops::Range<u64> {
+    let first = number("FGA_FIRST_CASE", 0);
+    first..first + cases
+}
+
 /// The flight of an ideal aircraft, integrated by mid-points.
 pub(crate) struct Flown<'a> {
     vehicle: &'a Vehicle,
