@@ -1,7 +1,7 @@
 //! Any bytes are a batch file that is read back as it is written, or are refused.
 #![no_main]
 
-use fga_formats::encounters::{self, Writer};
+use fga_formats::encounters::{self, EncounterWriter};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(found) = encounters::parse(bytes, Path::new("e.csv")) else {
         return;
     };
-    let mut writer = Writer::new(Vec::new()).expect("memory takes all");
+    let mut writer = EncounterWriter::new(Vec::new()).expect("memory takes all");
     for encounter in &found {
         assert!(!encounter.obstacles.is_empty());
         writer.write(encounter).expect("memory takes all");

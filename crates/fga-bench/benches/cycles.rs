@@ -12,7 +12,7 @@ mod clock;
 use core::hint::black_box;
 
 use clock::{quickest_us, reading_us};
-use fga_bench::cycles::{Aircraft, Encounter, Kind};
+use fga_bench::cycles::{BenchAircraft, BenchEncounter, StepKind};
 
 /// Repetitions of each step.
 const RUNS: usize = 5;
@@ -28,17 +28,17 @@ const ADVERSARIAL: u64 = 40;
 
 /// The measured step.
 struct Sample {
-    kind: Kind,
+    kind: StepKind,
     cycle: usize,
     micros: f64,
     work: u32,
 }
 
-fn measure(encounter: Encounter, clock_us: f64, samples: &mut Vec<Sample>) {
+fn measure(encounter: BenchEncounter, clock_us: f64, samples: &mut Vec<Sample>) {
     let first = samples.len();
     encounter.fly(|before, situation, decision| {
         samples.push(Sample {
-            kind: Kind::of(decision),
+            kind: StepKind::of(decision),
             cycle: samples.len() - first,
             micros: quickest_us(
                 RUNS,
@@ -109,7 +109,7 @@ fn main() {
 /// The kinds of steps in drawn encounters.
 fn drawn(quick: bool, clock_us: f64) {
     println!("aircraft,obstacles,kind,steps,median_us,p99_us,largest_us,ns_a_unit");
-    for aircraft in Aircraft::ALL {
+    for aircraft in BenchAircraft::ALL {
         for count in [1, 3, 10, 30, 100] {
             let encounters = if quick {
                 1
@@ -119,12 +119,12 @@ fn drawn(quick: bool, clock_us: f64) {
             let mut samples = Vec::new();
             for number in 0..encounters {
                 measure(
-                    Encounter::threats(aircraft, count, number),
+                    BenchEncounter::threats(aircraft, count, number),
                     clock_us,
                     &mut samples,
                 );
             }
-            for kind in Kind::ALL {
+            for kind in StepKind::ALL {
                 let name = format!("{},{count},{}", aircraft.name(), kind.name());
                 report(&name, &samples, |sample| sample.kind == kind);
             }
@@ -137,7 +137,7 @@ fn adversarial(quick: bool, clock_us: f64) {
     let mut all = Vec::new();
     for number in 0..if quick { 1 } else { ADVERSARIAL } {
         let mut samples = Vec::new();
-        measure(Encounter::adversarial(number), clock_us, &mut samples);
+        measure(BenchEncounter::adversarial(number), clock_us, &mut samples);
         all.extend(samples.into_iter().map(|sample| (number, sample)));
     }
     println!("adversarial,steps,median,p99,p99.99,largest");

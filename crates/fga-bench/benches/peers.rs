@@ -28,7 +28,7 @@ use clock::{quickest_us, reading_us};
 use dodgy_3d::{Agent, AvoidanceOptions, Vec3 as Single};
 use fga::Vec3;
 use fga::situation::Situation;
-use fga_bench::cycles::{Aircraft, Encounter, Kind};
+use fga_bench::cycles::{BenchAircraft, BenchEncounter, StepKind};
 use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::settings::PolicySettings;
 use fga_sim::vehicle_file::VehicleModel;
@@ -40,13 +40,13 @@ const RUNS: usize = 5;
 const ENCOUNTERS: u64 = 120;
 
 /// Aircraft and numbers of obstacles.
-const CASES: [(Aircraft, u32); 6] = [
-    (Aircraft::Ideal, 1),
-    (Aircraft::Ideal, 3),
-    (Aircraft::Ideal, 10),
-    (Aircraft::Lagged, 1),
-    (Aircraft::Lagged, 3),
-    (Aircraft::Lagged, 10),
+const CASES: [(BenchAircraft, u32); 6] = [
+    (BenchAircraft::Ideal, 1),
+    (BenchAircraft::Ideal, 3),
+    (BenchAircraft::Ideal, 10),
+    (BenchAircraft::Lagged, 1),
+    (BenchAircraft::Lagged, 3),
+    (BenchAircraft::Lagged, 10),
 ];
 
 /// The peers, and the paper's rules.
@@ -115,14 +115,14 @@ fn dodgy_us(situation: &Situation<'_>, clock_us: f64) -> f64 {
     )
 }
 
-fn measure(encounter: Encounter, clock_us: f64, methods: &mut [Measured]) {
+fn measure(encounter: BenchEncounter, clock_us: f64, methods: &mut [Measured]) {
     for method in methods.iter_mut() {
         if let Some(pilot) = &mut method.pilot {
             pilot.restart();
         }
     }
     encounter.fly(|before, situation, decision| {
-        let chooses = Kind::of(decision) == Kind::Choosing;
+        let chooses = StepKind::of(decision) == StepKind::Choosing;
         let own_us = quickest_us(
             RUNS,
             clock_us,
@@ -147,13 +147,17 @@ fn measure(encounter: Encounter, clock_us: f64, methods: &mut [Measured]) {
 }
 
 /// Encounters with a number of obstacles.
-fn encounters(aircraft: Aircraft, count: u32, quick: bool) -> impl Iterator<Item = Encounter> {
+fn encounters(
+    aircraft: BenchAircraft,
+    count: u32,
+    quick: bool,
+) -> impl Iterator<Item = BenchEncounter> {
     let encounters = if quick {
         1
     } else {
         ENCOUNTERS / u64::from(count)
     };
-    (0..encounters).map(move |number| Encounter::threats(aircraft, count, number))
+    (0..encounters).map(move |number| BenchEncounter::threats(aircraft, count, number))
 }
 
 /// Writes the situations in which fga chose.
@@ -168,7 +172,7 @@ fn write_situations(file: &str, quick: bool) -> std::io::Result<()> {
         let mut step = 0;
         for encounter in encounters(aircraft, count, quick) {
             encounter.fly(|_, situation, decision| {
-                if Kind::of(decision) == Kind::Choosing {
+                if StepKind::of(decision) == StepKind::Choosing {
                     let own = &situation.ownship;
                     let head = format!("{},{count},{step}", aircraft.name());
                     let mut row = |id: &str, at: Vec3, velocity: Vec3, radius_m: f64| {

@@ -12,7 +12,7 @@ use fga::vehicle::{Response, Vehicle};
 
 /// The kind of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum StepKind {
     /// The way ahead is clear.
     Quiet,
     /// Flies or awaits a manoeuvre or way back, without a search.
@@ -25,7 +25,7 @@ pub enum Kind {
     Hopeless,
 }
 
-impl Kind {
+impl StepKind {
     /// All kinds.
     pub const ALL: [Self; 5] = [
         Self::Quiet,
@@ -62,7 +62,7 @@ impl Kind {
 
 /// The aircraft and the quality of its sight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aircraft {
+pub enum BenchAircraft {
     /// Table 4: it turns at once, and sees exactly.
     Ideal,
     /// Its bank lags by 0.6 s and its turn rate is 0.74 of the ideal one.
@@ -73,7 +73,7 @@ pub enum Aircraft {
     Flown,
 }
 
-impl Aircraft {
+impl BenchAircraft {
     /// All aircraft.
     pub const ALL: [Self; 4] = [Self::Ideal, Self::Lagged, Self::Noisy, Self::Flown];
 
@@ -128,8 +128,8 @@ const MOST_CYCLES: u32 = 400;
 
 /// A drawn encounter.
 #[derive(Debug, Clone)]
-pub struct Encounter {
-    aircraft: Aircraft,
+pub struct BenchEncounter {
+    aircraft: BenchAircraft,
     settings: Settings,
     vehicle: Vehicle,
     wind_mps: Vec3,
@@ -138,9 +138,9 @@ pub struct Encounter {
     random: Random,
 }
 
-impl Encounter {
+impl BenchEncounter {
     /// Threats that each meet the aircraft within 25 s, a few metres off its line.
-    pub fn threats(aircraft: Aircraft, count: u32, number: u64) -> Self {
+    pub fn threats(aircraft: BenchAircraft, count: u32, number: u64) -> Self {
         let mut random = Random(number.wrapping_mul(1_000_003) ^ u64::from(count));
         let vehicle = aircraft.vehicle();
         let obstacles = (0..count)
@@ -154,11 +154,11 @@ impl Encounter {
                 let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
                 let mut obstacle =
                     Obstacle::straight(id, meets_m - velocity * meets_s, velocity, volume);
-                if aircraft == Aircraft::Noisy {
+                if aircraft == BenchAircraft::Noisy {
                     obstacle.uncertainty.position_m = 5.0;
                     obstacle.uncertainty.velocity_mps = 0.5;
                 }
-                if aircraft == Aircraft::Flown {
+                if aircraft == BenchAircraft::Flown {
                     obstacle.movement = Movement::SMALL_UAS;
                 }
                 obstacle
@@ -182,7 +182,7 @@ impl Encounter {
     /// lag of 0.2 to 1.2 s, σ of 10 m, wind of up to 0.95 of the airspeed, a mission of short legs.
     pub fn adversarial(number: u64) -> Self {
         let mut random = Random(number.wrapping_mul(7_919) ^ 0xad);
-        let mut encounter = Self::threats(Aircraft::Noisy, 0, number);
+        let mut encounter = Self::threats(BenchAircraft::Noisy, 0, number);
         let vehicle = &mut encounter.vehicle;
         vehicle.response.bank_time_constant_s = random.within(0.2, 1.2);
         let airspeed_mps = vehicle.airspeed_mps;
@@ -258,7 +258,7 @@ impl Encounter {
             let time_s = f64::from(cycle) * PERIOD_S;
             for (seen, truth) in seen.iter_mut().zip(&self.obstacles) {
                 seen.position_m = truth.position_after_m(time_s);
-                if self.aircraft == Aircraft::Noisy {
+                if self.aircraft == BenchAircraft::Noisy {
                     let random = &mut self.random;
                     let mut off = || random.within(-5.0, 5.0);
                     seen.position_m += Vec3::new(off(), off(), off());

@@ -134,7 +134,7 @@ impl Kind for Proving {
 }
 
 /// What came of a proof.
-struct Found {
+struct FoundMargin {
     verdict: fga_verdict,
     margin_m: f64,
     at_s: f64,
@@ -188,7 +188,7 @@ impl Proving {
         stages: &[fga_stage],
         (obstacles, mission): (&[fga_obstacle], &Mission<'_>),
         question: &fga_question,
-    ) -> Result<Found, Refused> {
+    ) -> Result<FoundMargin, Refused> {
         let mut now = UNSAID;
         situation.moment(&mut now)?;
         let (ownship, wind_mps) = (now.ownship, now.wind_mps);
@@ -205,7 +205,7 @@ impl Proving {
         let around = self.hazards.over(mission);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
-            return Ok(Found {
+            return Ok(FoundMargin {
                 verdict: fga_verdict::Proven,
                 margin_m: certified.margin_m(),
                 at_s: 0.0,
@@ -223,7 +223,7 @@ impl Proving {
         let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
-        Ok(Found {
+        Ok(FoundMargin {
             verdict: if is_examined {
                 fga_verdict::BelowTarget
             } else {

@@ -7,7 +7,7 @@ use clap::Args;
 use fga_formats::atomic;
 use fga_formats::conf::{self, Configuration};
 use fga_formats::daa::instants::{self, Instants};
-use fga_formats::daa::tables::{Tables, watch};
+use fga_formats::daa::tables::{DaaTables, watch};
 use serde_json::json;
 
 use crate::common::{AnswerArgs, OutArgs, tell_left_out};
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &AlertsArgs) -> Result<ExitCode, Failure> {
     let input = &args.input;
     let (recording, configuration) = input.read()?;
     let folder = input.out.prepare(&input.recording)?;
-    let tables = Tables {
+    let tables = DaaTables {
         recording: &recording,
         configuration: &configuration,
     };

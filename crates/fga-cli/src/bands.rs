@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::atomic;
-use fga_formats::daa::tables::{Tables, watch};
+use fga_formats::daa::tables::{DaaTables, watch};
 use serde_json::json;
 
 use crate::alerts::DetectArgs;
@@ -22,12 +22,12 @@ pub(crate) fn run(args: &BandsArgs) -> Result<ExitCode, Failure> {
     let input = &args.input;
     let (recording, configuration) = input.read()?;
     let folder = input.out.prepare(&input.recording)?;
-    let tables = Tables {
+    let tables = DaaTables {
         recording: &recording,
         configuration: &configuration,
     };
     // The name as the user gave it, so that outputs of the same command compare.
-    let mut text = Tables::bands_head(&input.recording.display().to_string());
+    let mut text = DaaTables::bands_head(&input.recording.display().to_string());
     let mut times = 0;
     watch(&recording, &configuration, |monitor, scene| {
         tables.bands_text(monitor, scene, &mut text);

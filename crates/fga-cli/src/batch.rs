@@ -22,7 +22,7 @@ use fga_results::provenance::Provenance;
 use fga_results::worst::Worst;
 
 /// Files of a batch under construction.
-struct Files {
+struct BatchFiles {
     results: AtomicFile,
     timing: AtomicFile,
     tracks: Option<AtomicFile>,
@@ -31,7 +31,7 @@ struct Files {
     more: MoreColumns,
 }
 
-impl Files {
+impl BatchFiles {
     fn create(folder: PathBuf, tracks: bool, more: MoreColumns) -> Result<Self, OutputError> {
         let columns = result_columns(more);
         let begin = |name: &str, columns: &str| {
@@ -85,7 +85,7 @@ impl Files {
 
 /// Figures over all encounters.
 #[derive(Default)]
-struct Totals {
+struct BatchTotals {
     encounters: usize,
     separated: usize,
     manoeuvred: usize,
@@ -98,7 +98,7 @@ struct Totals {
     decisions: usize,
 }
 
-impl Totals {
+impl BatchTotals {
     fn take(&mut self, row: &BatchRow) {
         self.encounters += 1;
         self.decisions += row.decisions;
@@ -180,8 +180,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let settings = &input.settings;
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
-    let mut files = Files::create(folder, args.tracks, input.more_columns())?;
-    let mut totals = Totals::default();
+    let mut files = BatchFiles::create(folder, args.tracks, input.more_columns())?;
+    let mut totals = BatchTotals::default();
     let mut worst = Worst::new(args.replay);
     let mut place = 0_usize;
     let begun = Instant::now();

@@ -28,11 +28,11 @@ pub(crate) struct Input {
     pub(crate) settings: BatchSettings,
     /// Fingerprint of the files.
     pub(crate) sha256: String,
-    encounters: Encounters,
+    encounters: BatchEncounters,
 }
 
 #[derive(Debug)]
-enum Encounters {
+enum BatchEncounters {
     Rows(RowTable),
     Tracks(Box<Tracks>),
 }
@@ -63,7 +63,7 @@ impl Input {
                 let rows = drawn::read_rows(path)?;
                 Self {
                     sha256: rows.sha256.clone(),
-                    encounters: Encounters::Rows(rows),
+                    encounters: BatchEncounters::Rows(rows),
                     settings,
                 }
             }
@@ -72,7 +72,7 @@ impl Input {
                 tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
                 Self {
                     sha256: tracks.sha256(),
-                    encounters: Encounters::Tracks(Box::new(tracks)),
+                    encounters: BatchEncounters::Tracks(Box::new(tracks)),
                     settings,
                 }
             }
@@ -82,7 +82,7 @@ impl Input {
     /// What the results have besides the columns of every batch.
     pub(crate) fn more_columns(&self) -> MoreColumns {
         MoreColumns {
-            is_bounded: matches!(&self.encounters, Encounters::Rows(rows) if rows.surroundings.exist()),
+            is_bounded: matches!(&self.encounters, BatchEncounters::Rows(rows) if rows.surroundings.exist()),
             is_own: self.settings.policy.own().is_some(),
             is_named: self.names().is_some(),
         }
@@ -91,16 +91,16 @@ impl Input {
     /// Names of the encounters, where they have names.
     pub(crate) fn names(&self) -> Option<&[String]> {
         match &self.encounters {
-            Encounters::Rows(_) => None,
-            Encounters::Tracks(tracks) => Some(tracks.names()),
+            BatchEncounters::Rows(_) => None,
+            BatchEncounters::Tracks(tracks) => Some(tracks.names()),
         }
     }
 
     /// What was left out, by reason, with the number of recordings left out as a whole.
     pub(crate) fn left_out(&self) -> Map<String, Value> {
         match &self.encounters {
-            Encounters::Rows(_) => Map::new(),
-            Encounters::Tracks(tracks) => left_out(tracks),
+            BatchEncounters::Rows(_) => Map::new(),
+            BatchEncounters::Tracks(tracks) => left_out(tracks),
         }
     }
 
@@ -110,8 +110,8 @@ impl Input {
         take: impl FnMut(&BatchRow) -> Result<(), E>,
     ) -> Result<(), BatchError<E>> {
         match &self.encounters {
-            Encounters::Rows(rows) => fly_all(rows, &self.settings, take),
-            Encounters::Tracks(tracks) => fly_tracks(tracks, &self.settings, take),
+            BatchEncounters::Rows(rows) => fly_all(rows, &self.settings, take),
+            BatchEncounters::Tracks(tracks) => fly_tracks(tracks, &self.settings, take),
         }
     }
 
@@ -119,7 +119,7 @@ impl Input {
     pub(crate) fn show(&self, place: usize) -> Result<Option<RunLog>, Failure> {
         let policy = &self.settings.policy;
         match &self.encounters {
-            Encounters::Rows(rows) => {
+            BatchEncounters::Rows(rows) => {
                 let (Some(mut world), Some(encounter)) =
                     (empty_world(&self.settings), rows.encounters.get(place))
                 else {
@@ -130,7 +130,7 @@ impl Input {
                 let plan = plan(world, encounter, &self.settings.model);
                 Ok(Some(show(plan, policy)?))
             }
-            Encounters::Tracks(tracks) => {
+            BatchEncounters::Tracks(tracks) => {
                 let plan = tracks.plan(place, &self.settings)?;
                 Ok(Some(fga_sim::run::fly(plan, policy, &mut |_| ())?))
             }
@@ -140,8 +140,8 @@ impl Input {
     /// Left-out recordings are an error unless `--skip-damaged` accepts them.
     pub(crate) fn verdict(&self, skip_damaged: bool) -> Result<ExitCode, Failure> {
         match &self.encounters {
-            Encounters::Rows(_) => Ok(ExitCode::SUCCESS),
-            Encounters::Tracks(tracks) => verdict(tracks, skip_damaged),
+            BatchEncounters::Rows(_) => Ok(ExitCode::SUCCESS),
+            BatchEncounters::Tracks(tracks) => verdict(tracks, skip_damaged),
         }
     }
 }

@@ -14,15 +14,15 @@ use fga_results::flight_files;
 use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, Folder, Manifest, PolicyTimes, RESULTS, Shard, Stamp, Task, assemble,
-    merge, reread, run as fly,
+    Campaign, CampaignError, CampaignStamp, CampaignTask, Folder, Manifest, PolicyTimes, RESULTS,
+    Shard, assemble, merge, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
 use crate::batch_input::PARTS;
 use crate::campaign_draw::{self, DrawArgs};
-use crate::campaign_progress::Display;
+use crate::campaign_progress::ProgressDisplay;
 use crate::campaign_report::{self, ReportArgs};
 use crate::campaign_source::SourceArgs;
 use crate::common::{
@@ -160,10 +160,10 @@ fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
-    let task = Task {
+    let task = CampaignTask {
         campaign: &campaign,
         shard: args.shard.unwrap_or(Shard::WHOLE),
-        stamp: Stamp::of_this_build(TARGET),
+        stamp: CampaignStamp::of_this_build(TARGET),
         folder: Folder::at(&args.out.prepare(&args.file)?),
         resume: args.resume,
         is_expected: true,
@@ -174,7 +174,7 @@ fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
         return verdict(&campaign, args.skip_damaged);
     }
     watch_for_interrupt();
-    let mut display = Display::new();
+    let mut display = ProgressDisplay::new();
     let flown = args.threads.install(|| {
         fly(&task, &|| !interrupted(), &mut |progress| {
             display.show(progress);
@@ -236,7 +236,11 @@ fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// The folder already holds all results.
-fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<(), Failure> {
+fn finished(
+    task: &CampaignTask<'_>,
+    manifest: &Manifest,
+    answer: AnswerArgs,
+) -> Result<(), Failure> {
     task.folder.open(manifest, true)?;
     let expected = std::fs::read(task.folder.file("run.json"))
         .ok()

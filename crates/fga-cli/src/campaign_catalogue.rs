@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use fga_report::listing::{Listing, ListingRow, Tally};
+use fga_report::listing::{Listing, ListingRow, ListingTally};
 use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
 use fga_sim::policy::PolicyChoice;
 use fga_view::Catalogue;
@@ -70,7 +70,7 @@ impl CampaignCatalogue {
         let of_each = MOST_ROWS.div_ceil(policies.len().max(1));
         // Lost but avoidable flights come first.
         let mut worst: Vec<Worst<Row>> = policies.iter().map(|_| Worst::new(of_each)).collect();
-        let mut tallies = vec![Tally::default(); policies.len()];
+        let mut tallies = vec![ListingTally::default(); policies.len()];
         let mut flights = 0_u64;
         files.read(&self.campaign, |row| {
             flights += 1;

@@ -9,7 +9,7 @@ use fga_formats::atomic::{AtomicFile, AtomicFolder};
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::{Campaign, Scene};
+use fga_sim::campaign::{Campaign, CampaignScene};
 use fga_sim::drawn::{
     Content, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
 };
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Numbers of drawn encounters.
-struct Drawn {
+struct DrawnFiles {
     /// Obstacles around a line.
     rows: usize,
     /// Aircraft with tracks.
@@ -95,9 +95,9 @@ struct Drawn {
 }
 
 /// Draws the encounters of a campaign into a folder.
-fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
+fn draw(campaign: &Campaign, folder: &Path) -> Result<DrawnFiles, Failure> {
     let mut rows = Vec::new();
-    let mut tracks: Option<Table> = None;
+    let mut tracks: Option<DrawnTable> = None;
     let mut recordings = 0_u64;
     let mut list = String::from("encounter,source,source_encounter,seed,weight,file\n");
     for number in 0..campaign.configuration.encounters {
@@ -107,7 +107,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
             .get(drawn.source as usize)
             .map_or("", String::as_str);
         let file = match drawn.scene {
-            Scene::Rows(encounter) => {
+            CampaignScene::Rows(encounter) => {
                 if campaign.has_surroundings() {
                     if rows.is_empty() {
                         atomic::prepare_folder(&folder.join(SURROUNDINGS))?;
@@ -117,7 +117,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
                 rows.push(encounter);
                 "encounters.csv".to_owned()
             }
-            Scene::Tracks(mut recording) => {
+            CampaignScene::Tracks(mut recording) => {
                 if recordings == 0 {
                     atomic::prepare_folder(&folder.join(RECORDINGS))?;
                 }
@@ -130,7 +130,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
                 origin.mark(&mut recording);
                 let table = match &mut tracks {
                     Some(table) => table,
-                    None => tracks.insert(Table::create(folder, TRACKS, Content::Tracks)?),
+                    None => tracks.insert(DrawnTable::create(folder, TRACKS, Content::Tracks)?),
                 };
                 let pushed = table.writer.push_tracks(&recording, &origin);
                 pushed.map_err(|error| table.failed(error))?;
@@ -150,7 +150,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
     }
     if !rows.is_empty() {
         encounters::write(&folder.join("encounters.csv"), &rows)?;
-        let mut table = Table::create(folder, ROWS, Content::Rows)?;
+        let mut table = DrawnTable::create(folder, ROWS, Content::Rows)?;
         for encounter in &rows {
             let pushed = table.writer.push_rows(encounter);
             pushed.map_err(|error| table.failed(error))?;
@@ -161,19 +161,19 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
         table.commit()?;
     }
     atomic::write(&folder.join(LIST), list)?;
-    Ok(Drawn {
+    Ok(DrawnFiles {
         rows: rows.len(),
         recordings,
     })
 }
 
 /// A Parquet file under construction.
-struct Table {
+struct DrawnTable {
     writer: DrawnWriter<AtomicFile>,
     path: PathBuf,
 }
 
-impl Table {
+impl DrawnTable {
     fn create(folder: &Path, name: &str, content: Content) -> Result<Self, OutputError> {
         let path = folder.join(name);
         let file = AtomicFile::create(&path)?;

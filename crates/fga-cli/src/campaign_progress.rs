@@ -5,10 +5,10 @@ use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
 use fga_formats::words::{counted, per_second};
-use fga_sim::campaign::{Expected, Progress};
+use fga_sim::campaign::{CampaignProgress, Expected};
 
 /// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
-pub(crate) struct Display {
+pub(crate) struct ProgressDisplay {
     terminal: bool,
     /// What is flown.
     what: &'static str,
@@ -19,7 +19,7 @@ pub(crate) struct Display {
     shown: Option<Instant>,
 }
 
-impl Display {
+impl ProgressDisplay {
     /// Nothing shown yet; flying begins now.
     pub(crate) fn new() -> Self {
         Self::of("encounters")
@@ -37,7 +37,7 @@ impl Display {
     }
 
     /// Shows the expected duration first, then the progress now and then.
-    pub(crate) fn show(&mut self, progress: &Progress) {
+    pub(crate) fn show(&mut self, progress: &CampaignProgress) {
         if !self.is_told {
             self.is_told = true;
             if let Some(expected) = &progress.expected {

@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use clap::Args;
-use fga_formats::export::flightgear::{self, Sender};
+use fga_formats::export::flightgear::{self, FlightGearSender};
 use fga_formats::export::{self, Format};
 use fga_formats::flight::Flight;
 use fga_formats::{InputError, atomic};
@@ -78,15 +78,15 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn sender(target: &str) -> Result<Sender, Failure> {
-    Sender::new(target).map_err(|error| {
+fn sender(target: &str) -> Result<FlightGearSender, Failure> {
+    FlightGearSender::new(target).map_err(|error| {
         let message = format!("cannot be sent to: {error}, expected HOST:PORT of a FlightGear");
         InputError::in_file(target, message).into()
     })
 }
 
 /// Sends the flight at the chosen speed; Ctrl-C ends it.
-fn play(flight: &Flight, sender: &Sender, speed: f64) -> Result<(), Failure> {
+fn play(flight: &Flight, sender: &FlightGearSender, speed: f64) -> Result<(), Failure> {
     watch_for_interrupt();
     let frame = flight.frame();
     let begun = Instant::now();

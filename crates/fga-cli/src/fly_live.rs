@@ -102,7 +102,7 @@ impl FlyLive {
 }
 
 /// An obstacle as the browsers know it.
-struct Told {
+struct TerminalTold {
     obstacle: ReplayObstacle,
     since_s: f64,
     seen_s: f64,
@@ -110,7 +110,7 @@ struct Told {
     gone: bool,
 }
 
-impl Told {
+impl TerminalTold {
     /// Records a sight; returns whether the browsers need an update.
     fn see(&mut self, obstacle: &Obstacle, name: &str, time_s: f64) -> bool {
         self.seen_s = time_s;
@@ -162,7 +162,7 @@ struct Painter {
     live: Live,
     mission_m: Vec<[f64; 3]>,
     ground: Option<Arc<LocalGround>>,
-    obstacles: HashMap<u32, Told>,
+    obstacles: HashMap<u32, TerminalTold>,
     /// State, reason and threat of the last shown decision.
     last: Option<(State, Reason, Option<u32>)>,
     authority: &'static str,
@@ -248,20 +248,23 @@ impl Painter {
         let t_s = picture.time_s;
         let mut news = Vec::new();
         for (obstacle, name) in &picture.obstacles {
-            let told = self.obstacles.entry(obstacle.id).or_insert_with(|| Told {
-                obstacle: ReplayObstacle {
-                    id: obstacle.id,
-                    name: name.clone(),
-                    volume: obstacle.volume,
-                    motion: Vec::new(),
-                    present_s: None,
-                    known_from_s: None,
-                },
-                since_s: t_s,
-                seen_s: t_s,
-                sent_s: f64::NEG_INFINITY,
-                gone: false,
-            });
+            let told = self
+                .obstacles
+                .entry(obstacle.id)
+                .or_insert_with(|| TerminalTold {
+                    obstacle: ReplayObstacle {
+                        id: obstacle.id,
+                        name: name.clone(),
+                        volume: obstacle.volume,
+                        motion: Vec::new(),
+                        present_s: None,
+                        known_from_s: None,
+                    },
+                    since_s: t_s,
+                    seen_s: t_s,
+                    sent_s: f64::NEG_INFINITY,
+                    gone: false,
+                });
             if told.see(obstacle, name, t_s) {
                 news.push(told.obstacle.clone());
             }
@@ -350,7 +353,7 @@ mod tests {
             Obstacle::straight(7, Vec3::X * x_m, Vec3::X * speed_mps, volume)
         };
         let first = at(0.0, 10.0);
-        let mut told = Told {
+        let mut told = TerminalTold {
             obstacle: ReplayObstacle {
                 id: 7,
                 name: "N7".into(),

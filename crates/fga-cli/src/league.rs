@@ -7,7 +7,7 @@ use clap::Args;
 use fga_results::league::{Terms, checked_data, data_of_environment, run as fly};
 use fga_sim::campaign::CampaignError;
 
-use crate::campaign_progress::Display;
+use crate::campaign_progress::ProgressDisplay;
 use crate::common::{
     self, AnswerArgs, ThreadArgs, interrupted, tell_failures, watch_for_interrupt,
 };
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
         worst: args.worst,
     };
     watch_for_interrupt();
-    let mut display: Option<(String, Display)> = None;
+    let mut display: Option<(String, ProgressDisplay)> = None;
     let flown = args.threads.install(|| {
         fly(
             &terms,
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
                         display.end();
                     }
                     eprintln!("{now}");
-                    display = Some((now, Display::new()));
+                    display = Some((now, ProgressDisplay::new()));
                 }
                 if let Some((_, display)) = &mut display {
                     display.show(progress);

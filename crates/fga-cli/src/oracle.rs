@@ -49,7 +49,7 @@ pub(crate) struct OracleArgs {
 }
 
 /// The oracle's answer about one encounter.
-struct Answer {
+struct OracleAnswer {
     encounter: u64,
     margin_m: f64,
     /// Its name and the begin of the search, seconds, where tracks are known.
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                     return Err(Failure::Input(format!("there is no encounter {place}")));
                 };
                 let scenery = rows.surroundings.scenery(encounter.id)?;
-                Ok(Answer {
+                Ok(OracleAnswer {
                     encounter: encounter.id,
                     margin_m: judge.best_margin_among_m(encounter, &scenery),
                     track: None,
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 let plan = tracks.plan(place, &settings)?;
                 // A plan of a recording has a recorded ownship.
                 let answer = best_margin_of_tracks(&plan.world, &oracle);
-                Ok(Answer {
+                Ok(OracleAnswer {
                     encounter: place as u64,
                     margin_m: answer.map_or(f64::NEG_INFINITY, |answer| answer.best_margin_m),
                     track: answer.map(|answer| (plan.name, answer.start_s)),
@@ -127,7 +127,7 @@ fn search_all(
     args: &OracleArgs,
     model: &VehicleModel,
     (columns, count, left_out): (&str, usize, Map<String, Value>),
-    search: impl Fn(usize) -> Result<Answer, Failure> + Sync,
+    search: impl Fn(usize) -> Result<OracleAnswer, Failure> + Sync,
 ) -> Result<(), Failure> {
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
@@ -140,7 +140,7 @@ fn search_all(
     let places: Vec<usize> = (0..count).collect();
     args.threads.install(|| {
         for block in places.chunks(BLOCK) {
-            let answers: Vec<Result<Answer, Failure>> =
+            let answers: Vec<Result<OracleAnswer, Failure>> =
                 block.par_iter().map(|place| search(*place)).collect();
             if interrupted() {
                 return Err(Failure::Interrupted);

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use fga::situation::MovementBounds;
 use fga_results::stress::run as fly;
-use fga_sim::campaign::Progress;
+use fga_sim::campaign::CampaignProgress;
 use fga_sim::stress::{MOST_INTRUDERS, Stress};
 
-use crate::campaign_progress::Display;
+use crate::campaign_progress::ProgressDisplay;
 use crate::common::{
     AnswerArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, tell_failures,
     watch_for_interrupt,
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 
 /// What the intruder is.
 #[derive(ValueEnum, Debug, Clone, Copy)]
-enum Kind {
+enum StressKind {
     /// A crewed aircraft: turns of 3 °/s, 60°.
     Aircraft,
     /// A small unmanned aircraft: turns of 15 °/s, 90°.
@@ -33,8 +33,8 @@ pub(crate) struct StressArgs {
     #[command(flatten)]
     vehicle: VehicleArgs,
     /// The intruder, whose bounds the policy knows.
-    #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Uas)]
-    kind: Kind,
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = StressKind::Uas)]
+    kind: StressKind,
     /// Intruders, 1 to 4.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_INTRUDERS as i64))]
     intruders: u32,
@@ -64,8 +64,8 @@ fn gust(text: &str) -> Result<f64, String> {
 /// Searches, and writes the page and the replays of the likeliest failures.
 pub(crate) fn run(args: &StressArgs) -> Result<ExitCode, Failure> {
     let bounds = match args.kind {
-        Kind::Aircraft => MovementBounds::CREWED,
-        Kind::Uas => MovementBounds::SMALL_UAS,
+        StressKind::Aircraft => MovementBounds::CREWED,
+        StressKind::Uas => MovementBounds::SMALL_UAS,
     };
     let usual = Stress::of(args.vehicle.model()?, args.policy.choice()?, bounds);
     let stress = Stress {
@@ -76,10 +76,10 @@ pub(crate) fn run(args: &StressArgs) -> Result<ExitCode, Failure> {
         ..usual
     };
     watch_for_interrupt();
-    let mut display = Display::of("flights");
+    let mut display = ProgressDisplay::of("flights");
     let begun = std::time::Instant::now();
     let mut show = |done: usize| {
-        display.show(&Progress {
+        display.show(&CampaignProgress {
             done: done as u64,
             before: 0,
             total: stress.flights as u64,

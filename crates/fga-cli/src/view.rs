@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::InputError;
-use fga_view::{Folder, Server};
+use fga_view::{ServedFolder, Server};
 
 use crate::campaign_catalogue::CampaignCatalogue;
 use crate::common::{listen_address, print};
@@ -27,8 +27,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
     if args.path.is_file() {
         return Err(InputError::in_file(&args.path, "is a file, expected a folder").into());
     }
-    let folder =
-        Folder::open(&args.path).map_err(|error| InputError::unreadable(&args.path, &error))?;
+    let folder = ServedFolder::open(&args.path)
+        .map_err(|error| InputError::unreadable(&args.path, &error))?;
     let server = match CampaignCatalogue::open(&args.path)? {
         Some(campaign) => Server::catalogue(args.listen, campaign),
         None => Server::catalogue(args.listen, folder),

@@ -1,10 +1,10 @@
 //! What the vehicle flies by.
 
-use crate::plant::Plant;
+use crate::plant::VehiclePlant;
 
 /// The state of AUTO, CRUISE and fly-by-wire.
 #[derive(Debug, Default)]
-pub(crate) struct Guidance {
+pub(crate) struct GuidedTarget {
     pub(crate) item: u16,
     pub(crate) previous_m: [f64; 3],
     pub(crate) done: bool,
@@ -23,9 +23,9 @@ pub(crate) struct Guidance {
     pub(crate) centred_since_s: Option<f64>,
 }
 
-impl Guidance {
+impl GuidedTarget {
     /// Begins to fly to an item: along the leg, or from the aircraft's position.
-    pub(crate) fn begin_item(&mut self, item: u16, plant: &Plant, along_leg: bool) {
+    pub(crate) fn begin_item(&mut self, item: u16, plant: &VehiclePlant, along_leg: bool) {
         self.item = item;
         self.resume_at = None;
         self.circling_since_s = None;
@@ -35,7 +35,7 @@ impl Guidance {
         }
     }
 
-    pub(crate) fn enter_stick_mode(&mut self, plant: &Plant) {
+    pub(crate) fn enter_stick_mode(&mut self, plant: &VehiclePlant) {
         self.stick_altitude_m = plant.position_m()[2];
         self.locked_heading_rad = None;
         self.centred_since_s = None;
@@ -60,7 +60,7 @@ pub(crate) struct HeadingTarget {
 }
 
 impl Guided {
-    pub(crate) fn at(plant: &Plant, _time_s: f64) -> Self {
+    pub(crate) fn at(plant: &VehiclePlant, _time_s: f64) -> Self {
         let point_m = plant.position_m();
         Self {
             point_m,
@@ -72,9 +72,9 @@ impl Guided {
 
 /// `RC_CHANNELS_OVERRIDE`: value and time, by channel.
 #[derive(Debug, Default)]
-pub(crate) struct Overrides(pub(crate) [Option<(u16, f64)>; 8]);
+pub(crate) struct RcOverrides(pub(crate) [Option<(u16, f64)>; 8]);
 
-impl Overrides {
+impl RcOverrides {
     pub(crate) fn channel(&self, number: usize, time_s: f64, lifetime_s: f64) -> Option<u16> {
         let (value, heard_s) = (*self.0.get(number - 1)?)?;
         (time_s - heard_s <= lifetime_s).then_some(value)

@@ -7,7 +7,7 @@ use mavlink::dialects::ardupilotmega::MavCmd;
 use crate::Emulator;
 use crate::geometry::{bearing, distance_m, wrap};
 use crate::mode::Mode;
-use crate::plant::{Plant, Target, Vertical};
+use crate::plant::{Target, VehiclePlant, Vertical};
 
 const GRAVITY_MPS2: f64 = 9.806_65;
 /// Damping of the path following.
@@ -20,7 +20,7 @@ const MOST_SKIPPED: u32 = 100;
 const STICK_CLIMB_MPS: f64 = 2.0;
 
 /// Bank to follow the line through two points (L1 guidance).
-fn follow_line(plant: &Plant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -> f64 {
+fn follow_line(plant: &VehiclePlant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -> f64 {
     let velocity = plant.velocity_mps();
     let speed = libm::hypot(velocity[0], velocity[1]).max(1.0);
     let course = libm::atan2(velocity[0], velocity[1]);
@@ -47,7 +47,7 @@ fn follow_line(plant: &Plant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -
 }
 
 /// Bank to circle a point clockwise.
-fn circle(plant: &Plant, point_m: [f64; 3], radius_m: f64) -> f64 {
+fn circle(plant: &VehiclePlant, point_m: [f64; 3], radius_m: f64) -> f64 {
     let position = plant.position_m();
     let velocity = plant.velocity_mps();
     let speed = libm::hypot(velocity[0], velocity[1]).max(1.0);

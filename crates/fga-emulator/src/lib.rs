@@ -35,12 +35,12 @@ pub use geometry::{Home, Place};
 pub use mission::Item;
 pub use mode::Mode;
 pub use parameters::Parameters;
-pub use plant::{Plant, PlantSettings};
+pub use plant::{PlantSettings, VehiclePlant};
 
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 
-use commanded::{Guidance, Guided, Overrides};
+use commanded::{Guided, GuidedTarget, RcOverrides};
 use streams::Streams;
 
 /// Length of a step of the plant, seconds (ArduPlane's main loop runs at 50 Hz).
@@ -108,7 +108,7 @@ impl Default for Settings {
 
 /// A change of mode and who asked for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModeChange {
+pub struct VehicleModeChange {
     /// Time since boot, seconds.
     pub time_s: f64,
     /// The new mode.
@@ -123,18 +123,18 @@ pub struct Emulator {
     settings: Settings,
     /// Parameters by name.
     pub parameters: Parameters,
-    plant: Plant,
+    plant: VehiclePlant,
     time_s: f64,
     left_over_s: f64,
     mode: Mode,
     armed: bool,
-    mode_changes: Vec<ModeChange>,
+    mode_changes: Vec<VehicleModeChange>,
     mission: Vec<Item>,
     fence: Vec<Item>,
     rally: Vec<Item>,
-    guidance: Guidance,
+    guidance: GuidedTarget,
     guided: Guided,
-    overrides: Overrides,
+    overrides: RcOverrides,
     streams: Streams,
     intruders: Vec<(
         u32,
@@ -159,7 +159,7 @@ const LONGEST_INTRUDER_LIST: usize = 25;
 impl Emulator {
     /// An emulator at its start.
     pub fn new(settings: Settings) -> Self {
-        let plant = Plant::new(
+        let plant = VehiclePlant::new(
             settings.plant,
             settings.position_m,
             settings.heading_rad,
@@ -176,9 +176,9 @@ impl Emulator {
             mission: Vec::new(),
             fence: Vec::new(),
             rally: Vec::new(),
-            guidance: Guidance::default(),
+            guidance: GuidedTarget::default(),
             guided: Guided::default(),
-            overrides: Overrides::default(),
+            overrides: RcOverrides::default(),
             streams: Streams::new(settings.default_interval_s),
             intruders: Vec::new(),
             upload: None,
@@ -313,7 +313,7 @@ impl Emulator {
     }
 
     /// The true state of the aircraft.
-    pub const fn plant(&self) -> &Plant {
+    pub const fn plant(&self) -> &VehiclePlant {
         &self.plant
     }
 
@@ -328,7 +328,7 @@ impl Emulator {
     }
 
     /// Every change of mode since the start.
-    pub fn mode_changes(&self) -> &[ModeChange] {
+    pub fn mode_changes(&self) -> &[VehicleModeChange] {
         &self.mode_changes
     }
 
@@ -409,14 +409,14 @@ impl Emulator {
         self.time_s = 0.0;
         self.forget_rates();
         self.guided = Guided::default();
-        self.overrides = Overrides::default();
+        self.overrides = RcOverrides::default();
     }
 
     fn change_mode(&mut self, mode: Mode, component_id: u8) {
         if mode == self.mode {
             return;
         }
-        self.mode_changes.push(ModeChange {
+        self.mode_changes.push(VehicleModeChange {
             time_s: self.time_s,
             mode,
             component_id,

@@ -81,7 +81,7 @@ pub(crate) enum Vertical {
 
 /// The aircraft.
 #[derive(Debug, Clone)]
-pub struct Plant {
+pub struct VehiclePlant {
     settings: PlantSettings,
     airspeed_mps: f64,
     position_m: [f64; 3],
@@ -97,7 +97,7 @@ pub struct Plant {
     wind_mps: [f64; 2],
 }
 
-impl Plant {
+impl VehiclePlant {
     pub(crate) fn new(
         settings: PlantSettings,
         position_m: [f64; 3],

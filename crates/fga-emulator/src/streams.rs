@@ -2,7 +2,7 @@
 
 /// A periodic message.
 #[derive(Debug, Clone, Copy)]
-struct Stream {
+struct MessageStream {
     message_id: u32,
     interval_s: f64,
     due_s: f64,
@@ -27,7 +27,7 @@ pub(crate) const INITIALISING: u32 = 16;
 
 /// The periodic messages and their intervals.
 #[derive(Debug)]
-pub(crate) struct Streams(Vec<Stream>);
+pub(crate) struct Streams(Vec<MessageStream>);
 
 /// Messages that a companion can request.
 const KNOWN: [u32; 13] = [
@@ -51,7 +51,7 @@ impl Streams {
     pub(crate) fn new(interval_s: Option<f64>) -> Self {
         let rows = KNOWN.into_iter().filter_map(|message_id| {
             let always = matches!(message_id, HEARTBEAT | ADSB_VEHICLE).then_some(1.0);
-            Some(Stream {
+            Some(MessageStream {
                 message_id,
                 interval_s: always.or(interval_s)?,
                 due_s: 0.0,
@@ -74,7 +74,7 @@ impl Streams {
         }
         self.0.retain(|stream| stream.message_id != message_id);
         if let Some(interval_s) = interval_s {
-            self.0.push(Stream {
+            self.0.push(MessageStream {
                 message_id,
                 interval_s,
                 due_s: now_s,

@@ -42,7 +42,7 @@ pub(crate) struct CertificatesArgs {
 }
 
 /// A drawn manoeuvre of an aircraft past an obstacle, in wind.
-struct Case {
+struct CertificateCase {
     vehicle: Vehicle,
     own: Ownship,
     wind_mps: Vec3,
@@ -190,7 +190,7 @@ fn body(random: &mut Random, near_m: Vec3, at_s: f64) -> GrowingBody {
     }
 }
 
-impl Case {
+impl CertificateCase {
     fn drawn(seed: u64, number: u64) -> Self {
         let mut random = Random::new(seed, number);
         let vehicle = vehicle(&mut random);
@@ -257,7 +257,7 @@ pub(crate) fn run(args: &CertificatesArgs) -> Result<(), String> {
         let block = (from..to)
             .into_par_iter()
             .map_init(FlightPath::new, |path, number| {
-                let compared = Case::drawn(args.seed, number).compare(path);
+                let compared = CertificateCase::drawn(args.seed, number).compare(path);
                 if compared.holds() {
                     Ok(compared)
                 } else {

@@ -63,7 +63,7 @@ pub(crate) struct ClimbsArgs {
 
 /// What an intruder does with its climb.
 #[derive(Debug, Clone, Copy)]
-enum Kind {
+enum ClimbKind {
     /// It levels off up to 50 or 500 ft above or below, 2 to 25 s before the closest approach.
     LevelsOff(f64),
     /// It passes the altitude of the aircraft 25 s before to 25 s after the closest approach, and goes on.
@@ -72,16 +72,16 @@ enum Kind {
     PullsUp,
 }
 
-const KINDS: [(&str, Kind); 9] = [
-    ("levels off, 500 ft/min", Kind::LevelsOff(500.0)),
-    ("levels off, 1,000 ft/min", Kind::LevelsOff(1000.0)),
-    ("levels off, 1,500 ft/min", Kind::LevelsOff(1500.0)),
-    ("levels off, 2,000 ft/min", Kind::LevelsOff(2000.0)),
-    ("goes on, 500 ft/min", Kind::GoesOn(500.0)),
-    ("goes on, 1,000 ft/min", Kind::GoesOn(1000.0)),
-    ("goes on, 1,500 ft/min", Kind::GoesOn(1500.0)),
-    ("goes on, 2,000 ft/min", Kind::GoesOn(2000.0)),
-    ("pulls up", Kind::PullsUp),
+const KINDS: [(&str, ClimbKind); 9] = [
+    ("levels off, 500 ft/min", ClimbKind::LevelsOff(500.0)),
+    ("levels off, 1,000 ft/min", ClimbKind::LevelsOff(1000.0)),
+    ("levels off, 1,500 ft/min", ClimbKind::LevelsOff(1500.0)),
+    ("levels off, 2,000 ft/min", ClimbKind::LevelsOff(2000.0)),
+    ("goes on, 500 ft/min", ClimbKind::GoesOn(500.0)),
+    ("goes on, 1,000 ft/min", ClimbKind::GoesOn(1000.0)),
+    ("goes on, 1,500 ft/min", ClimbKind::GoesOn(1500.0)),
+    ("goes on, 2,000 ft/min", ClimbKind::GoesOn(2000.0)),
+    ("pulls up", ClimbKind::PullsUp),
 ];
 
 /// The outcome of one flight.
@@ -187,10 +187,10 @@ fn is_due(vehicle: &Vehicle, own: &Moments, intruder: &Moments) -> bool {
 }
 
 /// The height of an intruder over that of the aircraft, metres, at a time, seconds, and the time of the change.
-fn heights(kind: Kind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
+fn heights(kind: ClimbKind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
     let side = if random.unit() < 0.5 { -1.0 } else { 1.0 };
     match kind {
-        Kind::LevelsOff(fpm) => {
+        ClimbKind::LevelsOff(fpm) => {
             let at_s = CLOSEST_S - random.within(2.0, 25.0);
             let most_ft = if random.unit() < 0.5 { 50.0 } else { 500.0 };
             let level_m = random.within(-1.0, 1.0) * most_ft * FOOT_M;
@@ -198,12 +198,12 @@ fn heights(kind: Kind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
             let height_m = move |time_s| level_m + rate_mps * f64::min(time_s - at_s, 0.0);
             (Box::new(height_m), at_s)
         }
-        Kind::GoesOn(fpm) => {
+        ClimbKind::GoesOn(fpm) => {
             let at_s = CLOSEST_S + random.within(-25.0, 25.0);
             let rate_mps = side * fpm * FPM_MPS;
             (Box::new(move |time_s| rate_mps * (time_s - at_s)), 0.0)
         }
-        Kind::PullsUp => {
+        ClimbKind::PullsUp => {
             let at_s = CLOSEST_S - random.within(8.0, 25.0);
             let (rate_mps, pull_mps2) = (random.within(5.0, 10.0), random.within(0.5, 3.0));
             let climbed_m = move |time_s: f64| {
@@ -218,7 +218,7 @@ fn heights(kind: Kind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
 }
 
 fn fly_one(
-    kind: Kind,
+    kind: ClimbKind,
     (seed, number): (u64, u64),
     model: &VehicleModel,
     policy: &PolicyChoice,
@@ -268,7 +268,7 @@ fn fly_one(
         is_due: false,
         number,
     };
-    flight.is_due = matches!(kind, Kind::GoesOn(_))
+    flight.is_due = matches!(kind, ClimbKind::GoesOn(_))
         && flight.is_needless()
         && is_due(&model.vehicle, &own, &intruder);
     Ok(flight)

@@ -55,7 +55,7 @@ pub(crate) struct DrawnArgs {
 
 /// The encounters to draw.
 #[derive(Args, Debug)]
-pub(crate) struct DrawArgs {
+pub(crate) struct DrawOptions {
     /// Master seed.
     pub(crate) seed: u64,
     /// Number of encounters in each cell.
@@ -66,7 +66,7 @@ pub(crate) struct DrawArgs {
     cells: Vec<String>,
 }
 
-impl DrawArgs {
+impl DrawOptions {
     /// The cells with their sources.
     pub(crate) fn sources(&self) -> Result<Vec<(String, EncounterSource)>, String> {
         let names = if self.cells.is_empty() {

@@ -24,7 +24,7 @@ use fga_sim::oracle::{
 use fga_sim::policy::{Pilot, PolicyChoice};
 use rayon::prelude::*;
 
-use crate::common::{DrawArgs, median, model, oracle_obstacles, pilot, settings, world};
+use crate::common::{DrawOptions, median, model, oracle_obstacles, pilot, settings, world};
 
 /// Back on the leg: within this of the line, metres, and of its direction, radians.
 const BACK: (f64, f64) = (20.0, 5.0 * core::f64::consts::PI / 180.0);
@@ -372,7 +372,7 @@ fn needless(seed: u64, count: u64) -> Result<(), String> {
 
 /// The measurement.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Mode {
+enum DepartureMode {
     /// Against the published rule.
     Compare,
     /// Against the oracle's manoeuvre of least departure.
@@ -387,29 +387,29 @@ enum Mode {
 #[derive(Args, Debug)]
 pub(crate) struct DeparturesArgs {
     /// The measurement.
-    mode: Mode,
+    mode: DepartureMode,
     #[command(flatten)]
-    draw: DrawArgs,
+    draw: DrawOptions,
 }
 
 /// Measures a cell, given by name and source, over a number of encounters, and prints its row.
-type Measure = fn(&str, &EncounterSource, u64) -> Result<(), String>;
+type DepartureMeasure = fn(&str, &EncounterSource, u64) -> Result<(), String>;
 
 /// Prints a row for each cell.
 pub(crate) fn run(args: &DeparturesArgs) -> Result<(), String> {
     let count = args.draw.count;
-    let (head, measure): (&str, Measure) = match args.mode {
-        Mode::Needless => return needless(args.draw.seed, count),
-        Mode::Compare => (
+    let (head, measure): (&str, DepartureMeasure) = match args.mode {
+        DepartureMode::Needless => return needless(args.draw.seed, count),
+        DepartureMode::Compare => (
             "cell,saved,saved by published,stranded,saved by both,cross m,published cross m,\
                  extra m,published extra m",
             compare,
         ),
-        Mode::Oracle => (
+        DepartureMode::Oracle => (
             "cell,saved by both,cross m,oracle cross m,extra m,oracle extra m,ratio of mean cross,90 % of the ratios",
             beside_oracle,
         ),
-        Mode::Latest => (
+        DepartureMode::Latest => (
             "cell,avoidable,saved,median s before the latest,most s,lost",
             latest,
         ),

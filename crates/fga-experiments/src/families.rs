@@ -35,11 +35,11 @@ pub(crate) struct FamiliesArgs {
     seed: u64,
     /// Fly only this family.
     #[arg(long)]
-    only: Option<Family>,
+    only: Option<DrawnFamily>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Family {
+enum DrawnFamily {
     /// One sphere at rest ahead, wind of 30 to 80 % of the airspeed from any side.
     Wind,
     /// One to three aircraft ahead on nearly the same course at 30 to 95 % of the airspeed.
@@ -54,7 +54,7 @@ enum Family {
     Corridor,
 }
 
-impl Family {
+impl DrawnFamily {
     const ALL: [Self; 6] = [
         Self::Wind,
         Self::Slow,
@@ -206,7 +206,7 @@ impl Observer for LastManeuver {
     }
 }
 
-fn fly(family: Family, number: u64, seed: u64) -> Result<FamilyFlight, String> {
+fn fly(family: DrawnFamily, number: u64, seed: u64) -> Result<FamilyFlight, String> {
     let mut random = Random::new(seed ^ ((family as u64) << 32), number);
     let mut model = model(true)?;
     let airspeed_mps = model.vehicle.airspeed_mps;
@@ -263,7 +263,7 @@ fn fly(family: Family, number: u64, seed: u64) -> Result<FamilyFlight, String> {
 }
 
 /// Flies some encounters of a family on all cores.
-fn fly_all(family: Family, count: u64, seed: u64) -> Result<Vec<FamilyFlight>, String> {
+fn fly_all(family: DrawnFamily, count: u64, seed: u64) -> Result<Vec<FamilyFlight>, String> {
     (0..count)
         .into_par_iter()
         .map(|number| fly(family, number, seed))
@@ -276,7 +276,7 @@ pub(crate) fn run(args: &FamiliesArgs) -> Result<(), String> {
         "family,flown,acted,entered,lost although avoidable,not back in time,time back median s,most s"
     );
     let mut wrong = 0;
-    for family in Family::ALL {
+    for family in DrawnFamily::ALL {
         if args.only.is_some_and(|only| only != family) {
             continue;
         }
@@ -329,7 +329,7 @@ mod tests {
     /// slow traffic. Those that begin to avoid just before the end may be late, but are back within half a minute or so.
     #[test]
     fn the_aircraft_is_kept_clear_and_back_in_time() {
-        for family in Family::ALL {
+        for family in DrawnFamily::ALL {
             let flown = fly_all(family, 300, 3).unwrap();
             let numbers = |wrong: fn(&FamilyFlight) -> bool| -> Vec<u64> {
                 let wrong = flown.iter().filter(|f| wrong(f));
@@ -341,7 +341,7 @@ mod tests {
             assert!(lost.is_empty(), "{family:?} lost {lost:?}");
             let late = numbers(|f| f.outcome.separated() && !f.is_back);
             let few = match family {
-                Family::Slow | Family::Formation => 2,
+                DrawnFamily::Slow | DrawnFamily::Formation => 2,
                 _ => 0,
             };
             assert!(late.len() <= few, "{family:?} late {late:?}");
@@ -352,7 +352,7 @@ mod tests {
     #[test]
     fn the_aircraft_leaves_a_formation_that_surrounds_it() {
         for number in [7484, 7862, 8044] {
-            let flown = fly(Family::Formation, number, 5).unwrap();
+            let flown = fly(DrawnFamily::Formation, number, 5).unwrap();
             assert!(flown.outcome.separated(), "{number}");
             assert!(flown.is_back, "{number}");
         }

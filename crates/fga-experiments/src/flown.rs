@@ -78,7 +78,7 @@ pub(crate) struct FlownArgs {
     vehicle: PathBuf,
     /// Protected volume; without it that of the vehicle file.
     #[arg(long)]
-    volume: Option<Volume>,
+    volume: Option<FlownVolume>,
     /// All volumes, the protected and the measured ones, times this.
     #[arg(long, default_value_t = 1.0, requires = "volume")]
     scale: f64,
@@ -94,7 +94,7 @@ pub(crate) struct FlownArgs {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Volume {
+enum FlownVolume {
     /// 500 ft and 100 ft.
     Nmac,
     /// 2,000 ft and 250 ft.
@@ -114,9 +114,9 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     let mut model = VehicleModel::read(&args.vehicle).map_err(|e| e.to_string())?;
     if let Some(volume) = args.volume {
         let (radius_m, half_height_m) = match volume {
-            Volume::Nmac => NMAC,
-            Volume::Wellclear => WELL_CLEAR,
-            Volume::Do365b => NON_COOPERATIVE,
+            FlownVolume::Nmac => NMAC,
+            FlownVolume::Wellclear => WELL_CLEAR,
+            FlownVolume::Do365b => NON_COOPERATIVE,
         };
         model.protection = ProtectedVolume::Cylinder {
             radius_m: radius_m * args.scale,

@@ -22,11 +22,11 @@ use rayon::prelude::*;
 
 use flight::{Conditions, Flown, fly};
 use setting::{RADIUS_M, VEHICLE};
-use traffic::{Intruder, Limits, Random, meeting, pieces};
+use traffic::{Intruder, Random, TrafficLimits, meeting, pieces};
 
 const HORIZON_S: f64 = 60.0;
 
-const LIMITS: Limits = Limits {
+const LIMITS: TrafficLimits = TrafficLimits {
     speed_mps: (5.0, 25.0),
     climb_mps: 3.0,
 };
@@ -186,7 +186,7 @@ fn straight(
 fn pursuit(count: u64, seed: u64, conditions: &Conditions, turn_radps: f64) -> Vec<Judged> {
     each(count, |number| {
         let mut random = stream(seed, number);
-        let limits = Limits {
+        let limits = TrafficLimits {
             speed_mps: (10.0, 25.0),
             climb_mps: 0.0,
         };

@@ -23,13 +23,13 @@ use fga_sim::track::{Track, TrackPoint};
 use fga_sim::world::{World, WorldObstacle};
 use rayon::prelude::*;
 
-use crate::common::{DrawArgs, median, oracle_obstacles, pilot, settings, world};
+use crate::common::{DrawOptions, median, oracle_obstacles, pilot, settings, world};
 
 /// Options of `lost`.
 #[derive(Args, Debug)]
 pub(crate) struct LostArgs {
     #[command(flatten)]
-    draw: DrawArgs,
+    draw: DrawOptions,
     /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]
     policy: String,

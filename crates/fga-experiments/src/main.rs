@@ -68,7 +68,7 @@ enum Experiment {
     /// Compare certified margins and predicted positions with those of another program.
     Certificates(certificates::CertificatesArgs),
     /// Measure the oracle: the share that it saves, and its time.
-    Oracle(oracle::OracleArgs),
+    Oracle(oracle::OracleOptions),
     /// Measure the share that the policy saves, and the work of a step, at several limits of work.
     Quality(quality::QualityArgs),
     /// Count the encounters in strong wind, beside slow traffic, in gaps that close, in which the policy fails.

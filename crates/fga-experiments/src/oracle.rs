@@ -5,20 +5,20 @@ use std::time::Instant;
 use clap::Args;
 use fga_sim::oracle::{OracleSettings, OracleStart, OracleVehicle, Stages, best_margin};
 
-use crate::common::{DrawArgs, oracle_obstacles};
+use crate::common::{DrawOptions, oracle_obstacles};
 
 /// Options of `oracle`.
 #[derive(Args, Debug)]
-pub(crate) struct OracleArgs {
+pub(crate) struct OracleOptions {
     #[command(flatten)]
-    draw: DrawArgs,
+    draw: DrawOptions,
     /// Margin at which the search stops, metres; without it the oracle searches for the best one.
     #[arg(long, value_name = "M")]
     enough: Option<f64>,
 }
 
 /// Prints the share and the times of each cell.
-pub(crate) fn run(args: &OracleArgs) -> Result<(), String> {
+pub(crate) fn run(args: &OracleOptions) -> Result<(), String> {
     println!("cell,encounters,avoidable_share,one_turn_share,mean_ms,median_ms,max_ms");
     let (count, enough_m) = (args.draw.count, args.enough);
     for (cell, source) in args.draw.sources()? {

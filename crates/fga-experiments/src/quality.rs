@@ -14,7 +14,7 @@ use fga_sim::oracle::{
 use fga_sim::policy::PolicyChoice;
 use rayon::prelude::*;
 
-use crate::common::{DrawArgs, fly, median, oracle_obstacles, settings};
+use crate::common::{DrawOptions, fly, median, oracle_obstacles, settings};
 
 /// Longest flight, seconds.
 const HORIZON_S: f64 = 60.0;
@@ -23,7 +23,7 @@ const HORIZON_S: f64 = 60.0;
 #[derive(Args, Debug)]
 pub(crate) struct QualityArgs {
     #[command(flatten)]
-    draw: DrawArgs,
+    draw: DrawOptions,
     /// Limits of work, as percentages of the default one; a smaller one than the least that the
     /// avoider accepts counts as that.
     #[arg(long, value_delimiter = ',', default_values_t = [10.0, 25.0, 50.0, 100.0])]
@@ -38,14 +38,14 @@ pub(crate) struct QualityArgs {
 
 /// The work of the steps of one flight or of several.
 #[derive(Debug, Clone, Copy, Default)]
-struct Steps {
+struct StepCounts {
     count: u64,
     /// Steps that met their limit.
     cut: u64,
     largest: u32,
 }
 
-impl Observer for Steps {
+impl Observer for StepCounts {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let work = &moment.decision.record.work;
         self.count += 1;
@@ -59,7 +59,7 @@ impl Observer for Steps {
 struct LimitFlight {
     is_saved: bool,
     cross_m: f64,
-    steps: Steps,
+    steps: StepCounts,
 }
 
 /// The settings of the flights at each limit, with the limits.
@@ -87,7 +87,7 @@ fn flown(
     limits: &[(u32, BatchSettings)],
 ) -> Result<(bool, Vec<LimitFlight>), String> {
     let at = |(_, settings): &(u32, BatchSettings)| {
-        let mut steps = Steps::default();
+        let mut steps = StepCounts::default();
         let outcome = fly(settings, encounter, &mut steps)?;
         Ok(LimitFlight {
             is_saved: outcome.separated(),
@@ -123,7 +123,7 @@ pub(crate) fn run(args: &QualityArgs) -> Result<(), String> {
     for (place, (limit, _)) in limits.iter().enumerate() {
         let mut avoidable = 0;
         let mut cross_m = Vec::new();
-        let mut steps = Steps::default();
+        let mut steps = StepCounts::default();
         for (is_avoidable, flown) in &all {
             let Some(flown) = flown.get(place) else {
                 continue;

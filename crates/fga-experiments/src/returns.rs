@@ -13,7 +13,7 @@ pub(crate) mod traps;
 use clap::Args;
 use rayon::prelude::*;
 
-use self::draw::{FAMILIES, Flight};
+use self::draw::{FAMILIES, ReturnFlight};
 use self::flier::STUCK_S;
 use crate::common::DrawnArgs;
 
@@ -29,7 +29,7 @@ pub(crate) struct ReturnsArgs {
 
 /// What went wrong in flights of a family.
 #[derive(Debug, Default, Clone)]
-struct Count {
+struct ReturnCount {
     flights: usize,
     aircraft: usize,
     stuck: Vec<u64>,
@@ -44,7 +44,7 @@ struct Count {
     given_up: usize,
 }
 
-impl Count {
+impl ReturnCount {
     fn and(mut self, other: Self) -> Self {
         self.flights += other.flights;
         self.aircraft += other.aircraft;
@@ -83,14 +83,14 @@ impl Count {
     }
 }
 
-fn counted(count: u64, seed: u64) -> Vec<Count> {
+fn counted(count: u64, seed: u64) -> Vec<ReturnCount> {
     (0..FAMILIES.len() as u64)
         .map(|family| {
             (0..count)
                 .into_par_iter()
                 .filter(|number| number % FAMILIES.len() as u64 == family)
-                .map(|number| Flight::drawn(seed, number).fly(number, false))
-                .reduce(Count::default, Count::and)
+                .map(|number| ReturnFlight::drawn(seed, number).fly(number, false))
+                .reduce(ReturnCount::default, ReturnCount::and)
         })
         .collect()
 }
@@ -100,7 +100,7 @@ pub(crate) fn run(args: &ReturnsArgs) {
     if let Some(number) = args.only {
         println!(
             "{}",
-            Flight::drawn(args.drawn.seed, number)
+            ReturnFlight::drawn(args.drawn.seed, number)
                 .fly(number, true)
                 .row("this")
         );
@@ -168,7 +168,7 @@ mod tests {
             (402, 68),
             (510, 9240),
         ] {
-            let count = Flight::drawn(seed, number).fly(number, false);
+            let count = ReturnFlight::drawn(seed, number).fly(number, false);
             let faults = [
                 &count.stuck,
                 &count.strayed,

@@ -16,7 +16,7 @@ use fga_sim::oracle::{Judge, OracleSettings};
 use fga_sim::wind::crab;
 use rayon::prelude::*;
 
-use crate::common::{self, DrawArgs, model};
+use crate::common::{self, DrawOptions, model};
 
 /// Angle between the wind directions of successive encounters, radians: the golden angle.
 const NEXT_WIND_RAD: f64 = 2.399_963_229_728_653;
@@ -25,7 +25,7 @@ const NEXT_WIND_RAD: f64 = 2.399_963_229_728_653;
 #[derive(Args, Debug)]
 pub(crate) struct RobustnessArgs {
     #[command(flatten)]
-    draw: DrawArgs,
+    draw: DrawOptions,
     /// Noise of the sensor, times 3 m and 0.5 m/s.
     #[arg(long, default_value_t = 1.0)]
     noise: f64,

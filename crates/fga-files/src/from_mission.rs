@@ -6,7 +6,7 @@ use std::path::Path;
 use fga::situation::Passing;
 use fga_formats::InputError;
 use fga_formats::geodesy::{Earth, LocalFrame};
-use fga_formats::missions::{MissionFile, Outline};
+use fga_formats::missions::{FenceOutline, MissionFile};
 
 /// Longest flight of a scenario, seconds.
 const LONGEST_S: f64 = 86_400.0;
@@ -89,11 +89,13 @@ pub fn scenario_text(
             "\n[[zone]]\nname = \"fence {number}\"\nkind = \"{kind}\"\n"
         );
         let _ = match &fence.outline {
-            Outline::Circle {
+            FenceOutline::Circle {
                 center_deg,
                 radius_m,
             } => writeln!(text, "center_deg = {center_deg:?}\nradius_m = {radius_m:?}"),
-            Outline::Polygon { corners_deg } => writeln!(text, "polygon_deg = {corners_deg:?}"),
+            FenceOutline::Polygon { corners_deg } => {
+                writeln!(text, "polygon_deg = {corners_deg:?}")
+            }
         };
     }
     for place in &mission.rally {

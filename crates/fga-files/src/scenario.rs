@@ -27,7 +27,7 @@ pub struct ScenarioFile {
     /// Vehicle file, beside this file.
     pub vehicle: Option<PathBuf>,
     /// Origin of the local frame on the earth.
-    pub origin: Option<Spanned<Origin>>,
+    pub origin: Option<Spanned<ScenarioOrigin>>,
     /// The mission.
     pub mission: MissionTable,
     /// The aircraft at the start.
@@ -64,7 +64,7 @@ impl ScenarioFile {
 /// `[origin]` of the local frame.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Origin {
+pub struct ScenarioOrigin {
     /// Geodetic latitude, degrees.
     pub latitude_deg: f64,
     /// Longitude, degrees.

@@ -38,7 +38,7 @@ pub struct VehicleFile {
     pub cost: Cost,
     /// Grid of the paper's search.
     #[serde(default)]
-    pub grid: Grid,
+    pub grid: GridSettings,
     /// How commands become turns.
     #[serde(default)]
     pub response: ResponseTable,
@@ -102,7 +102,7 @@ pub struct Cost {
 /// `[grid]` of the paper's rules.
 #[derive(Debug, Clone, Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub struct GridSettings {
     /// Largest change of heading to either side, degrees.
     pub heading_range_deg: Option<Spanned<f64>>,
     /// Step of the headings, radians.

@@ -47,8 +47,8 @@ use crate::error::InputError;
 use crate::gzip::text_of;
 use columns::Layout;
 use extras::Extras;
-pub use recording::{Recording, Separation, Track, TrackSample};
-use rows::Rows;
+pub use recording::{DaaSeparation, Recording, Track, TrackSample};
+use rows::DaaRows;
 use std::path::Path;
 
 pub use write::write;
@@ -113,7 +113,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         lines.next();
     }
 
-    let mut rows = Rows::new(&layout, &extras);
+    let mut rows = DaaRows::new(&layout, &extras);
     for (number, line) in lines {
         rows.push(line)
             .map_err(|message| InputError::at_line(path, number, message))?;

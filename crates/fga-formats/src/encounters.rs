@@ -365,13 +365,13 @@ impl Row<'_> {
 
 /// Writes encounters one by one; lengths and speeds with six decimals.
 #[derive(Debug)]
-pub struct Writer<W> {
+pub struct EncounterWriter<W> {
     out: W,
     row: Vec<u8>,
     kinds: bool,
 }
 
-impl<W: Write> Writer<W> {
+impl<W: Write> EncounterWriter<W> {
     /// Begins a file of obstacles that fly straight: writes the column names, without `kind`.
     ///
     /// # Errors
@@ -467,9 +467,9 @@ pub fn write<'a>(
         .all(|encounter| encounter.obstacles.iter().all(is_straight));
     atomic::write_with(path, |file| {
         let mut writer = if straight {
-            Writer::new(file)?
+            EncounterWriter::new(file)?
         } else {
-            Writer::with_kinds(file)?
+            EncounterWriter::with_kinds(file)?
         };
         encounters.try_for_each(|encounter| writer.write(encounter))
     })

@@ -28,7 +28,7 @@ use crate::error::InputError;
 use crate::gzip;
 pub use columns::COLUMNS;
 pub use phases::Limits;
-pub use series::{FlightLog, Piece};
+pub use series::{FlightLog, SeriesPiece};
 
 /// The first bytes of a log of PX4.
 const ULOG: &[u8] = b"ULog\x01\x12\x35";

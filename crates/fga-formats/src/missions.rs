@@ -15,7 +15,7 @@ mod mission_file;
 mod plan;
 mod waypoints;
 
-pub use mission_file::{Fence, MissionFile, Outline, Waypoint};
+pub use mission_file::{FenceOutline, MissionFence, MissionFile, Waypoint};
 
 use std::path::Path;
 

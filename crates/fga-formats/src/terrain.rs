@@ -30,7 +30,7 @@ mod write;
 
 pub use along::{Clearance, GroundPoint, Lowest};
 pub use area::Area;
-pub use field::{Grid, HeightField};
+pub use field::{HeightField, HeightGrid};
 pub use file::{Datum, Given, Stated, TerrainFile};
 pub use local::LocalGround;
 pub use mosaic::Terrain;

@@ -82,7 +82,7 @@ fn steps(range_rad: f64, step_rad: f64) -> i32 {
 
 /// One row of the cost table (Table 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Entry {
+pub struct GridEntry {
     /// Index in the grid: 0 keeps the course, positive to the left.
     pub heading_index: i32,
     /// Index in the grid: 0 keeps the climb angle, positive up.
@@ -104,7 +104,7 @@ pub struct Entry {
     pub clears: bool,
 }
 
-impl Entry {
+impl GridEntry {
     /// The kind of manoeuvre; `None` if nothing changes.
     pub const fn mode(&self) -> Option<TurnMode> {
         match (self.heading_index, self.pitch_index) {
@@ -120,15 +120,15 @@ impl Entry {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Choice {
     /// The cheapest direction that clears everything.
-    Clear(Entry),
+    Clear(GridEntry),
     /// None does: the one that leaves the present volumes soonest, then the one with the largest
     /// least separation.
-    Best(Entry),
+    Best(GridEntry),
 }
 
 impl Choice {
     /// The direction, cleared or not.
-    pub const fn entry(&self) -> &Entry {
+    pub const fn entry(&self) -> &GridEntry {
         match self {
             Self::Clear(entry) | Self::Best(entry) => entry,
         }
@@ -160,7 +160,7 @@ impl Grid {
         ownship: &'a Ownship,
         obstacles: &'a [Hazard],
         start_s: f64,
-    ) -> impl Iterator<Item = Entry> + 'a {
+    ) -> impl Iterator<Item = GridEntry> + 'a {
         let time_ok = start_s.is_finite() && start_s >= 0.0;
         let usable = self.is_valid() && ownship.is_valid() && time_ok;
         let at_start = Ownship {
@@ -209,7 +209,7 @@ impl Grid {
         (heading_index, pitch_index): (i32, i32),
         heading_change_rad: f64,
         climb_rad: f64,
-    ) -> Entry {
+    ) -> GridEntry {
         let course_rad = ownship.course_rad + heading_change_rad;
         let velocity_mps = direction(course_rad, climb_rad) * ownship.airspeed_mps;
         let (mut margin_m, mut exit_s) = (f64::INFINITY, 0.0_f64);
@@ -227,7 +227,7 @@ impl Grid {
                 margin_m = margin_m.min(least_margin(&relative, &obstacle.volume).margin_m);
             }
         }
-        Entry {
+        GridEntry {
             heading_index,
             pitch_index,
             heading_change_rad,
@@ -261,8 +261,8 @@ pub fn select(
     obstacles: &[Hazard],
     start_s: f64,
 ) -> Option<Choice> {
-    let mut clear: Option<Entry> = None;
-    let mut best: Option<Entry> = None;
+    let mut clear: Option<GridEntry> = None;
+    let mut best: Option<GridEntry> = None;
     for entry in grid.table(ownship, obstacles, start_s) {
         if entry.clears && clear.is_none_or(|known| cheaper(&entry, &known)) {
             clear = Some(entry);
@@ -277,7 +277,7 @@ pub fn select(
 /// Differences below rounding do not decide.
 const SAME: f64 = 1e-9;
 
-fn cheaper(one: &Entry, other: &Entry) -> bool {
+fn cheaper(one: &GridEntry, other: &GridEntry) -> bool {
     if (one.cost - other.cost).abs() > SAME {
         one.cost < other.cost
     } else {
@@ -285,7 +285,7 @@ fn cheaper(one: &Entry, other: &Entry) -> bool {
     }
 }
 
-fn safer(one: &Entry, other: &Entry) -> bool {
+fn safer(one: &GridEntry, other: &GridEntry) -> bool {
     let differs = |a: f64, b: f64| (a - b).abs() > SAME;
     if differs(one.exit_s, other.exit_s) {
         one.exit_s < other.exit_s

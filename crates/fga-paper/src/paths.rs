@@ -12,7 +12,7 @@ mod obstacle;
 pub use comparison::{
     least_detection_ratio, length_1_bound_m, length_1_m, length_2_m, length_3_bound_m, length_3_m,
 };
-pub use obstacle::{Arc, RoundObstacle, deviation_rad};
+pub use obstacle::{PathArc, RoundObstacle, deviation_rad};
 
 /// Turn radius of a turn that begins now and passes a static obstacle at exactly `d_m`, metres:
 /// ρ = (`r_0`² − `d_m`²) / (2 (`d_m` − s)), Eq. 16 solved for ρ with `t_a` = 0.

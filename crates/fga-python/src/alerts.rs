@@ -12,14 +12,14 @@ use fga_alerts::{
 use fga_formats::InputError;
 use fga_formats::conf::{self, Configuration};
 use fga_formats::daa::instants::{self, Instants};
-use fga_formats::daa::tables::{Tables, watch};
+use fga_formats::daa::tables::{DaaTables, watch};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::failure::input;
 use crate::situation::Situation;
-use crate::table::{Column, Table};
+use crate::table::{ArrayColumn, Table};
 
 /// What a band or a value of it meets, as files say it.
 const fn region_word(region: Option<Region>) -> &'static str {
@@ -72,7 +72,7 @@ pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyR
     let (rows, csv) = py
         .detach(|| {
             let (recorded, configuration) = read(&recording, &config)?;
-            let tables = Tables {
+            let tables = DaaTables {
                 recording: &recorded,
                 configuration: &configuration,
             };
@@ -103,12 +103,12 @@ pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyR
         })
         .map_err(input)?;
     let table = Table::of(vec![
-        ("time_s", Column::Real(rows.time_s)),
-        ("ownship", Column::Text(rows.ownship)),
-        ("traffic", Column::Text(rows.traffic)),
-        ("alerter", Column::Whole(rows.alerter)),
-        ("level", Column::Whole(rows.level)),
-        ("violation_s", Column::MaybeReal(rows.violation_s)),
+        ("time_s", ArrayColumn::Real(rows.time_s)),
+        ("ownship", ArrayColumn::Text(rows.ownship)),
+        ("traffic", ArrayColumn::Text(rows.traffic)),
+        ("alerter", ArrayColumn::Whole(rows.alerter)),
+        ("level", ArrayColumn::Whole(rows.level)),
+        ("violation_s", ArrayColumn::MaybeReal(rows.violation_s)),
     ])?;
     Ok(table.with_csv(csv.into_bytes()))
 }
@@ -122,11 +122,11 @@ pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyRe
     let (rows, text) = py
         .detach(|| {
             let (recorded, configuration) = read(&recording, &config)?;
-            let tables = Tables {
+            let tables = DaaTables {
                 recording: &recorded,
                 configuration: &configuration,
             };
-            let mut text = Tables::bands_head(&recording.display().to_string());
+            let mut text = DaaTables::bands_head(&recording.display().to_string());
             let mut rows = Vec::new();
             watch(&recorded, &configuration, |monitor, scene| {
                 tables.bands_text(monitor, scene, &mut text);
@@ -142,23 +142,23 @@ pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyRe
     let table = Table::of(vec![
         (
             "time_s",
-            Column::Real(rows.iter().map(|row| row.0).collect()),
+            ArrayColumn::Real(rows.iter().map(|row| row.0).collect()),
         ),
         (
             "quantity",
-            Column::Text(rows.iter().map(|row| quantity_word(row.1).into()).collect()),
+            ArrayColumn::Text(rows.iter().map(|row| quantity_word(row.1).into()).collect()),
         ),
         (
             "low",
-            Column::Real(rows.iter().map(|row| row.2.low).collect()),
+            ArrayColumn::Real(rows.iter().map(|row| row.2.low).collect()),
         ),
         (
             "high",
-            Column::Real(rows.iter().map(|row| row.2.high).collect()),
+            ArrayColumn::Real(rows.iter().map(|row| row.2.high).collect()),
         ),
         (
             "region",
-            Column::Text(
+            ArrayColumn::Text(
                 rows.iter()
                     .map(|row| region_word(row.2.region).into())
                     .collect(),

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use crate::failure::input;
 use crate::own::{LIMIT_S, Policy, is_for_all, warn_of_failures};
 use crate::pilot::model_of;
-use crate::table::{Column, Table, batches_of};
+use crate::table::{ArrayColumn, Table, batches_of};
 use crate::together;
 use crate::work::interruptible;
 
@@ -265,24 +265,24 @@ pub(crate) fn batch(
     let real = |name, get: fn(&fga_sim::engine::Outcome) -> f64| {
         (
             name,
-            Column::Real(rows.iter().map(|row| written(get(&row.2))).collect()),
+            ArrayColumn::Real(rows.iter().map(|row| written(get(&row.2))).collect()),
         )
     };
     let maybe = |name, get: fn(&fga_sim::engine::Outcome) -> Option<f64>| {
         (
             name,
-            Column::MaybeReal(rows.iter().map(|row| get(&row.2).map(written)).collect()),
+            ArrayColumn::MaybeReal(rows.iter().map(|row| get(&row.2).map(written)).collect()),
         )
     };
     warn_of_failures(py, [&settings.policy])?;
     let mut columns = vec![
         (
             "encounter",
-            Column::Whole(rows.iter().map(|row| row.0).collect()),
+            ArrayColumn::Whole(rows.iter().map(|row| row.0).collect()),
         ),
         (
             "separated",
-            Column::Flag(rows.iter().map(|row| row.1).collect()),
+            ArrayColumn::Flag(rows.iter().map(|row| row.1).collect()),
         ),
         real("min_separation_m", |outcome| outcome.min_separation_m),
         real("min_margin_m", |outcome| outcome.min_margin_m),
@@ -292,7 +292,7 @@ pub(crate) fn batch(
         real("extra_path_m", |outcome| outcome.extra_path_m),
         (
             "waypoints_missed",
-            Column::Whole(
+            ArrayColumn::Whole(
                 rows.iter()
                     .map(|row| row.2.waypoints_missed as u64)
                     .collect(),
@@ -310,7 +310,7 @@ pub(crate) fn batch(
     }
     if more.is_own {
         let words = rows.iter().map(|row| Some(row.3?.name().to_owned()));
-        columns.push((FAILURE_COLUMN, Column::MaybeText(words.collect())));
+        columns.push((FAILURE_COLUMN, ArrayColumn::MaybeText(words.collect())));
     }
     Ok(Table::of(columns)?.with_csv(csv))
 }
@@ -364,10 +364,10 @@ pub(crate) fn oracle(
     let table = Table::of(vec![
         (
             "encounter",
-            Column::Whole(encounters.iter().map(|encounter| encounter.id).collect()),
+            ArrayColumn::Whole(encounters.iter().map(|encounter| encounter.id).collect()),
         ),
-        ("avoidable", Column::Flag(avoidable)),
-        ("best_margin_m", Column::Real(margins)),
+        ("avoidable", ArrayColumn::Flag(avoidable)),
+        ("best_margin_m", ArrayColumn::Real(margins)),
     ])?;
     Ok(table.with_csv(csv))
 }

@@ -10,8 +10,8 @@ use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::folder::{encode_block, number_of};
 use fga_sim::campaign::metrics::Access;
 use fga_sim::campaign::{
-    Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
-    Shard, Stamp, Task, assemble, reading, run as fly,
+    Campaign as CoreCampaign, CampaignError, CampaignConfiguration, CampaignFlyer, Folder, Manifest, RESULTS, Row,
+    Shard, CampaignStamp, CampaignTask, assemble, reading, run as fly,
 };
 use fga_sim::own::OwnPolicy;
 use fga_sim::run::RunLog;
@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 use crate::failure::{campaign as failed, input, output};
 use crate::own::{LIMIT_S, Owns, Pickled, choice, cloned, own, warn_of_failures};
-use crate::table::{Column, Table};
+use crate::table::{ArrayColumn, Table};
 use crate::work::interruptible;
 
 /// A campaign from its file: encounters drawn by number, flown under every policy, in blocks.
@@ -47,8 +47,8 @@ impl Campaign {
         Self { core, own, limit_s }
     }
 
-    fn stamp() -> Stamp {
-        Stamp::of_this_build(TARGET)
+    fn stamp() -> CampaignStamp {
+        CampaignStamp::of_this_build(TARGET)
     }
 
     fn manifest(&self) -> Manifest {
@@ -143,7 +143,7 @@ impl Campaign {
     ) -> PyResult<Self> {
         let wrong =
             |error| PyValueError::new_err(format!("is no configuration of a campaign: {error}"));
-        let configuration: Configuration = serde_json::from_str(text).map_err(wrong)?;
+        let configuration: CampaignConfiguration = serde_json::from_str(text).map_err(wrong)?;
         let each = own.iter();
         let each =
             each.map(|(policy, sha256)| self::own(policy.bind(py), time_limit_s, Some(sha256)));
@@ -221,7 +221,7 @@ impl Campaign {
             let flown: Result<Vec<Vec<Row>>, CampaignError> = range
                 .into_par_iter()
                 .map_init(
-                    || Flyer::new(&self.core),
+                    || CampaignFlyer::new(&self.core),
                     |flyer, number| {
                         let Ok(flyer) = flyer else {
                             return Err(CampaignError::Other(
@@ -286,7 +286,7 @@ impl Campaign {
             let told = fga_sim::campaign::reread(&folder, &self.core, None).map_err(failed)?;
             return Ok(told.sha256);
         }
-        let task = Task {
+        let task = CampaignTask {
             campaign: &self.core,
             shard: Shard::WHOLE,
             stamp: Self::stamp(),
@@ -386,17 +386,17 @@ impl Campaign {
     /// Rows with the columns of results.parquet.
     fn table_of(&self, rows: &[Row]) -> PyResult<Table> {
         let whole =
-            |name, get: fn(&Row) -> u64| (name, Column::Whole(rows.iter().map(get).collect()));
+            |name, get: fn(&Row) -> u64| (name, ArrayColumn::Whole(rows.iter().map(get).collect()));
         let flag =
-            |name, get: fn(&Row) -> bool| (name, Column::Flag(rows.iter().map(get).collect()));
+            |name, get: fn(&Row) -> bool| (name, ArrayColumn::Flag(rows.iter().map(get).collect()));
         let real =
-            |name, get: fn(&Row) -> f64| (name, Column::Real(rows.iter().map(get).collect()));
+            |name, get: fn(&Row) -> f64| (name, ArrayColumn::Real(rows.iter().map(get).collect()));
         let maybe = |name, get: fn(&Row) -> Option<f64>| {
-            (name, Column::MaybeReal(rows.iter().map(get).collect()))
+            (name, ArrayColumn::MaybeReal(rows.iter().map(get).collect()))
         };
         let text = |name, names: &[String], get: fn(&Row) -> u32| {
             let named = |row| names.get(get(row) as usize).cloned().unwrap_or_default();
-            (name, Column::Text(rows.iter().map(named).collect()))
+            (name, ArrayColumn::Text(rows.iter().map(named).collect()))
         };
         let names = self.core.encounter_names();
         let name_of = |row: &Row| names.get(row.name? as usize).cloned();
@@ -425,23 +425,23 @@ impl Campaign {
             real("extra_path_m", |row| row.extra_path_m),
             (
                 "avoidable",
-                Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
+                ArrayColumn::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
             ),
             maybe("oracle_margin_m", |row| row.oracle_margin_m),
             (
                 "name",
-                Column::MaybeText(rows.iter().map(name_of).collect()),
+                ArrayColumn::MaybeText(rows.iter().map(name_of).collect()),
             ),
             real("weight", |row| row.weight),
         ];
         columns.extend(self.core.metric_fields().iter().map(|field| {
             let values = rows.iter().map(|row| &row.metrics);
             let column = match field.access {
-                Access::Real(get, _) => Column::MaybeReal(values.map(get).collect()),
-                Access::Flag(get, _) => Column::MaybeFlag(values.map(get).collect()),
+                Access::Real(get, _) => ArrayColumn::MaybeReal(values.map(get).collect()),
+                Access::Flag(get, _) => ArrayColumn::MaybeFlag(values.map(get).collect()),
                 Access::Failure(get, _) => {
                     let word = |metrics| Some(get(metrics)?.name().to_owned());
-                    Column::MaybeText(values.map(word).collect())
+                    ArrayColumn::MaybeText(values.map(word).collect())
                 }
             };
             (field.name, column)

@@ -108,9 +108,9 @@ pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Core
 }
 
 /// A pilot for one thread at a time.
-pub(crate) type Decider = Mutex<Box<dyn CorePilot + Send>>;
+pub(crate) type SharedPilot = Mutex<Box<dyn CorePilot + Send>>;
 
-fn locked(decider: &Decider) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send>>> {
+fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send>>> {
     match decider.try_lock() {
         Ok(guard) => Ok(guard),
         // It is complete: the core does not panic.
@@ -121,7 +121,7 @@ fn locked(decider: &Decider) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send
     }
 }
 
-fn step(py: Python<'_>, decider: &Decider, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+fn step(py: Python<'_>, decider: &SharedPilot, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
     let mut guard = locked(decider)?;
     let pilot = guard.as_mut();
     let situation = situation.get();
@@ -152,7 +152,7 @@ pub(crate) fn with_pilot<T>(
 /// aircraft needs one avoider. A step releases the interpreter's lock; a second thread that steps the same
 /// avoider meanwhile gets RuntimeError. It cannot be pickled; after a fork each process has its own copy.
 #[pyclass(frozen, module = "fga")]
-pub(crate) struct Avoider(Decider);
+pub(crate) struct Avoider(SharedPilot);
 
 #[pymethods]
 impl Avoider {
@@ -208,7 +208,7 @@ impl Avoider {
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Pilot {
     name: String,
-    decider: Decider,
+    decider: SharedPilot,
 }
 
 #[pymethods]

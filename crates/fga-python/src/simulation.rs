@@ -20,7 +20,7 @@ use crate::failure::{input, output};
 use crate::own::{LIMIT_S, Policy, choice, warn_of_failures};
 use crate::pilot::{VehicleModel, model_of, with_pilot};
 use crate::situation::{Around, Mission, Situation};
-use crate::table::{Column, Table};
+use crate::table::{ArrayColumn, Table};
 use crate::value::{Ownship, Vehicle, refused};
 
 /// The result of a flight, by the names of the columns of `results.csv`.
@@ -58,19 +58,19 @@ fn read_plan(
 /// your own. Flown with the same policy, it is the flight of `fga run`, bit for bit.
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Simulation {
-    flight: Mutex<Flying>,
+    flight: Mutex<FlyingWorld>,
     mission: Py<Mission>,
     plan: Plan,
 }
 
 /// A flight and its path.
-struct Flying {
+struct FlyingWorld {
     flight: SteppedFlight,
     path: FlownPath,
 }
 
 impl Simulation {
-    fn flight(&self) -> PyResult<MutexGuard<'_, Flying>> {
+    fn flight(&self) -> PyResult<MutexGuard<'_, FlyingWorld>> {
         match self.flight.try_lock() {
             Ok(guard) => Ok(guard),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
@@ -114,7 +114,7 @@ impl Simulation {
         );
         Ok(Self {
             mission: Py::new(py, mission)?,
-            flight: Mutex::new(Flying {
+            flight: Mutex::new(FlyingWorld {
                 flight: SteppedFlight::new(world),
                 path: FlownPath::default(),
             }),
@@ -171,7 +171,7 @@ impl Simulation {
     /// Flies a decision until the next one is due. Returns whether the flight goes on.
     fn advance(&self, py: Python<'_>, decision: &Bound<'_, Decision>) -> PyResult<bool> {
         let mut guard = self.flight()?;
-        let Flying { flight, path } = &mut *guard;
+        let FlyingWorld { flight, path } = &mut *guard;
         let decision = decision.get();
         Ok(py.detach(|| flight.advance(&decision.decision, path)))
     }
@@ -179,7 +179,7 @@ impl Simulation {
     /// Lets a pilot decide and flies on. Returns its decision; None once the flight has ended.
     fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<Decision>> {
         let mut guard = self.flight()?;
-        let Flying { flight, path } = &mut *guard;
+        let FlyingWorld { flight, path } = &mut *guard;
         let retuned = flight.take_retuned();
         let decision = with_pilot(pilot, |pilot| {
             if let Some(vehicle) = &retuned {
@@ -199,7 +199,7 @@ impl Simulation {
     /// (`standards`: near mid-air collision, well clear, severity, alerts), by the names of the columns of results.parquet.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut guard = self.flight()?;
-        let Flying { flight, path } = &mut *guard;
+        let FlyingWorld { flight, path } = &mut *guard;
         let outcome = flight.outcome();
         let dict = outcome_dict(py, &outcome)?;
         dict.set_item("min_terrain_clearance_m", outcome.min_terrain_clearance_m)?;
@@ -264,7 +264,7 @@ impl Run {
     fn track(&self) -> PyResult<Table> {
         let samples = &self.log.samples;
         let real = |name, get: fn(&fga_sim::engine::Sample) -> f64| {
-            (name, Column::Real(samples.iter().map(get).collect()))
+            (name, ArrayColumn::Real(samples.iter().map(get).collect()))
         };
         Table::of(vec![
             real("t_s", |sample| sample.time_s),
@@ -276,7 +276,7 @@ impl Run {
             real("bank_rad", |sample| sample.bank_rad),
             (
                 "state",
-                Column::Text(
+                ArrayColumn::Text(
                     samples
                         .iter()
                         .map(|sample| sample.state.name().into())

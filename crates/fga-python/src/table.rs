@@ -16,7 +16,7 @@ use pyo3::types::{PyBytes, PyCapsule};
 const STREAM: &core::ffi::CStr = c"arrow_array_stream";
 
 /// One column.
-pub(crate) enum Column {
+pub(crate) enum ArrayColumn {
     Whole(Vec<u64>),
     Flag(Vec<bool>),
     MaybeFlag(Vec<Option<bool>>),
@@ -26,7 +26,7 @@ pub(crate) enum Column {
     MaybeText(Vec<Option<String>>),
 }
 
-impl Column {
+impl ArrayColumn {
     fn array(self) -> (ArrayRef, bool) {
         match self {
             Self::Whole(values) => (Arc::new(UInt64Array::from(values)), false),
@@ -51,7 +51,7 @@ pub(crate) struct Table {
 
 impl Table {
     /// A table of these columns.
-    pub(crate) fn of(columns: Vec<(&str, Column)>) -> PyResult<Self> {
+    pub(crate) fn of(columns: Vec<(&str, ArrayColumn)>) -> PyResult<Self> {
         let mut fields = Vec::with_capacity(columns.len());
         let mut arrays = Vec::with_capacity(columns.len());
         for (name, column) in columns {

@@ -12,19 +12,19 @@ use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;
 
 use crate::own::{STEP_ALL, Thread, made, raised};
-use crate::table::{Column, Table, batches_of};
+use crate::table::{ArrayColumn, Table, batches_of};
 use crate::value::movement_word;
-use crate::work::Shared;
+use crate::work::SharedWork;
 
 /// The columns of two tables: flights and obstacles.
-type Tables = [Vec<(&'static str, Column)>; 2];
+type ColumnTables = [Vec<(&'static str, ArrayColumn)>; 2];
 
 /// A question to the thread of the policy.
 enum ThreadQuestion {
     /// Make the policy for the flights that begin.
     Begin,
     /// Answer for flights.
-    Step(Tables),
+    Step(ColumnTables),
 }
 
 /// Flies encounters side by side, by one call of the policy for each step of all flights.
@@ -32,7 +32,7 @@ pub(crate) fn fly(
     policy: Py<PyAny>,
     limit_s: f64,
     (rows, settings): (&RowTable, &BatchSettings),
-    shared: &Shared,
+    shared: &SharedWork,
     take: impl FnMut(&BatchRow) -> Result<(), &'static str>,
 ) -> Result<(), BatchError<&'static str>> {
     let of_flights: PolicySettings = match empty_world(settings) {
@@ -83,20 +83,20 @@ pub(crate) fn fly(
     fly_together(rows, settings, begin, answer, take)
 }
 
-fn tables(questions: &Questions<'_>) -> Tables {
+fn tables(questions: &Questions<'_>) -> ColumnTables {
     let real = |get: fn(&fga::situation::Ownship) -> f64| {
-        Column::Real(questions.iter().map(|(_, _, s)| get(&s.ownship)).collect())
+        ArrayColumn::Real(questions.iter().map(|(_, _, s)| get(&s.ownship)).collect())
     };
     let encounters = questions.iter().map(|(encounter, _, _)| *encounter);
     let flights = vec![
-        ("encounter", Column::Whole(encounters.collect())),
+        ("encounter", ArrayColumn::Whole(encounters.collect())),
         (
             "begins",
-            Column::Flag(questions.iter().map(|(_, begins, _)| *begins).collect()),
+            ArrayColumn::Flag(questions.iter().map(|(_, begins, _)| *begins).collect()),
         ),
         (
             "time_s",
-            Column::Real(questions.iter().map(|(_, _, s)| s.time_s).collect()),
+            ArrayColumn::Real(questions.iter().map(|(_, _, s)| s.time_s).collect()),
         ),
         ("x_m", real(|own| own.position_m.x)),
         ("y_m", real(|own| own.position_m.y)),
@@ -112,7 +112,7 @@ fn tables(questions: &Questions<'_>) -> Tables {
         .flat_map(|(flight, (_, _, s))| s.obstacles.iter().map(move |o| (flight as u64, o)))
         .collect();
     let real = |get: fn(&fga::situation::Obstacle) -> f64| {
-        Column::Real(rows.iter().map(|(_, obstacle)| get(obstacle)).collect())
+        ArrayColumn::Real(rows.iter().map(|(_, obstacle)| get(obstacle)).collect())
     };
     let half_height_m = |obstacle: &fga::situation::Obstacle| match obstacle.volume {
         ProtectedVolume::Sphere { .. } => None,
@@ -121,11 +121,11 @@ fn tables(questions: &Questions<'_>) -> Tables {
     let obstacles = vec![
         (
             "flight",
-            Column::Whole(rows.iter().map(|(flight, _)| *flight).collect()),
+            ArrayColumn::Whole(rows.iter().map(|(flight, _)| *flight).collect()),
         ),
         (
             "obstacle",
-            Column::Whole(rows.iter().map(|(_, o)| o.id.into()).collect()),
+            ArrayColumn::Whole(rows.iter().map(|(_, o)| o.id.into()).collect()),
         ),
         ("x_m", real(|o| o.position_m.x)),
         ("y_m", real(|o| o.position_m.y)),
@@ -136,11 +136,11 @@ fn tables(questions: &Questions<'_>) -> Tables {
         ("radius_m", real(|o| o.volume.radius_m())),
         (
             "half_height_m",
-            Column::MaybeReal(rows.iter().map(|(_, o)| half_height_m(o)).collect()),
+            ArrayColumn::MaybeReal(rows.iter().map(|(_, o)| half_height_m(o)).collect()),
         ),
         (
             "kind",
-            Column::Text(
+            ArrayColumn::Text(
                 rows.iter()
                     .map(|(_, o)| movement_word(o.movement).into())
                     .collect(),
@@ -151,7 +151,7 @@ fn tables(questions: &Questions<'_>) -> Tables {
 }
 
 /// The answers of the policy, one for each flight.
-fn answers(py: Python<'_>, step: &Py<PyAny>, tables: Tables) -> Result<Vec<Answer>, Failure> {
+fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec<Answer>, Failure> {
     let wrong = |message: String| Failure::new(FailureKind::WrongShape, message);
     let [flights, obstacles] = tables.map(Table::of);
     let call = || -> PyResult<Py<PyAny>> { step.call1(py, (flights?, obstacles?)) };

@@ -16,7 +16,7 @@ const MOST_THREADS: usize = 1024;
 
 /// The shared state of work and interpreter.
 #[derive(Debug, Default)]
-pub(crate) struct Shared {
+pub(crate) struct SharedWork {
     stop: AtomicBool,
     /// Finished part.
     pub(crate) done: AtomicU64,
@@ -24,7 +24,7 @@ pub(crate) struct Shared {
     pub(crate) total: AtomicU64,
 }
 
-impl Shared {
+impl SharedWork {
     /// Whether the work should continue.
     pub(crate) fn goes_on(&self) -> bool {
         !self.stop.load(Ordering::Relaxed)
@@ -47,10 +47,10 @@ pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(&Shared) -> T + Send,
+    work: impl FnOnce(&SharedWork) -> T + Send,
 ) -> PyResult<T> {
     let threads = checked(threads)?;
-    let shared = Shared::default();
+    let shared = SharedWork::default();
     let show = || -> PyResult<()> {
         let Some(progress) = progress else {
             return Ok(());

@@ -22,7 +22,7 @@ use crate::value::{Vehicle, refused};
 const MOST_SEEN: usize = 10_000_000;
 
 /// The result of a step, one row per world: observations, rewards, terminated, truncated, engaged.
-type Steps<'py> = (
+type StepArrays<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<bool>>,
@@ -148,7 +148,7 @@ impl Worlds {
         py: Python<'py>,
         actions: &Bound<'py, PyAny>,
         held: Option<Vec<bool>>,
-    ) -> PyResult<Steps<'py>> {
+    ) -> PyResult<StepArrays<'py>> {
         let mut guard = self.worlds()?;
         let worlds = &mut *guard;
         let (count, width) = (worlds.len(), worlds.observed());

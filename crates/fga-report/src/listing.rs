@@ -38,14 +38,14 @@ pub struct ListingShare {
 
 /// Counts for a [`ListingShare`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct ListingTally {
     runs: u64,
     separated: u64,
     avoidable: u64,
     saved: u64,
 }
 
-impl Tally {
+impl ListingTally {
     /// Adds a run: whether it kept every volume clear, and whether some manoeuvre could.
     pub fn take(&mut self, separated: bool, avoidable: Option<bool>) {
         let could = avoidable == Some(true);
@@ -69,14 +69,14 @@ impl Tally {
 
 /// The shares of each policy over a complete list of rows, policies in the order of the rows.
 pub fn shares_of(rows: &[ListingRow]) -> Vec<ListingShare> {
-    let mut tallies: Vec<(&str, Tally)> = Vec::new();
+    let mut tallies: Vec<(&str, ListingTally)> = Vec::new();
     for row in rows {
         let Some(separated) = row.separated else {
             continue;
         };
         let known = tallies.iter().position(|(policy, _)| *policy == row.policy);
         let place = known.unwrap_or_else(|| {
-            tallies.push((&row.policy, Tally::default()));
+            tallies.push((&row.policy, ListingTally::default()));
             tallies.len() - 1
         });
         if let Some((_, tally)) = tallies.get_mut(place) {

@@ -12,7 +12,10 @@ mod panel;
 mod separation;
 mod top;
 
-pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint, Zone};
+pub use data::{
+    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, OverviewZone,
+    Sample,
+};
 
 pub(crate) use look::{FRAME, GRID_LINE, axis_titles};
 
@@ -94,7 +97,7 @@ impl Overview {
         }
     }
 
-    fn draw_header(&self, svg: &mut Svg, focus: &Focus, legend: &[Entry]) {
+    fn draw_header(&self, svg: &mut Svg, focus: &Focus, legend: &[OverviewEntry]) {
         let title = shorten(&self.title, 90);
         svg.text((MARGIN, 32.0), &title, TextStyle::new(19.0, INK).bold());
         let lost = focus
@@ -125,7 +128,7 @@ impl Overview {
     }
 
     /// The legend, in as many rows as it needs; it names only what the picture shows.
-    fn legend(&self, focus: &Focus) -> Vec<Entry> {
+    fn legend(&self, focus: &Focus) -> Vec<OverviewEntry> {
         let mut entries: Vec<(Symbol, String)> = Vec::new();
         for state in State::ALL {
             if self.samples.iter().any(|s| s.state == state) {
@@ -157,7 +160,7 @@ impl Overview {
             if x + width > WIDTH - MARGIN && x > MARGIN {
                 (x, y) = (MARGIN, y + 20.0);
             }
-            placed.push(Entry {
+            placed.push(OverviewEntry {
                 at: (x, y),
                 symbol,
                 label,
@@ -169,7 +172,7 @@ impl Overview {
 }
 
 /// One entry of the legend.
-struct Entry {
+struct OverviewEntry {
     at: Point,
     symbol: Symbol,
     label: String,

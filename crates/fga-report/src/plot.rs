@@ -13,6 +13,6 @@ mod lines;
 
 pub use axis::{Axis, Spacing};
 pub use bars::{BarChart, BarSeries};
-pub use boxes::{BoxChart, Spread, SpreadRow};
+pub use boxes::{BoxChart, BoxSpread, SpreadRow};
 pub use distribution::{Cdf, Histogram, SampleSeries};
-pub use lines::{Claim, Line, LineChart, LinePoint};
+pub use lines::{Claim, LineChart, LinePoint, PlotLine};

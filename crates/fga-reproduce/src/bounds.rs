@@ -17,7 +17,7 @@ use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::batch::{self, BatchSettings};
-use fga_sim::campaign::Scene;
+use fga_sim::campaign::CampaignScene;
 use fga_sim::campaign::parse_policy;
 use fga_sim::engine::Engine;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
@@ -137,10 +137,10 @@ const ORACLE: usize = NAMES.len() - 1;
 const TURN_AWARE: usize = ORACLE - 1;
 
 /// A bound and its test.
-type Decider = fn(&Seen, bool) -> bool;
+type BoundsDecider = fn(&Seen, bool) -> bool;
 
 fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, ReproduceError> {
-    let bounds: [(&str, Decider); 3] = [
+    let bounds: [(&str, BoundsDecider); 3] = [
         ("1, distance", |seen, _| seen.distance()),
         ("2, speed", Seen::speed),
         ("3, direction", Seen::direction),
@@ -157,7 +157,7 @@ fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, ReproduceError> 
         let Some(first) = rows.first() else { continue };
         let drawn = flights.campaign.draw(first.encounter)?;
         // The setting has only cells.
-        let Scene::Rows(encounter) = drawn.scene else {
+        let CampaignScene::Rows(encounter) = drawn.scene else {
             continue;
         };
         let seen = Seen::of(&flights.campaign.model, &encounter.obstacles);

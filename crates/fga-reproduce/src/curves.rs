@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
-use fga_report::plot::{Axis, Claim, Line, LineChart, LinePoint};
+use fga_report::plot::{Axis, Claim, LineChart, LinePoint, PlotLine};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Row;
 
@@ -205,7 +205,7 @@ fn chart(curve: &Curve, flights: &Flights) -> LineChart {
         lines: NAMES
             .iter()
             .enumerate()
-            .map(|(series, name)| Line {
+            .map(|(series, name)| PlotLine {
                 name: (*name).to_owned(),
                 points: curve
                     .points

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use fga_report::interval::Estimate;
-use fga_sim::campaign::{Campaign, Configuration, Flown, Flyer, Row, Summary, Totals};
+use fga_sim::campaign::{
+    Campaign, CampaignConfiguration, CampaignFlyer, Flown, Row, Summary, Totals,
+};
 use rayon::prelude::*;
 
 use crate::ReproduceError;
@@ -24,7 +26,7 @@ pub(crate) struct Flights {
     /// Counts.
     pub(crate) summary: Summary,
     /// Times of each policy.
-    pub(crate) times: Vec<Times>,
+    pub(crate) times: Vec<FlightTimes>,
 }
 
 /// The duration of the flights of one policy, means over the flights.
@@ -33,7 +35,7 @@ pub(crate) struct Flights {
     reason = "the unit, as everywhere in this project"
 )]
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Times {
+pub(crate) struct FlightTimes {
     /// Of the whole flight, seconds.
     pub(crate) flight_s: f64,
     /// Of its median decision, seconds.
@@ -50,7 +52,7 @@ pub(crate) fn fly(
     policies: &[&str],
 ) -> Result<Flights, ReproduceError> {
     let planar = cells.iter().any(|cell| cell.ends_with(PLANAR));
-    let configuration = Configuration {
+    let configuration = CampaignConfiguration {
         name: "reproduce".into(),
         version: env!("CARGO_PKG_VERSION").into(),
         encounters: setting.encounters * cells.len() as u64,
@@ -76,7 +78,7 @@ pub(crate) fn fly(
     let flown = (0..campaign.configuration.encounters)
         .into_par_iter()
         .map_init(
-            || Flyer::new(&campaign),
+            || CampaignFlyer::new(&campaign),
             |flyer, number| {
                 let mut rows = Vec::with_capacity(policies.len());
                 if !(setting.goes_on)() {
@@ -91,7 +93,7 @@ pub(crate) fn fly(
         )
         .collect::<Result<Vec<_>, ReproduceError>>()?;
     let mut summary = Summary::default();
-    let mut times = vec![Times::default(); policies.len()];
+    let mut times = vec![FlightTimes::default(); policies.len()];
     let share_s = 1e-9 / flown.len() as f64;
     for flown in flown.iter().flatten() {
         summary.take(&flown.row);

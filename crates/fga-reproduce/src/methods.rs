@@ -84,7 +84,7 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
     };
     let mut csv = String::from("cell,method,encounters,avoidable,saved_of_avoidable,separated\n");
     let mut rows = Vec::new();
-    let mut standing = Standing::default();
+    let mut standing = MethodStanding::default();
     for (flights, cell) in cells() {
         let name = flights.cells().get(cell).map_or("", String::as_str);
         let mut row = vec![
@@ -170,7 +170,7 @@ fn chart(groups: &[Group<'_>]) -> BarChart {
 
 /// The rank of the turn-aware policy.
 #[derive(Default)]
-struct Standing {
+struct MethodStanding {
     cells: usize,
     encounters: u64,
     avoidable: u64,
@@ -179,7 +179,7 @@ struct Standing {
     behind: Vec<String>,
 }
 
-impl Standing {
+impl MethodStanding {
     fn take(&mut self, flights: &Flights, cell: usize, name: &str) {
         let counts: Vec<u64> = (0..METHODS.len())
             .map(|method| {

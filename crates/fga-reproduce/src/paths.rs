@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
-use fga_report::plot::{Axis, Line, LineChart, LinePoint};
+use fga_report::plot::{Axis, LineChart, LinePoint, PlotLine};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Row;
 
@@ -41,7 +41,7 @@ const TURN_RATIOS: [f64; 3] = [0.5, 1.0, 2.0];
     clippy::struct_field_names,
     reason = "the unit, as everywhere in this project"
 )]
-struct Compared {
+struct ComparedPaths {
     /// From Q, where the late turn begins, to D: `L_1`, metres.
     late_m: f64,
     /// The straight way from U to Q, metres.
@@ -50,7 +50,7 @@ struct Compared {
     early_m: f64,
 }
 
-impl Compared {
+impl ComparedPaths {
     /// `None` where the turn cannot begin late enough for a comparison: nearer than the critical
     /// distance of `t_L`.
     fn of(distance_m: f64, turn_m: f64) -> Option<Self> {
@@ -86,11 +86,11 @@ pub(crate) fn section(setting: &Setting<'_>) -> Result<Section, ReproduceError> 
         .map(|seen| format!("threats:1:{seen}:0{PLANAR}"))
         .collect();
     let flights = fly(setting, &cells, &POLICIES)?;
-    let flown: Vec<[Flown; 2]> = (0..SEEN_M.len())
-        .map(|cell| MEASURES.map(|measure| Flown::of(&flights, cell, &measure)))
+    let flown: Vec<[FlownPath; 2]> = (0..SEEN_M.len())
+        .map(|cell| MEASURES.map(|measure| FlownPath::of(&flights, cell, &measure)))
         .collect();
     blocks.push(Block::Paragraph(
-        "Flown: one static obstacle drawn anywhere across the course, in the plane; the encounters \
+        "FlownPath: one static obstacle drawn anywhere across the course, in the plane; the encounters \
          in which all four flights stayed separated and came back to the line."
             .into(),
     ));
@@ -119,17 +119,17 @@ fn sweep() -> impl Iterator<Item = f64> {
 }
 
 fn geometry_charts() -> [Block; 2] {
-    let chart = |title: &str, y: &str, value: fn(&Compared) -> f64| LineChart {
+    let chart = |title: &str, y: &str, value: fn(&ComparedPaths) -> f64| LineChart {
         title: title.into(),
         x: Axis::linear("initial distance (m)"),
         y: Axis::linear(y),
         lines: TURN_RATIOS
             .iter()
-            .map(|ratio| Line {
+            .map(|ratio| PlotLine {
                 name: format!("k_1 = {ratio}"),
                 points: sweep()
                     .filter_map(|x| {
-                        let compared = Compared::of(x, ratio * RADIUS_M)?;
+                        let compared = ComparedPaths::of(x, ratio * RADIUS_M)?;
                         Some(LinePoint {
                             x,
                             y: Estimate::exact(value(&compared)),
@@ -165,19 +165,19 @@ fn geometry_charts() -> [Block; 2] {
 }
 
 /// A measure of the cost of a manoeuvre.
-struct Measure {
+struct PathMeasure {
     label: &'static str,
     decimals: usize,
     value: fn(&Row) -> Option<f64>,
 }
 
-const MEASURES: [Measure; 2] = [
-    Measure {
+const MEASURES: [PathMeasure; 2] = [
+    PathMeasure {
         label: "time away (s)",
         decimals: 2,
         value: Row::time_away_s,
     },
-    Measure {
+    PathMeasure {
         label: "extra path (m)",
         decimals: 2,
         value: |row| Some(row.extra_path_m),
@@ -185,7 +185,7 @@ const MEASURES: [Measure; 2] = [
 ];
 
 /// One measure in one cell.
-struct Flown {
+struct FlownPath {
     encounters: usize,
     /// Mean of each policy.
     means: [Option<Estimate>; POLICIES.len()],
@@ -193,8 +193,8 @@ struct Flown {
     differences: [Option<Estimate>; 2],
 }
 
-impl Flown {
-    fn of(flights: &Flights, cell: usize, measure: &Measure) -> Self {
+impl FlownPath {
+    fn of(flights: &Flights, cell: usize, measure: &PathMeasure) -> Self {
         let rows: Vec<&Vec<Row>> = flights
             .rows
             .iter()
@@ -222,7 +222,7 @@ impl Flown {
     }
 }
 
-fn flown_chart(flown: &[[Flown; 2]], measure: usize) -> LineChart {
+fn flown_chart(flown: &[[FlownPath; 2]], measure: usize) -> LineChart {
     let label = MEASURES[measure].label;
     LineChart {
         title: format!("One static obstacle: {label}"),
@@ -231,7 +231,7 @@ fn flown_chart(flown: &[[Flown; 2]], measure: usize) -> LineChart {
         lines: NAMES
             .iter()
             .enumerate()
-            .map(|(policy, name)| Line {
+            .map(|(policy, name)| PlotLine {
                 name: (*name).to_owned(),
                 points: SEEN_M
                     .iter()
@@ -249,7 +249,7 @@ fn flown_chart(flown: &[[Flown; 2]], measure: usize) -> LineChart {
     }
 }
 
-fn table(flown: &[[Flown; 2]]) -> Table {
+fn table(flown: &[[FlownPath; 2]]) -> Table {
     let mut columns = vec![
         Column::text("first seen at"),
         Column::text("mean"),
@@ -279,7 +279,7 @@ fn table(flown: &[[Flown; 2]]) -> Table {
     }
 }
 
-fn csv(flown: &[[Flown; 2]]) -> String {
+fn csv(flown: &[[FlownPath; 2]]) -> String {
     let mut csv = String::from("first_seen_m,measure,series,encounters,mean,low,high\n");
     for (seen, cell) in SEEN_M.iter().zip(flown) {
         for (measure, flown) in MEASURES.iter().zip(cell) {
@@ -297,7 +297,7 @@ fn csv(flown: &[[Flown; 2]]) -> String {
     csv
 }
 
-fn reading(flown: &[[Flown; 2]]) -> Reading {
+fn reading(flown: &[[FlownPath; 2]]) -> Reading {
     // Cells in which the early start costs more, or less, by more than the interval.
     let dearer = |measure: usize, kind: usize| {
         let all = || {
@@ -322,14 +322,14 @@ fn reading(flown: &[[Flown; 2]]) -> Reading {
     let swept = || {
         TURN_RATIOS
             .iter()
-            .flat_map(|ratio| sweep().filter_map(move |x| Compared::of(x, ratio * RADIUS_M)))
+            .flat_map(|ratio| sweep().filter_map(move |x| ComparedPaths::of(x, ratio * RADIUS_M)))
     };
     let of = swept().count();
     let away = swept().filter(|c| c.late_m < c.early_m).count();
     let whole = swept()
         .filter(|c| c.late_m + c.approach_m < c.early_m)
         .count();
-    let example = Compared::of(300.0, 30.0).map_or_else(String::new, |c| {
+    let example = ComparedPaths::of(300.0, 30.0).map_or_else(String::new, |c| {
         format!(
             " (head-on from 300 m with Table 4: {:.1} against {:.1} m)",
             c.approach_m + c.late_m,
@@ -357,10 +357,10 @@ mod tests {
     fn the_two_paths_by_hand() {
         // ρ = d = 30, seen at 300 m: the late turn begins √(60² − 30²) = 51.96 m before the centre
         // and turns by 60°; the early one leads along a tangent of 295.47 m at 5.77°.
-        let compared = Compared::of(300.0, 30.0).unwrap();
+        let compared = ComparedPaths::of(300.0, 30.0).unwrap();
         assert!((compared.late_m - 60.0 * core::f64::consts::FRAC_PI_3).abs() < 1e-9);
         assert!((compared.approach_m - 248.038_475_8).abs() < 1e-6);
         assert!((compared.early_m - 301.51).abs() < 0.02);
-        assert!(Compared::of(50.0, 30.0).is_none());
+        assert!(ComparedPaths::of(50.0, 30.0).is_none());
     }
 }

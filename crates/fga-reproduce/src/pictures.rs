@@ -19,7 +19,7 @@ use fga_results::{flight_file, flight_files, replay_page};
 
 const RASCAL: &str = include_str!("../vehicles/rascal-110.toml");
 
-struct Case {
+struct PictureCase {
     title: &'static str,
     name: &'static str,
     scenario: &'static str,
@@ -37,8 +37,8 @@ const STARTS: [&str; 5] = [
     "turn-aware",
 ];
 
-const CASES: [Case; 3] = [
-    Case {
+const CASES: [PictureCase; 3] = [
+    PictureCase {
         title: "Fig. 16: a static obstacle in three dimensions",
         name: "fig-16",
         scenario: include_str!("../scenarios/fig-16.toml"),
@@ -46,7 +46,7 @@ const CASES: [Case; 3] = [
         policies: &STARTS,
         paper: "The aircraft avoids a single obstacle with minimal deviation, started at t_0 and at t_c.",
     },
-    Case {
+    PictureCase {
         title: "Fig. 17: moving obstacles in three dimensions",
         name: "fig-17",
         scenario: include_str!("../scenarios/fig-17.toml"),
@@ -54,7 +54,7 @@ const CASES: [Case; 3] = [
         policies: &STARTS,
         paper: "The aircraft avoids several obstacles and returns to its path, started at t_0 and at t_c.",
     },
-    Case {
+    PictureCase {
         title: "Figs. 25 and 26: San Francisco airport",
         name: "sfo",
         scenario: include_str!("../scenarios/sfo.toml"),
@@ -76,7 +76,7 @@ pub(crate) fn sections(
 }
 
 fn section(
-    case: &Case,
+    case: &PictureCase,
     setting: &Setting<'_>,
     paper: &VehicleModel,
 ) -> Result<Section, ReproduceError> {
@@ -172,7 +172,7 @@ fn path_m(log: &RunLog) -> f64 {
         .sum()
 }
 
-fn file_name(case: &Case, policy: &str, ending: &str) -> String {
+fn file_name(case: &PictureCase, policy: &str, ending: &str) -> String {
     format!(
         "{}-{}.{ending}",
         case.name,
@@ -207,7 +207,11 @@ fn allowed_m(log: &RunLog) -> f64 {
     best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
 }
 
-fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, ReproduceError> {
+fn fly_case(
+    case: &PictureCase,
+    policy: &str,
+    paper: &VehicleModel,
+) -> Result<RunLog, ReproduceError> {
     let vehicle = if case.rascal {
         VehicleModel::parse(TomlText::new(Path::new("vehicles/rascal-110.toml"), RASCAL))?
     } else {
@@ -222,7 +226,7 @@ fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, R
     fly(plan, &policy, &mut |_| ()).map_err(|error| ReproduceError::of(&error))
 }
 
-fn reading(case: &Case, flown: &[(&str, RunLog)]) -> Reading {
+fn reading(case: &PictureCase, flown: &[(&str, RunLog)]) -> Reading {
     let words = |(name, log): &(&str, RunLog)| {
         format!(
             "{name}: {}, least margin {:.2} m, {:.0} m of path past {} of {} waypoints",

@@ -8,7 +8,7 @@ use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 
 use crate::ReproduceError;
 use crate::Setting;
-use crate::flights::{Flights, METHODS, Times, method};
+use crate::flights::{FlightTimes, Flights, METHODS, method};
 
 /// Seconds per case that the paper states: for FGA with static and moving obstacles, and in Table 6.
 fn stated(method: &str) -> [Option<f64>; 2] {
@@ -21,7 +21,7 @@ fn stated(method: &str) -> [Option<f64>; 2] {
     }
 }
 
-fn times(flights: &Flights, method: usize) -> Times {
+fn times(flights: &Flights, method: usize) -> FlightTimes {
     flights.times.get(method).copied().unwrap_or_default()
 }
 
@@ -108,10 +108,10 @@ fn reading(still: &Flights, moving: &Flights) -> Reading {
             times(moving, method(name)).flight_s * 1e3
         )
     };
-    let ratio = |name: &str, of: fn(&Times) -> f64| {
+    let ratio = |name: &str, of: fn(&FlightTimes) -> f64| {
         of(&times(moving, method(name))) / of(&times(moving, method("published --start tc")))
     };
-    let ratios = |of: fn(&Times) -> f64| {
+    let ratios = |of: fn(&FlightTimes) -> f64| {
         [
             "potential-field",
             "waypoint-greedy",

@@ -7,7 +7,7 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::decision;
 use fga_formats::words::decision_words;
-use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
+use fga_report::overview::{self, Closest, MomentKind, Overview, OverviewMoment};
 use fga_report::profile::{Profile, ProfilePoint};
 use fga_sim::batch::push_sample;
 use fga_sim::run::{DecisionLog, RunLog};
@@ -180,7 +180,7 @@ fn decision_event(log: &RunLog, moment: &DecisionLog) -> Value {
 }
 
 /// The critical moments, as the avoider's state shows them.
-fn moments(log: &RunLog) -> Vec<Moment> {
+fn moments(log: &RunLog) -> Vec<OverviewMoment> {
     let mut moments = Vec::new();
     let mut before = State::Cruise;
     for entry in &log.decisions {
@@ -201,7 +201,7 @@ fn moments(log: &RunLog) -> Vec<Moment> {
         let met = kinds
             .into_iter()
             .filter_map(|(met, kind)| met.then_some(kind));
-        moments.extend(met.map(|kind| Moment {
+        moments.extend(met.map(|kind| OverviewMoment {
             time_s: entry.time_s,
             kind,
             obstacle: entry.decision.record.threat.map(|threat| threat.id),
@@ -220,7 +220,7 @@ pub fn overview(log: &RunLog) -> Overview {
         .obstacles
         .iter()
         .zip(&log.obstacles)
-        .map(|(obstacle, flown)| overview::Obstacle {
+        .map(|(obstacle, flown)| overview::OverviewObstacle {
             id: obstacle.id,
             name: flown.name.clone(),
             volume: obstacle.volume,
@@ -246,7 +246,7 @@ pub fn overview(log: &RunLog) -> Overview {
             .collect(),
         obstacles,
         zones: (log.plan.world.zones.iter())
-            .map(|zone| overview::Zone {
+            .map(|zone| overview::OverviewZone {
                 name: zone.name().to_owned(),
                 keep_in: zone.keep_in(),
                 ring_m: zone.ring_m(),
@@ -256,8 +256,8 @@ pub fn overview(log: &RunLog) -> Overview {
     }
 }
 
-fn track_points(track: &Track, end_s: f64) -> Vec<overview::TrackPoint> {
-    let point = |time_s, position_m| overview::TrackPoint { time_s, position_m };
+fn track_points(track: &Track, end_s: f64) -> Vec<overview::OverviewPoint> {
+    let point = |time_s, position_m| overview::OverviewPoint { time_s, position_m };
     match track {
         Track::Straight {
             position_m,

@@ -14,8 +14,8 @@ use fga_formats::{InputError, atomic};
 use fga_report::league::{League, LeagueSet};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, Folder, Progress, RESULTS, Shard, Stamp, Task, assemble,
-    policy_called, reread, run as fly,
+    Campaign, CampaignError, CampaignProgress, CampaignStamp, CampaignTask, Folder, RESULTS, Shard,
+    assemble, policy_called, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
@@ -52,7 +52,7 @@ pub const POLICIES: [&str; 15] = [
 
 /// The result of a league.
 #[derive(Debug)]
-pub struct Flown {
+pub struct LeagueFlown {
     /// The page.
     pub page: PathBuf,
     /// What was left out, one sentence each.
@@ -98,8 +98,8 @@ pub fn run(
     terms: &Terms,
     out: &Path,
     go_on: &(impl Fn() -> bool + Sync),
-    show: &mut (dyn FnMut(&str, &str, &Progress) + Send),
-) -> Result<Flown, CampaignError> {
+    show: &mut (dyn FnMut(&str, &str, &CampaignProgress) + Send),
+) -> Result<LeagueFlown, CampaignError> {
     let policies = policies(terms)?;
     // Every campaign asks the same ones, so that they know of all failures.
     let own = own_of(terms, &policies);
@@ -112,7 +112,7 @@ pub fn run(
     };
     atomic::prepare_folder(out)?;
     let (sets, left_out) = sets(terms, out)?;
-    let stamp = Stamp::of_this_build(TARGET);
+    let stamp = CampaignStamp::of_this_build(TARGET);
     let mut league = League {
         facts: vec![
             ("version".into(), env!("CARGO_PKG_VERSION").into()),
@@ -172,7 +172,7 @@ pub fn run(
     }
     let page = out.join("league.html");
     atomic::write(&page, league.to_html())?;
-    Ok(Flown {
+    Ok(LeagueFlown {
         page,
         left_out,
         words: in_words(&league),
@@ -250,12 +250,12 @@ fn policies(terms: &Terms) -> Result<Vec<PolicyChoice>, CampaignError> {
 /// Flies what is missing of a campaign, and sums it up.
 fn fly_one(
     campaign: &Campaign,
-    stamp: &Stamp,
+    stamp: &CampaignStamp,
     folder: &Folder,
     go_on: &(impl Fn() -> bool + Sync),
-    show: &mut (dyn FnMut(&Progress) + Send),
+    show: &mut (dyn FnMut(&CampaignProgress) + Send),
 ) -> Result<FlownCampaign, CampaignError> {
-    let task = Task {
+    let task = CampaignTask {
         campaign,
         shard: Shard::WHOLE,
         stamp: stamp.clone(),

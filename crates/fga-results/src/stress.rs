@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic};
 use fga_report::report::{Block, Cell, Column, Report, Section, Table};
-use fga_sim::campaign::{CampaignError, Stamp};
+use fga_sim::campaign::{CampaignError, CampaignStamp};
 use fga_sim::own::FailureKind;
-use fga_sim::stress::{Found, Stress, StressFailure, StressFlight, search, show};
+use fga_sim::stress::{FoundEncounter, Stress, StressFailure, StressFlight, search, show};
 use serde_json::{Value, json};
 
 use crate::named_rows::{Row, csv, objects, rounded};
@@ -41,7 +41,7 @@ pub fn run(
     show: &mut (dyn FnMut(usize) + Send),
 ) -> Result<Option<Written>, CampaignError> {
     atomic::prepare_folder(folder)?;
-    let (mut kept, before) = Kept::open(stress, folder)?;
+    let (mut kept, before) = KeptEncounter::open(stress, folder)?;
     let mut done = 0;
     let mut take = |flights: &[StressFlight]| {
         // What was there is there.
@@ -56,12 +56,12 @@ pub fn run(
 }
 
 /// The file of flights.
-struct Kept {
+struct KeptEncounter {
     path: PathBuf,
     file: File,
 }
 
-impl Kept {
+impl KeptEncounter {
     /// Opens the file for a test; the flights of the same test in it, none of another one.
     fn open(stress: &Stress, folder: &Path) -> Result<(Self, Vec<StressFlight>), OutputError> {
         let path = folder.join(FLIGHTS);
@@ -100,7 +100,7 @@ fn line(flight: &StressFlight) -> String {
 
 /// The fingerprint of a test: all that its flights depend on, but for their number.
 fn key(stress: &Stress) -> String {
-    let stamp = Stamp::of_this_build(TARGET);
+    let stamp = CampaignStamp::of_this_build(TARGET);
     let of = json!([
         env!("CARGO_PKG_VERSION"),
         stamp.commit,
@@ -122,7 +122,11 @@ fn key(stress: &Stress) -> String {
 ///
 /// # Errors
 /// A folder that cannot be written, or settings that the core refuses.
-pub fn write(stress: &Stress, found: &Found, folder: &Path) -> Result<Written, CampaignError> {
+pub fn write(
+    stress: &Stress,
+    found: &FoundEncounter,
+    folder: &Path,
+) -> Result<Written, CampaignError> {
     atomic::prepare_folder(folder)?;
     let replays = folder.join("replay");
     for (number, failure) in (1..).zip(&found.failures) {
@@ -168,8 +172,8 @@ fn row(stress: &Stress, number: usize, failure: &StressFailure) -> Row<String> {
         .collect()
 }
 
-fn document(stress: &Stress, found: &Found, rows: Vec<Row<String>>) -> Value {
-    let stamp = Stamp::of_this_build(TARGET);
+fn document(stress: &Stress, found: &FoundEncounter, rows: Vec<Row<String>>) -> Value {
+    let stamp = CampaignStamp::of_this_build(TARGET);
     // Flights that all keep out give no estimate.
     let estimate = (found.entered > 0).then_some(found.probability);
     json!({
@@ -193,7 +197,7 @@ fn document(stress: &Stress, found: &Found, rows: Vec<Row<String>>) -> Value {
 }
 
 /// What the search found, in sentences that end with a line break.
-fn result(stress: &Stress, found: &Found) -> String {
+fn result(stress: &Stress, found: &FoundEncounter) -> String {
     let mut text = format!(
         "policy {}, vehicle {}, seed {}: {}, {} with the protected volume entered{}\n",
         stress.policy.name(),
@@ -239,8 +243,8 @@ fn in_words(failure: &StressFailure) -> String {
     )
 }
 
-fn page(stress: &Stress, found: &Found) -> String {
-    let stamp = Stamp::of_this_build(TARGET);
+fn page(stress: &Stress, found: &FoundEncounter) -> String {
+    let stamp = CampaignStamp::of_this_build(TARGET);
     let mut report = Report::new(&format!("Stress test of {}", stress.policy.name()));
     report.summary = "The likeliest motions of intruders, losses of their reports, and gusts, in which the policy enters a protected volume, found by the cross-entropy method."
         .into();

@@ -10,7 +10,7 @@
 //! | question | answer |
 //! |---|---|
 //! | what does a campaign file contain? | [`mod@file`] |
-//! | what determines one campaign? | [`Configuration`], [`Campaign`] |
+//! | what determines one campaign? | [`CampaignConfiguration`], [`Campaign`] |
 //! | which models does it draw from? | [`sources`] |
 //! | what does the ownship know of the others? | [`sensors`](fga_files::sensors) |
 //! | which recordings does it fly? | [`crate::recorded`] |
@@ -44,18 +44,20 @@ pub mod table;
 mod tail;
 pub mod totals;
 
-pub use configuration::{Configuration, MOST_ENCOUNTERS, own_sha256, parse_policy, policy_called};
+pub use configuration::{
+    CampaignConfiguration, MOST_ENCOUNTERS, own_sha256, parse_policy, policy_called,
+};
 pub use error::CampaignError;
 pub use expected::Expected;
-pub use flight::{Flown, Flyer};
+pub use flight::{CampaignFlyer, Flown};
 pub use folder::{Folder, Manifest, RESULTS, Shard};
 pub use interval::Interval;
 pub use judge::{FlownPath, metrics_of};
 pub use merge::{Assembled, assemble, merge, reread};
-pub use opened::{Campaign, Drawn, Scene};
+pub use opened::{Campaign, CampaignScene, Drawn};
 pub use row::Row;
 pub use rows::RowFiles;
-pub use run::{PolicyTimes, Progress, Task, run};
-pub use stamp::Stamp;
+pub use run::{CampaignProgress, CampaignTask, PolicyTimes, run};
+pub use stamp::CampaignStamp;
 pub use tail::Tail;
 pub use totals::{Quantiles, Summary, Totals};

@@ -20,7 +20,7 @@ pub use figures::{Estimate, Identified, MARGIN_AHEAD_S};
 use figures::{mean, percentile, rows_of};
 
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use fga_formats::flight_log::{FlightLog, Piece};
+use fga_formats::flight_log::{FlightLog, SeriesPiece};
 
 /// A bank below this turns too little to be measured, radians (5°).
 const TURNING_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
@@ -41,7 +41,7 @@ struct Turns {
 }
 
 impl Turns {
-    fn take(&mut self, piece: &Piece, period_s: f64) {
+    fn take(&mut self, piece: &SeriesPiece, period_s: f64) {
         let length = rows_of(TURN_WINDOW_S, period_s);
         let mut begin = 0;
         while begin + length < piece.len() {
@@ -95,13 +95,13 @@ impl Turns {
 
 /// Climb angles, smoothed over a second, and the mean rates of their changes.
 #[derive(Default)]
-struct Climbs {
+struct ClimbFit {
     smooth_rad: Vec<f64>,
     rates_radps: Vec<f64>,
 }
 
-impl Climbs {
-    fn take(&mut self, piece: &Piece, period_s: f64) {
+impl ClimbFit {
+    fn take(&mut self, piece: &SeriesPiece, period_s: f64) {
         let length = rows_of(1.0, period_s);
         let smooth: Vec<f64> = piece.climb_rad.windows(length).map(mean).collect();
         let rates = smooth
@@ -140,7 +140,7 @@ impl Climbs {
 /// sentence.
 pub fn identify(log: &FlightLog) -> Result<Identified, String> {
     let period_s = log.period_s;
-    let (mut turns, mut climbs) = (Turns::default(), Climbs::default());
+    let (mut turns, mut climbs) = (Turns::default(), ClimbFit::default());
     for piece in &log.pieces {
         turns.take(piece, period_s);
         climbs.take(piece, period_s);

@@ -24,7 +24,7 @@ pub use arc::{Arc, unwrap_near};
 pub use autopilot::Autopilot;
 
 use autopilot::Controllers;
-use rolls::Rolls;
+use rolls::PlantRolls;
 
 /// A rest of a turn or a change of climb that takes less than this is rounding, seconds.
 const SHORTEST_S: f64 = 1e-12;
@@ -63,7 +63,7 @@ pub struct Plant {
     /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
     controllers: Controllers,
-    rolls: Rolls,
+    rolls: PlantRolls,
 }
 
 impl Plant {
@@ -84,7 +84,7 @@ impl Plant {
             straight: None,
             pending: VecDeque::with_capacity(64),
             controllers: Controllers::new(autopilot, &vehicle),
-            rolls: Rolls::default(),
+            rolls: PlantRolls::default(),
         }
     }
 
@@ -109,7 +109,7 @@ impl Plant {
         self.gust = None;
         self.airspeed_mps = vehicle.airspeed_mps;
         self.straight = None;
-        self.rolls = Rolls::default();
+        self.rolls = PlantRolls::default();
     }
 
     /// Meets a gust in the wind that it flies in now.
@@ -134,7 +134,7 @@ impl Plant {
         if wind_mps != self.wind_mps {
             self.wind_mps = wind_mps;
             self.straight = None;
-            self.rolls = Rolls::default();
+            self.rolls = PlantRolls::default();
         }
         changes_s.min(until_s)
     }
@@ -144,7 +144,7 @@ impl Plant {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.airspeed_mps = self.vehicle.airspeed_mps;
         self.straight = None;
-        self.rolls = Rolls::default();
+        self.rolls = PlantRolls::default();
     }
 
     /// The vehicle's limits at the present airspeed.

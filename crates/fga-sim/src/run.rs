@@ -4,7 +4,7 @@ mod conflict;
 mod decision;
 
 pub use crate::plan::Plan;
-pub use conflict::Conflict;
+pub use conflict::RunConflict;
 pub use decision::DecisionLog;
 
 use std::path::Path;
@@ -286,7 +286,7 @@ impl RunLog {
     }
 
     /// The conflicts of the flight, in time order.
-    pub fn conflicts(&self) -> Vec<Conflict> {
+    pub fn conflicts(&self) -> Vec<RunConflict> {
         conflict::of(&self.decisions, &self.plan.world)
     }
 

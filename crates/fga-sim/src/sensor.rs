@@ -16,13 +16,13 @@ use fga::Vec3;
 use fga::situation::Obstacle;
 
 use crate::obstacle::WorldObstacle;
-use source::Source;
+use source::SensorSource;
 
 /// The sources in use.
 #[derive(Debug, Clone)]
 pub struct Sensor {
-    first: Source,
-    more: Vec<Source>,
+    first: SensorSource,
+    more: Vec<SensorSource>,
     /// The best of what several sources see.
     fused: Vec<Obstacle>,
     first_seen_s: Vec<Option<f64>>,
@@ -32,7 +32,7 @@ impl Sensor {
     /// A sensor that has seen nothing yet.
     pub fn new() -> Self {
         Self {
-            first: Source::new(),
+            first: SensorSource::new(),
             more: Vec::new(),
             fused: Vec::new(),
             first_seen_s: Vec::new(),
@@ -54,7 +54,7 @@ impl Sensor {
         stream: u64,
     ) {
         self.first.begin(first, obstacles, seed, stream);
-        self.more.resize_with(more.len(), Source::new);
+        self.more.resize_with(more.len(), SensorSource::new);
         for ((source, settings), place) in self.more.iter_mut().zip(more).zip(1_u64..) {
             let seed = seed ^ place.wrapping_mul(noise::NEXT_SOURCE);
             source.begin(*settings, obstacles, seed, stream);

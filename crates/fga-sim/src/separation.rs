@@ -206,7 +206,7 @@ impl Separation {
                 };
                 at_m - leg.position_at_m(time_s)
             };
-            let piece = Piece {
+            let piece = SeparationPiece {
                 offset_at: &offset_at,
                 acceleration_mps2,
                 upward_mps2: arc.airspeed_mps * arc.climb_rate_radps.abs(),
@@ -247,7 +247,7 @@ fn departure_m(acceleration_mps2: f64, span_s: f64) -> f64 {
 }
 
 /// Relative motion while the obstacle flies straight.
-struct Piece<'a, F: Fn(f64) -> Vec3> {
+struct SeparationPiece<'a, F: Fn(f64) -> Vec3> {
     offset_at: &'a F,
     acceleration_mps2: f64,
     /// Bound of the vertical acceleration, metres per second squared.
@@ -262,7 +262,7 @@ fn recedes(along: f64, end_square: f64, departure_m: f64) -> bool {
     along > 0.0 && along * along > 16.0 * departure_m * departure_m * end_square
 }
 
-impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
+impl<F: Fn(f64) -> Vec3> SeparationPiece<'_, F> {
     fn refine(&self, measure: Measure, from: (f64, Vec3), to: (f64, Vec3), least: &mut Least) {
         let span_s = to.0 - from.0;
         let departure_m = departure_m(self.acceleration_mps2, span_s);

@@ -16,7 +16,7 @@ mod stressed;
 mod urgency;
 
 pub use case::StressCase;
-pub use motion::{GUST, MOTION, Motion, Parameter};
+pub use motion::{GUST, MOTION, Parameter, StressMotion};
 pub use stressed::{MOST_INTRUDERS, Stress};
 
 use fga::avoider::SettingsError;
@@ -30,8 +30,8 @@ use crate::own::FailureKind;
 use crate::run::{Plan, RunLog};
 use crate::track::{Track, TrackPoint};
 use crate::world::World;
-use proposal::{Point, Proposal, distance};
-use urgency::Urgency;
+use proposal::{Proposal, ProposalPoint, distance};
+use urgency::StressUrgency;
 
 /// Flights of a batch.
 const BATCH: usize = 200;
@@ -74,7 +74,7 @@ impl StressFailure {
 
 /// What the search found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct FoundEncounter {
     /// Flights of the search.
     pub flights: usize,
     /// Flights that begin too near to say anything; they are no failures.
@@ -120,7 +120,7 @@ impl StressFlight {
 
 /// A flown point.
 struct FlownPoint {
-    point: Point,
+    point: ProposalPoint,
     weight: f64,
     flight: StressFlight,
 }
@@ -135,7 +135,7 @@ pub fn search(
     before: &[StressFlight],
     go_on: &(impl Fn() -> bool + Sync),
     take: &mut (dyn FnMut(&[StressFlight]) -> Result<(), String> + Send),
-) -> Result<Option<Found>, String> {
+) -> Result<Option<FoundEncounter>, String> {
     let test = Test::new(stress)?;
     let mut proposal = Proposal::usual(stress.dimensions(), 1.0);
     let mut flown: Vec<FlownPoint> = Vec::with_capacity(stress.flights);
@@ -175,7 +175,7 @@ pub fn search(
         let level = ranks.get(place).copied().unwrap_or(0.0).max(0.0);
         // Until enough flights of a batch fail, the ranks alone choose; from then on the likeliest failures do.
         let is_weighted = level <= 0.0;
-        let elite: Vec<(&Point, f64)> = batch
+        let elite: Vec<(&ProposalPoint, f64)> = batch
             .iter()
             .filter(|one| one.flight.rank() <= level && one.flight.rank().is_finite())
             .map(|one| (&one.point, if is_weighted { one.weight } else { 1.0 }))
@@ -198,7 +198,7 @@ pub fn search(
     let (failures, simplifying) = test
         .simplified(&failures)
         .map_err(|error| error.to_string())?;
-    Ok(Some(Found {
+    Ok(Some(FoundEncounter {
         flights: flown.len(),
         too_near: flown
             .iter()
@@ -288,7 +288,7 @@ impl<'a> Test<'a> {
         }
         let world = self.world_of(&case);
         let mut pilot = self.stress.policy.pilot(&world.settings, &world.vehicle)?;
-        let mut urgency = Urgency::of(&world.obstacles);
+        let mut urgency = StressUrgency::of(&world.obstacles);
         let outcome = engine.fly(&world, pilot.as_mut(), &mut urgency);
         let flight = StressFlight {
             margin_m: outcome.min_margin_m,
@@ -302,11 +302,11 @@ impl<'a> Test<'a> {
         &self,
         failures: &[&FlownPoint],
     ) -> Result<(Vec<StressFailure>, usize), SettingsError> {
-        let mut distinct: Vec<&Point> = Vec::new();
+        let mut distinct: Vec<&ProposalPoint> = Vec::new();
         for one in failures {
-            let apart = |other: &&Point| {
+            let apart = |other: &&ProposalPoint| {
                 let both = one.point.iter().zip(other.iter());
-                let between: Point = both.map(|(a, b)| a - b).collect();
+                let between: ProposalPoint = both.map(|(a, b)| a - b).collect();
                 distance(&between) >= SAME_FAILURE
             };
             if distinct.len() < SHOWN && distinct.iter().all(apart) {
@@ -332,7 +332,7 @@ impl<'a> Test<'a> {
     fn simplify(
         &self,
         engine: &mut Engine,
-        point: &Point,
+        point: &ProposalPoint,
     ) -> Result<(StressFailure, usize), SettingsError> {
         let mut point = point.clone();
         let mut flown = self.fly(engine, &point)?;

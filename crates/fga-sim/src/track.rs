@@ -35,7 +35,7 @@ pub enum Track {
 
 /// A straight part of a track.
 #[derive(Debug, Clone, Copy)]
-pub struct Leg {
+pub struct TrackLeg {
     /// Its start within the requested interval, seconds.
     pub from_s: f64,
     /// Its end within the requested interval, seconds.
@@ -45,7 +45,7 @@ pub struct Leg {
     velocity_mps: Vec3,
 }
 
-impl Leg {
+impl TrackLeg {
     /// Position at a time within the leg, metres.
     pub fn position_at_m(&self, time_s: f64) -> Vec3 {
         self.anchor_m + self.velocity_mps * (time_s - self.anchor_s)
@@ -147,12 +147,12 @@ impl Track {
     }
 
     /// Shows the straight parts between two times, in order.
-    pub fn for_each_leg(&self, from_s: f64, to_s: f64, mut show: impl FnMut(&Leg)) {
+    pub fn for_each_leg(&self, from_s: f64, to_s: f64, mut show: impl FnMut(&TrackLeg)) {
         match self {
             Self::Straight {
                 position_m,
                 velocity_mps,
-            } => show(&Leg {
+            } => show(&TrackLeg {
                 from_s,
                 to_s,
                 anchor_s: 0.0,
@@ -165,7 +165,7 @@ impl Track {
                     if pair[0].time_s > to_s {
                         break;
                     }
-                    let leg = Leg {
+                    let leg = TrackLeg {
                         from_s: from_s.max(pair[0].time_s),
                         to_s: to_s.min(pair[1].time_s),
                         anchor_s: pair[0].time_s,

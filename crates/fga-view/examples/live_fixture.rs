@@ -13,7 +13,7 @@ use fga_report::replay::{
     LiveMessage, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, ReplayOutcome,
     ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
 };
-use fga_view::{Folder, Live, Server};
+use fga_view::{Live, ServedFolder, Server};
 
 const STEPS: u32 = 300;
 
@@ -24,7 +24,7 @@ fn main() -> io::Result<()> {
     let table = match env::args().nth(1) {
         Some(folder) => Some(Server::catalogue(
             address,
-            Folder::open(Path::new(&folder))?,
+            ServedFolder::open(Path::new(&folder))?,
         )?),
         None => None,
     };

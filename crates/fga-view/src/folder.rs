@@ -21,11 +21,11 @@ const MAX_ROWS: usize = 200_000;
 ///
 /// The page of a run is its `replay.html`, of an encounter of a batch `replay/<encounter>.html`.
 #[derive(Debug, Clone)]
-pub struct Folder {
+pub struct ServedFolder {
     root: PathBuf,
 }
 
-impl Folder {
+impl ServedFolder {
     /// Opens a folder.
     ///
     /// # Errors
@@ -181,7 +181,7 @@ impl Folder {
     }
 }
 
-impl Catalogue for Folder {
+impl Catalogue for ServedFolder {
     fn listing(&self) -> io::Result<Listing> {
         let mut rows = Vec::new();
         self.collect(&self.root, 0, &mut rows)?;
@@ -226,7 +226,7 @@ mod tests {
             eprintln!("skipped: mkfifo is missing");
             return;
         }
-        let folder = Folder::open(home.path()).expect("open");
+        let folder = ServedFolder::open(home.path()).expect("open");
         assert_eq!(folder.listing().expect("listing").rows.len(), 1);
     }
 
@@ -245,7 +245,7 @@ mod tests {
         let campaign = r#"{"command":"campaign","configuration":{"name":"night"}}"#;
         write(home.path(), "d/run.json", campaign);
         write(home.path(), "d/results.csv", results);
-        let folder = Folder::open(home.path()).expect("open");
+        let folder = ServedFolder::open(home.path()).expect("open");
         let rows = folder.listing().expect("listing").rows;
         let seen: Vec<_> = rows
             .iter()
@@ -282,7 +282,7 @@ mod tests {
         write(home.path(), "secret/replay.html", "secret");
         write(home.path(), "runs/a/replay.html", "page");
         write(home.path(), "runs/a/track.csv", "t_s");
-        let folder = Folder::open(&home.path().join("runs")).expect("open");
+        let folder = ServedFolder::open(&home.path().join("runs")).expect("open");
         let outside = home.path().join("secret/replay.html");
         for key in [
             "../secret/replay.html",

@@ -24,6 +24,6 @@ mod live;
 mod server;
 
 pub use catalogue::Catalogue;
-pub use folder::Folder;
+pub use folder::ServedFolder;
 pub use live::Live;
 pub use server::Server;

@@ -24,14 +24,14 @@ const GONE_AFTER: Duration = Duration::from_secs(15);
 /// The sending end of a live run. Clones send to the same browsers.
 #[derive(Debug, Clone)]
 pub struct Live {
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<SharedPage>>,
     /// Wakes the browsers.
     news: watch::Sender<()>,
 }
 
 #[derive(Debug, Default)]
-struct Shared {
-    history: Vec<Kept>,
+struct SharedPage {
+    history: Vec<KeptMessages>,
     bytes: usize,
     /// Number of the next message.
     next: u64,
@@ -41,7 +41,7 @@ struct Shared {
 }
 
 #[derive(Debug)]
-struct Kept {
+struct KeptMessages {
     number: u64,
     text: Utf8Bytes,
     /// Whether the picture stays the same, if coarser, without it.
@@ -61,7 +61,7 @@ impl Live {
     }
 
     /// Nothing here can panic half-way, so data behind a poisoned lock is complete.
-    fn lock(&self) -> MutexGuard<'_, Shared> {
+    fn lock(&self) -> MutexGuard<'_, SharedPage> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -90,7 +90,7 @@ impl Live {
         let number = shared.next;
         shared.next += 1;
         shared.bytes += text.len();
-        shared.history.push(Kept {
+        shared.history.push(KeptMessages {
             number,
             text,
             spare,
@@ -201,7 +201,7 @@ async fn send(socket: &mut WebSocket, message: Message) -> Option<()> {
         .ok()
 }
 
-impl Shared {
+impl SharedPage {
     fn is_full(&self) -> bool {
         self.history.len() > REMEMBERED || self.bytes > REMEMBERED_BYTES
     }
@@ -231,7 +231,7 @@ impl Shared {
 }
 
 /// Drops every second sample, decision and duration, and replaced obstacles.
-fn thin(history: &mut Vec<Kept>) {
+fn thin(history: &mut Vec<KeptMessages>) {
     let mut latest = std::collections::HashSet::new();
     let mut last: Vec<bool> = history
         .iter()

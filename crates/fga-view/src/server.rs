@@ -151,7 +151,7 @@ async fn with_headers(mut response: Response) -> Response {
     response
 }
 
-type Shown = State<Arc<dyn Catalogue>>;
+type CatalogueState = State<Arc<dyn Catalogue>>;
 
 /// Reading a folder takes time that the other browsers need not wait for.
 async fn blocking<T: Send + 'static>(
@@ -166,7 +166,7 @@ async fn blocking<T: Send + 'static>(
 }
 
 async fn table(
-    State(catalogue): Shown,
+    State(catalogue): CatalogueState,
     Extension(share): Extension<Arc<Share>>,
 ) -> Result<Response, Response> {
     share.page().await;
@@ -206,7 +206,7 @@ fn address_of(key: &str) -> String {
 }
 
 async fn replay(
-    State(catalogue): Shown,
+    State(catalogue): CatalogueState,
     Extension(share): Extension<Arc<Share>>,
     Path(key): Path<String>,
 ) -> Result<Response, Response> {

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{fs, thread};
 
 use fga_report::replay::{LiveMessage, ReplayRun, ReplaySample};
-use fga_view::{Folder, Live, Server};
+use fga_view::{Live, ServedFolder, Server};
 
 const ANY_PORT: SocketAddr = SocketAddr::new(core::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 const CROWD: usize = 1000;
@@ -113,7 +113,7 @@ fn l3_a_crowd_at_a_folder_costs_a_few_pages() {
     .expect("run");
     let page = "x".repeat(2_000_000);
     fs::write(folder.path().join("replay.html"), page).expect("page");
-    let folder = Folder::open(folder.path()).expect("open");
+    let folder = ServedFolder::open(folder.path()).expect("open");
     let server = Server::catalogue(ANY_PORT, folder).expect("server");
     let before = memory();
     let crowd: Vec<_> = (0..200)

@@ -8,7 +8,7 @@ use std::time::Instant;
 use std::{fs, thread};
 
 use fga_report::replay::{LiveMessage, ReplayRun, ReplaySample};
-use fga_view::{Folder, Server};
+use fga_view::{ServedFolder, Server};
 
 const ANY_PORT: SocketAddr = SocketAddr::new(core::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 
@@ -44,8 +44,8 @@ fn runs() -> tempfile::TempDir {
 #[test]
 fn the_table_leads_to_the_replays_and_nowhere_else() {
     let home = runs();
-    let server =
-        Server::catalogue(ANY_PORT, Folder::open(home.path()).expect("open")).expect("server");
+    let server = Server::catalogue(ANY_PORT, ServedFolder::open(home.path()).expect("open"))
+        .expect("server");
     let address = server.address();
     assert!(address.ip().is_loopback());
     let table = ask(address, "/", "localhost");
@@ -71,7 +71,7 @@ fn the_table_leads_to_the_replays_and_nowhere_else() {
 #[test]
 fn a_single_run_opens_at_once() {
     let home = runs();
-    let folder = Folder::open(&home.path().join("good")).expect("open");
+    let folder = ServedFolder::open(&home.path().join("good")).expect("open");
     let server = Server::catalogue(ANY_PORT, folder).expect("server");
     let answer = ask(server.address(), "/", "127.0.0.1");
     assert!(answer.contains("location: /replay/replay.html"), "{answer}");

@@ -5,15 +5,15 @@
 #[expect(dead_code, unreachable_pub, reason = "the benchmark uses the rest")]
 mod cycles;
 
-use cycles::{Aircraft, Encounter};
+use cycles::{BenchAircraft, BenchEncounter};
 use fga::avoider::Verdict;
 
 #[test]
 fn s1_every_certified_decision_holds_a_certificate() {
     let (mut certified, mut open) = (0, 0);
-    for aircraft in Aircraft::ALL {
+    for aircraft in BenchAircraft::ALL {
         for number in 0..12 {
-            Encounter::threats(aircraft, 1 + number % 4, u64::from(number)).fly(
+            BenchEncounter::threats(aircraft, 1 + number % 4, u64::from(number)).fly(
                 |_, _, decision| {
                     let record = &decision.record;
                     let chosen = record.chosen.map(|chosen| chosen.verdict);

@@ -8,7 +8,7 @@ mod cycles;
 #[path = "../../fga-proof/tests/common/random.rs"]
 mod random;
 
-use cycles::{Aircraft, Encounter, Kind};
+use cycles::{BenchAircraft, BenchEncounter, StepKind};
 use fga::Vec3;
 use fga::avoider::{Avoider, Block, Decision, Kept, LEAST_WORK, Settings, Start, State, Verdict};
 use fga::certificate::{Hazard, certify_all};
@@ -293,7 +293,7 @@ fn the_slowest_steps_that_we_know_end_within_every_limit() {
     ] {
         for limit in limits {
             let mut met = 0;
-            let encounter = Encounter::adversarial(number).with_work_limit(*limit);
+            let encounter = BenchEncounter::adversarial(number).with_work_limit(*limit);
             encounter.fly(|_, _, decision| {
                 let work = decision.record.work;
                 assert!(work.work <= *limit, "{number}: {work:?} of {limit}");
@@ -313,10 +313,10 @@ fn the_slowest_steps_that_we_know_end_within_every_limit() {
 #[test]
 fn what_is_certified_is_improved_for_a_part_of_the_limit_only() {
     for number in [36, 52, 57, 70] {
-        let encounter = Encounter::threats(Aircraft::Noisy, 1, number);
+        let encounter = BenchEncounter::threats(BenchAircraft::Noisy, 1, number);
         encounter.fly(|_, _, decision| {
             let work = decision.record.work;
-            let chooses = Kind::of(decision) == Kind::Choosing;
+            let chooses = StepKind::of(decision) == StepKind::Choosing;
             assert!(!chooses || work.work < 50_000, "{number}: {work:?}");
             false
         });
@@ -346,10 +346,11 @@ fn margin_m(situation: &Situation<'_>, decision: &Decision, avoider: &Avoider) -
 #[test]
 fn what_is_certified_with_little_work_is_certified_with_all() {
     let (mut certified, mut cut) = (0, 0);
-    for aircraft in [Aircraft::Ideal, Aircraft::Lagged] {
+    for aircraft in [BenchAircraft::Ideal, BenchAircraft::Lagged] {
         for number in 0..24 {
             for limit in (0..16).map(|k| LEAST_WORK + 120 * k) {
-                let encounter = Encounter::threats(aircraft, 24, number).with_work_limit(limit);
+                let encounter =
+                    BenchEncounter::threats(aircraft, 24, number).with_work_limit(limit);
                 let mut cycle = 0;
                 encounter.fly(|before, situation, decision| {
                     let record = &decision.record;

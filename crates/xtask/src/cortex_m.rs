@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::{cargo, has_target, host, ran};
-use crate::table::Table;
+use crate::table::NumberTable;
 
-const TABLE: Table = Table {
+const TABLE: NumberTable = NumberTable {
     path: "docs/benchmarks/cortex-m7.csv",
     header: "what,number",
     chore: "cortex-m",

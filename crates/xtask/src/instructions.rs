@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::command::cargo;
-use crate::table::Table;
+use crate::table::NumberTable;
 
-const TABLE: Table = Table {
+const TABLE: NumberTable = NumberTable {
     path: "docs/benchmarks/instructions.csv",
     header: "aircraft,obstacles,kind,instructions",
     chore: "instructions",

@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use crate::command::{built, cargo};
 
 /// A picture of a page.
-struct Shot {
+struct Screenshot {
     /// File in `docs/pictures`.
     name: &'static str,
     /// Page below the folder of the runs.
@@ -55,23 +55,23 @@ const DRAWN: [(&str, &str); 3] = [
 ];
 
 /// Pictures of pages.
-const SHOTS: [Shot; 4] = [
-    Shot {
+const SHOTS: [Screenshot; 4] = [
+    Screenshot {
         name: "replay.png",
         page: "first-flight/replay.html",
         options: &[],
     },
-    Shot {
+    Screenshot {
         name: "replay-dark.png",
         page: "fig-17/replay.html",
         options: &["--theme", "dark"],
     },
-    Shot {
+    Screenshot {
         name: "replay-ground.png",
         page: "ridge/replay.html",
         options: &[],
     },
-    Shot {
+    Screenshot {
         name: "turn-aware.png",
         page: "fig-10/replay.html",
         options: &["--at", "28", "--press", "t", "--only", "#view"],
@@ -100,7 +100,7 @@ pub(crate) fn make() -> Result<(), String> {
             .map_err(|error| format!("{}: {error}", to.display()))?;
         println!("{}", to.display());
     }
-    for Shot {
+    for Screenshot {
         name,
         page,
         options,

@@ -9,13 +9,13 @@ use std::path::Path;
 const TOLERANCE: f64 = 0.03;
 
 /// A table, by its path from the root of the repository, and the chore that makes it.
-pub(crate) struct Table {
+pub(crate) struct NumberTable {
     pub(crate) path: &'static str,
     pub(crate) header: &'static str,
     pub(crate) chore: &'static str,
 }
 
-impl Table {
+impl NumberTable {
     /// Writes numbers, or compares them with those that are committed.
     pub(crate) fn check(
         &self,

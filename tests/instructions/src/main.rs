@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use fga::avoider::Avoider;
 use fga::situation::Situation;
 
-use cycles::{Aircraft, Encounter, Kind};
+use cycles::{BenchAircraft, BenchEncounter, StepKind};
 
 /// Most times that a step is made.
 const COPIES: u32 = 5;
@@ -32,8 +32,8 @@ fn main() -> ExitCode {
         eprintln!("usage: fga-instructions AIRCRAFT COUNT KIND TIMES");
         return ExitCode::FAILURE;
     };
-    let aircraft = Aircraft::ALL.into_iter().find(|a| a.name() == aircraft);
-    let kind = Kind::ALL.into_iter().find(|k| k.name() == kind);
+    let aircraft = BenchAircraft::ALL.into_iter().find(|a| a.name() == aircraft);
+    let kind = StepKind::ALL.into_iter().find(|k| k.name() == kind);
     let (Some(aircraft), Ok(count), Ok(times)) = (aircraft, count.parse(), times.parse::<u32>())
     else {
         eprintln!("unknown aircraft or number");
@@ -44,8 +44,8 @@ fn main() -> ExitCode {
         if steps > 0 {
             break;
         }
-        Encounter::threats(aircraft, count, number).fly(|before, situation, decision| {
-            if Some(Kind::of(decision)) != kind {
+        BenchEncounter::threats(aircraft, count, number).fly(|before, situation, decision| {
+            if Some(StepKind::of(decision)) != kind {
                 return false;
             }
             steps += 1;
@@ -81,7 +81,7 @@ fn adversarial(arguments: &[String]) -> ExitCode {
         }
     };
     let mut now = 0;
-    Encounter::adversarial(number.into()).fly(|before, situation, decision| {
+    BenchEncounter::adversarial(number.into()).fly(|before, situation, decision| {
         match step {
             None => println!("{number},{now},{}", decision.record.work.work),
             Some((cycle, times)) if cycle == now => {

@@ -138,11 +138,11 @@ const GUST_S: f64 = 3.0;
 
 /// The report of one intruder: position and velocity, smoothed by fixed gains where reports are noisy.
 #[derive(Default)]
-struct Heard {
+struct HeardTraffic {
     track: Option<(Vec3, Vec3, f64)>,
 }
 
-impl Heard {
+impl HeardTraffic {
     /// A report of a position at a time.
     fn report(&mut self, place_m: Vec3, velocity_mps: Vec3, at_s: f64, noise_m: f64) {
         let (position_m, velocity_mps) = match self.track {
@@ -181,7 +181,7 @@ pub(crate) fn fly(
     let volume = ProtectedVolume::Sphere { radius_m: RADIUS_M };
     let mut own = Own::START;
     let mut gust_mps = Vec3::ZERO;
-    let mut heard: Vec<Heard> = intruders.iter().map(|_| Heard::default()).collect();
+    let mut heard: Vec<HeardTraffic> = intruders.iter().map(|_| HeardTraffic::default()).collect();
     let mut last = State::Cruise;
     let mut flown = Flown {
         margin_m: f64::INFINITY,

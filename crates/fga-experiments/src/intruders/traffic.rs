@@ -46,7 +46,7 @@ const CHOOSES_S: f64 = 0.5;
 
 /// A turn with a change of speed and of climb for some time.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
+pub(crate) struct TurnPiece {
     pub(crate) until_s: f64,
     pub(crate) turn_radps: f64,
     pub acceleration_mps2: f64,
@@ -55,7 +55,7 @@ pub(crate) struct Piece {
 
 /// The motion of an intruder.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Limits {
+pub(crate) struct TrafficLimits {
     pub(crate) speed_mps: (f64, f64),
     pub(crate) climb_mps: f64,
 }
@@ -65,8 +65,8 @@ pub(crate) struct Limits {
 pub(crate) struct Intruder {
     rows: Vec<(Vec3, Vec3)>,
     /// Its pieces; after the last one it flies straight.
-    pub(crate) pieces: Vec<Piece>,
-    limits: Limits,
+    pub(crate) pieces: Vec<TurnPiece>,
+    limits: TrafficLimits,
     /// Turn rate of the pursuit, radians per second.
     pursues_radps: Option<f64>,
 }
@@ -75,8 +75,8 @@ impl Intruder {
     pub(crate) fn new(
         position_m: Vec3,
         velocity_mps: Vec3,
-        limits: Limits,
-        pieces: Vec<Piece>,
+        limits: TrafficLimits,
+        pieces: Vec<TurnPiece>,
     ) -> Self {
         Self {
             rows: vec![(position_m, velocity_mps)],
@@ -93,7 +93,7 @@ impl Intruder {
         }
     }
 
-    fn moved(&self, row: (Vec3, Vec3), piece: Option<&Piece>) -> (Vec3, Vec3) {
+    fn moved(&self, row: (Vec3, Vec3), piece: Option<&TurnPiece>) -> (Vec3, Vec3) {
         let (position_m, v) = row;
         let mut next = v;
         if let Some(piece) = piece {
@@ -119,7 +119,7 @@ impl Intruder {
             && (time_s - choice).abs() < 1e-6
         {
             let last = self.rows[self.rows.len() - 1];
-            let piece = |turn_radps: f64| Piece {
+            let piece = |turn_radps: f64| TurnPiece {
                 until_s: time_s + CHOOSES_S,
                 turn_radps,
                 acceleration_mps2: 0.0,
@@ -149,7 +149,7 @@ impl Intruder {
         }
     }
 
-    fn piece_at(&self, time_s: f64) -> Option<&Piece> {
+    fn piece_at(&self, time_s: f64) -> Option<&TurnPiece> {
         self.pieces
             .iter()
             .find(|piece| time_s < piece.until_s - 1e-9)
@@ -207,9 +207,9 @@ impl Intruder {
 /// and begins some way off.
 pub(crate) fn meeting(
     random: &mut Random,
-    limits: Limits,
+    limits: TrafficLimits,
     meets_s: (f64, f64),
-    pieces: &[Piece],
+    pieces: &[TurnPiece],
 ) -> Intruder {
     loop {
         let when_s = (random.within(meets_s.0, meets_s.1) / PERIOD_S).round() * PERIOD_S;
@@ -232,10 +232,10 @@ pub(crate) fn meeting(
 }
 
 /// Random pieces up to a time.
-pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<Piece> {
+pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<TurnPiece> {
     let mut pieces = Vec::new();
     let mut time_s = random.within(0.0, 4.0);
-    pieces.push(Piece {
+    pieces.push(TurnPiece {
         until_s: time_s,
         turn_radps: 0.0,
         acceleration_mps2: 0.0,
@@ -245,7 +245,7 @@ pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<Piece> {
         time_s += random.within(2.0, 8.0);
         let most_radps = 6.0_f64.to_radians();
         let straight = random.unit() < 0.25;
-        pieces.push(Piece {
+        pieces.push(TurnPiece {
             until_s: time_s,
             turn_radps: if straight {
                 0.0

@@ -6,7 +6,7 @@
 use fga::Vec3;
 use rayon::prelude::*;
 
-use super::draw::Flight;
+use super::draw::ReturnFlight;
 use super::flier::Flier;
 use crate::common::{DrawnArgs, model};
 use crate::intruders::traffic::Random;
@@ -56,9 +56,9 @@ impl Sum {
 }
 
 /// An airspace of aircraft with missions, in the plane or in space.
-fn airspace(missions_m: &[Vec<Vec3>], is_planar: bool) -> Result<Flight, String> {
+fn airspace(missions_m: &[Vec<Vec3>], is_planar: bool) -> Result<ReturnFlight, String> {
     let vehicle = model(is_planar)?.vehicle;
-    let mut flight = Flight::empty(vehicle, Vec3::ZERO, (RADIUS_M, SURVEILLANCE_M));
+    let mut flight = ReturnFlight::empty(vehicle, Vec3::ZERO, (RADIUS_M, SURVEILLANCE_M));
     flight.until_s = MISSION_S + LATE_S;
     for mission_m in missions_m {
         let air = (&flight.vehicle, Vec3::ZERO);

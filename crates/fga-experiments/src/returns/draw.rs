@@ -42,7 +42,7 @@ impl Straight {
 }
 
 /// A drawn flight.
-pub(super) struct Flight {
+pub(super) struct ReturnFlight {
     pub(super) vehicle: Vehicle,
     pub(super) wind_mps: Vec3,
     pub(super) radius_m: f64,
@@ -76,7 +76,7 @@ fn mission_m(
     mission_m
 }
 
-impl Flight {
+impl ReturnFlight {
     /// Without aircraft: the vehicle and the wind of all, the radius of their protected spheres and how far they see, metres.
     pub(super) const fn empty(
         vehicle: Vehicle,

@@ -3,12 +3,12 @@
 use fga::avoider::State;
 use fga::situation::{Obstacle, ProtectedVolume};
 
-use super::Count;
-use super::draw::{Flight, Straight};
+use super::ReturnCount;
+use super::draw::{ReturnFlight, Straight};
 use super::flier::{Flier, STUCK_S, distance_m};
 use crate::common::PERIOD_S;
 
-impl Flight {
+impl ReturnFlight {
     /// Flies until every mission has ended, or for too long.
     pub(super) fn fly_on(&mut self, shows: bool) {
         let volume = ProtectedVolume::Sphere {
@@ -85,11 +85,11 @@ impl Flight {
     }
 
     /// Flies, and counts what went wrong.
-    pub(super) fn fly(mut self, number: u64, shows: bool) -> Count {
+    pub(super) fn fly(mut self, number: u64, shows: bool) -> ReturnCount {
         self.fly_on(shows);
-        let mut count = Count {
+        let mut count = ReturnCount {
             flights: 1,
-            ..Count::default()
+            ..ReturnCount::default()
         };
         for flier in &self.fliers {
             count.aircraft += 1;

@@ -17,9 +17,9 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use rayon::prelude::*;
 
-use super::draw::{Flight, Straight};
+use super::draw::{ReturnFlight, Straight};
 use super::flier::Flier;
-use super::{Count, ReturnsArgs};
+use super::{ReturnCount, ReturnsArgs};
 use crate::intruders::traffic::Random;
 
 /// Length of a leg, metres.
@@ -57,7 +57,7 @@ const TRAPS: [(&str, Trap); 4] = [
     ("masts in a wind of 0.9", Trap::Wind),
 ];
 
-fn drawn(trap: Trap, (seed, number): (u64, u64)) -> Flight {
+fn drawn(trap: Trap, (seed, number): (u64, u64)) -> ReturnFlight {
     let mut random = Random::of(seed, number);
     let airspeed_mps = random.within(12.0, 25.0);
     let bank_rad = random.within(0.45, 0.85);
@@ -81,7 +81,7 @@ fn drawn(trap: Trap, (seed, number): (u64, u64)) -> Flight {
     let wind_mps = Vec3::new(cos, sin, 0.0) * (airspeed_mps * wind);
     let radius_m = random.within(15.0, 40.0);
     let surveillance_m = if random.unit() < 0.5 { 1000.0 } else { 3000.0 };
-    let mut flight = Flight::empty(vehicle, wind_mps, (radius_m, surveillance_m));
+    let mut flight = ReturnFlight::empty(vehicle, wind_mps, (radius_m, surveillance_m));
     let mission_m: Vec<Vec3> = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.3]]
         .map(|[x, y]| Vec3::new(LEG_M * x, LEG_M * y, 100.0))
         .to_vec();
@@ -145,11 +145,11 @@ fn drawn(trap: Trap, (seed, number): (u64, u64)) -> Flight {
     flight
 }
 
-fn counted(trap: Trap, seed: u64, numbers: Range<u64>, shows: bool) -> Count {
+fn counted(trap: Trap, seed: u64, numbers: Range<u64>, shows: bool) -> ReturnCount {
     numbers
         .into_par_iter()
         .map(|number| drawn(trap, (seed, number)).fly(number, shows))
-        .reduce(Count::default, Count::and)
+        .reduce(ReturnCount::default, ReturnCount::and)
 }
 
 /// Runs the experiment.

@@ -11,13 +11,13 @@ use crate::error::InputError;
 #[serde(expecting = "an object with features")]
 pub(super) struct Ed269File {
     #[serde(alias = "UASZoneList")]
-    features: Vec<Zone>,
+    features: Vec<Ed269Zone>,
 }
 
 /// A geographical zone.
 #[derive(Debug, Deserialize)]
 #[serde(expecting = "a zone")]
-struct Zone {
+struct Ed269Zone {
     identifier: Option<String>,
     name: Option<String>,
     restriction: Option<String>,

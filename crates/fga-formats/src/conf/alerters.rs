@@ -1,6 +1,6 @@
 //! Alerters, their levels and their detectors.
 
-use super::entries::{Allowed, Entries, Measure, Number};
+use super::entries::{Allowed, ConfMeasure, Entries, Number};
 use super::keys::CONFLICT_REGIONS;
 use crate::error::{InputError, shown};
 use crate::units::Dimension::{self, Angle, Length, Speed, Time};
@@ -161,7 +161,7 @@ fn quantity(
     key: &str,
     dimension: Dimension,
 ) -> Result<Option<f64>, InputError> {
-    let number = entries.number(key, Measure::Of(dimension), Allowed::NotNegative)?;
+    let number = entries.number(key, ConfMeasure::Of(dimension), Allowed::NotNegative)?;
     Ok(number.map(|Number { si, .. }| si))
 }
 
@@ -257,7 +257,7 @@ fn own_factors(
         ("v_vel_z_score", &mut own.vertical_velocity),
     ] {
         let key = format!("{prefix}{key}");
-        if let Some(number) = entries.number(&key, Measure::Plain, Allowed::NotNegative)? {
+        if let Some(number) = entries.number(&key, ConfMeasure::Plain, Allowed::NotNegative)? {
             *target = number.si;
         }
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// A value that nothing has read yet.
 #[derive(Debug, Clone)]
-struct Entry {
+struct ConfEntry {
     line: u64,
     key: String,
     value: String,
@@ -18,12 +18,12 @@ struct Entry {
 pub(super) struct Entries {
     path: PathBuf,
     /// By the key in lower case.
-    left: BTreeMap<String, Entry>,
+    left: BTreeMap<String, ConfEntry>,
 }
 
 /// The quantity of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Measure {
+pub(super) enum ConfMeasure {
     /// A quantity with a unit.
     Of(Dimension),
     /// A plain number.
@@ -67,7 +67,7 @@ impl Allowed {
 
 impl Entries {
     pub(super) fn parse(text: &str, path: &Path) -> Result<Self, InputError> {
-        let mut left: BTreeMap<String, Entry> = BTreeMap::new();
+        let mut left: BTreeMap<String, ConfEntry> = BTreeMap::new();
         for (line, number) in text.split('\n').zip(1_u64..) {
             let content = line.split('#').next().unwrap_or_default().trim();
             if content.is_empty() {
@@ -78,7 +78,7 @@ impl Entries {
                 return Err(InputError::at_line(path, number, message));
             };
             let (key, value) = (key.trim(), value.trim());
-            let entry = Entry {
+            let entry = ConfEntry {
                 line: number,
                 key: key.to_owned(),
                 value: value.to_owned(),
@@ -141,7 +141,7 @@ impl Entries {
     pub(super) fn number(
         &mut self,
         key: &str,
-        measure: Measure,
+        measure: ConfMeasure,
         allowed: Allowed,
     ) -> Result<Option<Number>, InputError> {
         let Some((line, text)) = self.text(key) else {
@@ -156,13 +156,13 @@ impl Entries {
             .ok_or_else(|| at(format!("{key} is {}, expected a number", shown(&text))))?;
         let unit = match measure {
             _ if Unit::is_unspecified(symbol) => None,
-            Measure::Plain => {
+            ConfMeasure::Plain => {
                 return Err(at(format!(
                     "{key} has the unit {}, expected a plain number",
                     shown(symbol)
                 )));
             }
-            Measure::Of(dimension) => {
+            ConfMeasure::Of(dimension) => {
                 let known = Unit::parse(symbol);
                 let expected = dimension.with_article();
                 let examples = dimension.examples();

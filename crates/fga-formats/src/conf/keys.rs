@@ -1,6 +1,6 @@
 //! The keys of the top level.
 
-use super::entries::{Allowed, Entries, Measure};
+use super::entries::{Allowed, ConfMeasure, Entries};
 use super::{Configuration, ShownUnit};
 use crate::error::InputError;
 use crate::units::Dimension::{Acceleration, Angle, AngularRate, Length, Speed, Time};
@@ -51,7 +51,7 @@ impl KeyReader<'_> {
     fn set(
         &mut self,
         key: &'static str,
-        measure: Measure,
+        measure: ConfMeasure,
         allowed: Allowed,
         target: &mut f64,
     ) -> Result<Option<ShownUnit>, InputError> {
@@ -71,7 +71,7 @@ impl KeyReader<'_> {
         allowed: Allowed,
         target: &mut f64,
     ) -> Result<(), InputError> {
-        self.set(key, Measure::Of(dimension), allowed, target)?;
+        self.set(key, ConfMeasure::Of(dimension), allowed, target)?;
         Ok(())
     }
 
@@ -84,7 +84,7 @@ impl KeyReader<'_> {
         target: &mut f64,
         unit: &mut ShownUnit,
     ) -> Result<(), InputError> {
-        if let Some(found) = self.set(key, Measure::Of(dimension), allowed, target)? {
+        if let Some(found) = self.set(key, ConfMeasure::Of(dimension), allowed, target)? {
             *unit = found;
         }
         Ok(())
@@ -96,7 +96,7 @@ impl KeyReader<'_> {
         allowed: Allowed,
         target: &mut f64,
     ) -> Result<(), InputError> {
-        self.set(key, Measure::Plain, allowed, target)?;
+        self.set(key, ConfMeasure::Plain, allowed, target)?;
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use crate::units::Unit;
 
 /// A column of every file, under one of several names.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Column {
+pub(super) struct DaaColumn {
     /// Its index in a row.
     pub(super) place: usize,
     /// Its name in the file.
@@ -15,24 +15,24 @@ pub(super) struct Column {
 }
 
 /// Three related columns.
-pub(super) type Triple = [Column; 3];
+pub(super) type ColumnTriple = [DaaColumn; 3];
 
 /// The form of positions.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum PositionColumns {
     /// Latitude, longitude, altitude.
-    Geodetic(Triple),
+    Geodetic(ColumnTriple),
     /// East, north, up.
-    Cartesian(Triple),
+    Cartesian(ColumnTriple),
 }
 
 /// The form of velocities.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum VelocityColumns {
     /// True track, ground speed, vertical speed.
-    Track(Triple),
+    Track(ColumnTriple),
     /// East, north, up.
-    Cartesian(Triple),
+    Cartesian(ColumnTriple),
 }
 
 /// The columns of a file.
@@ -43,7 +43,7 @@ pub(super) struct Layout {
     pub(super) name: usize,
     pub(super) position: PositionColumns,
     pub(super) velocity: VelocityColumns,
-    pub(super) time: Column,
+    pub(super) time: DaaColumn,
 }
 
 const NAME: &[&str] = &["name", "aircraft", "id"];
@@ -106,7 +106,7 @@ impl Layout {
     }
 
     /// Every column with a quantity.
-    fn quantities(&mut self) -> impl Iterator<Item = &mut Column> {
+    fn quantities(&mut self) -> impl Iterator<Item = &mut DaaColumn> {
         let (PositionColumns::Geodetic(position) | PositionColumns::Cartesian(position)) =
             &mut self.position;
         let (VelocityColumns::Track(velocity) | VelocityColumns::Cartesian(velocity)) =
@@ -162,7 +162,7 @@ impl Layout {
     }
 }
 
-impl Column {
+impl DaaColumn {
     /// The number in this column of a row, in SI units.
     pub(super) fn value(&self, fields: &[&str]) -> Result<f64, String> {
         let text = fields.get(self.place).copied().unwrap_or_default();
@@ -243,9 +243,9 @@ impl Header<'_> {
         Ok(self.find(names)?.0)
     }
 
-    fn column(&self, names: &[&'static str], unit: Unit) -> Result<Column, String> {
+    fn column(&self, names: &[&'static str], unit: Unit) -> Result<DaaColumn, String> {
         let (place, name) = self.find(names)?;
-        Ok(Column { place, name, unit })
+        Ok(DaaColumn { place, name, unit })
     }
 }
 

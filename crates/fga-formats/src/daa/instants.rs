@@ -2,7 +2,7 @@
 
 use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
 use super::extras::Extras;
-use super::rows::Rows;
+use super::rows::DaaRows;
 use crate::error::InputError;
 use crate::tally::Tally;
 use fga_alerts::Deviation;
@@ -37,7 +37,7 @@ impl Place {
 
 /// A velocity with its direction and speed as given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct DaaMotion {
     /// Direction, radians clockwise from north.
     pub track_rad: f64,
     /// Horizontal speed, metres per second.
@@ -46,7 +46,7 @@ pub struct Motion {
     pub velocity_mps: DVec3,
 }
 
-impl Motion {
+impl DaaMotion {
     /// From direction, speed and climb.
     pub fn from_track(track_rad: f64, speed_mps: f64, climb_mps: f64) -> Self {
         let (sin, cos) = libm::sincos(track_rad);
@@ -70,13 +70,13 @@ impl Motion {
 
 /// The content of a row about an aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
+pub struct DaaReport {
     /// The aircraft: its index in [`Instants::names`].
     pub aircraft: usize,
     /// Its position.
     pub place: Place,
     /// Its velocity over the ground.
-    pub ground: Motion,
+    pub ground: DaaMotion,
     /// Direction (radians clockwise from north) and speed (metres per second) through the air.
     pub air: Option<(f64, f64)>,
     /// The alerter that judges it, counted from 1; 0 for none.
@@ -91,7 +91,7 @@ pub struct Instant {
     /// Time, seconds.
     pub time_s: f64,
     /// The aircraft that have a row, in the order of their first rows.
-    pub reports: Vec<Report>,
+    pub reports: Vec<DaaReport>,
 }
 
 /// A recording time by time.
@@ -146,8 +146,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
             .map_err(|message| at(number, message))?;
         lines.next();
     }
-    let mut rows = Rows::new(&layout, &extras);
-    let mut found: Vec<(f64, Report)> = Vec::new();
+    let mut rows = DaaRows::new(&layout, &extras);
+    let mut found: Vec<(f64, DaaReport)> = Vec::new();
     for (number, line) in lines {
         let report = rows
             .push(line)
@@ -190,7 +190,7 @@ fn report(
     extras: &Extras,
     line: &str,
     aircraft: usize,
-) -> Result<(f64, Report), String> {
+) -> Result<(f64, DaaReport), String> {
     let fields = fields(line, Some(layout.width));
     let place = match &layout.position {
         PositionColumns::Geodetic([latitude, longitude, altitude]) => Place::Geodetic {
@@ -205,18 +205,18 @@ fn report(
         )),
     };
     let ground = match &layout.velocity {
-        VelocityColumns::Track([track, speed, climb]) => Motion::from_track(
+        VelocityColumns::Track([track, speed, climb]) => DaaMotion::from_track(
             track.value(&fields)?,
             speed.value(&fields)?,
             climb.value(&fields)?,
         ),
-        VelocityColumns::Cartesian([east, north, up]) => Motion::from_velocity(DVec3::new(
+        VelocityColumns::Cartesian([east, north, up]) => DaaMotion::from_velocity(DVec3::new(
             east.value(&fields)?,
             north.value(&fields)?,
             up.value(&fields)?,
         )),
     };
-    let report = Report {
+    let report = DaaReport {
         aircraft,
         place,
         ground,

@@ -60,7 +60,7 @@ impl TrackSample {
 
 /// The separation of two aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Separation {
+pub struct DaaSeparation {
     /// Horizontal distance, metres.
     pub horizontal_m: f64,
     /// Vertical distance, metres, never negative.
@@ -80,12 +80,12 @@ impl Recording {
 
     /// The separation of two samples as DAIDALUS measures it: in the plane that touches the
     /// earth at the first one.
-    pub fn separation(ownship: &TrackSample, intruder: &TrackSample) -> Separation {
+    pub fn separation(ownship: &TrackSample, intruder: &TrackSample) -> DaaSeparation {
         let offset_m = match (ownship.place, intruder.place) {
             (Some(own), Some(other)) => LocalFrame::new(own, Earth::Daidalus).to_local_m(other),
             _ => intruder.position_m - ownship.position_m,
         };
-        Separation {
+        DaaSeparation {
             horizontal_m: libm::hypot(offset_m.x, offset_m.y),
             vertical_m: offset_m.z.abs(),
         }
@@ -93,7 +93,7 @@ impl Recording {
 
     /// The separation of the ownship and the aircraft `index` of [`Recording::aircraft`] at a
     /// time at which both have a row; `None` otherwise. See [`Recording::separation`].
-    pub fn separation_at(&self, index: usize, time_s: f64) -> Option<Separation> {
+    pub fn separation_at(&self, index: usize, time_s: f64) -> Option<DaaSeparation> {
         let own = self.ownship()?.sample_at(time_s)?;
         let other = self.aircraft.get(index)?.sample_at(time_s)?;
         Some(Self::separation(own, other))

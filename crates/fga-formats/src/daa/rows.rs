@@ -1,6 +1,6 @@
 //! The rows of a `.daa` file.
 
-use super::columns::{Column, Layout, PositionColumns, VelocityColumns, fields};
+use super::columns::{DaaColumn, Layout, PositionColumns, VelocityColumns, fields};
 use super::extras::Extras;
 use super::{Track, TrackSample};
 use crate::error::shown;
@@ -19,7 +19,7 @@ const LARGEST_SPEED_MPS: f64 = 5000.0;
 const LARGEST_TIME_S: f64 = 1e11;
 
 /// The rows read so far.
-pub(super) struct Rows<'a> {
+pub(super) struct DaaRows<'a> {
     layout: &'a Layout,
     extras: &'a Extras,
     pub(super) aircraft: Vec<Track>,
@@ -29,7 +29,7 @@ pub(super) struct Rows<'a> {
     pub(super) tally: Tally,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> DaaRows<'a> {
     pub(super) fn new(layout: &'a Layout, extras: &'a Extras) -> Self {
         Self {
             layout,
@@ -202,7 +202,7 @@ impl<'a> Rows<'a> {
 }
 
 /// Refuses an implausible value (SI units, or degrees).
-fn limit(value: f64, largest: f64, column: &Column, unit: &str) -> Result<(), String> {
+fn limit(value: f64, largest: f64, column: &DaaColumn, unit: &str) -> Result<(), String> {
     // Degrees pass through radians: rounding must not refuse the poles.
     if value.abs() <= largest * (1.0 + 1e-12) {
         return Ok(());

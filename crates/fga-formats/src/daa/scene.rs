@@ -7,7 +7,7 @@
 //! circle. The order of the operations also follows DAIDALUS: distances of some metres are differences
 //! of the earth's radius, and six printed decimals show the rounding.
 
-use super::instants::{Instant, Motion, Place, Report};
+use super::instants::{DaaMotion, DaaReport, Instant, Place};
 use crate::geodesy::DAIDALUS_RADIUS_M;
 use crate::units::NAUTICAL_MILE_M;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -69,7 +69,7 @@ fn to_half_turn(angle_rad: f64) -> f64 {
 }
 
 /// The position on a great circle after a time.
-fn advanced(place: Place, motion: &Motion, after_s: f64) -> Place {
+fn advanced(place: Place, motion: &DaaMotion, after_s: f64) -> Place {
     if after_s == 0.0 || motion.velocity_mps == DVec3::ZERO {
         return place;
     }
@@ -138,9 +138,9 @@ pub struct Seen {
     /// Its position.
     pub place: Place,
     /// Its velocity over the ground.
-    pub ground: Motion,
+    pub ground: DaaMotion,
     /// Its velocity through the air.
-    pub air: Motion,
+    pub air: DaaMotion,
     /// The alerter that judges it, counted from 1; 0 for none.
     pub alerter: u32,
     /// The uncertainty of its state.
@@ -149,7 +149,7 @@ pub struct Seen {
 
 /// One time of a recording as the ownship sees it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct DaaScene {
     /// Time, seconds.
     pub time_s: f64,
     /// The ownship.
@@ -169,12 +169,12 @@ pub struct Wind {
 
 impl Wind {
     /// The velocity through the air of an aircraft with this velocity over the ground.
-    fn through_air(&self, ground: &Motion) -> Motion {
-        Motion::from_velocity(ground.velocity_mps - self.velocity_mps)
+    fn through_air(&self, ground: &DaaMotion) -> DaaMotion {
+        DaaMotion::from_velocity(ground.velocity_mps - self.velocity_mps)
     }
 }
 
-impl Scene {
+impl DaaScene {
     /// The scene of an instant; `None` where the ownship (aircraft 0) has no row.
     ///
     /// If the ownship's row has an air velocity, it sets the wind for all aircraft from then on.
@@ -182,13 +182,14 @@ impl Scene {
         let own = instant.reports.iter().find(|report| report.aircraft == 0)?;
         let own_air = match own.air {
             Some((heading_rad, airspeed_mps)) => {
-                let air = Motion::from_track(heading_rad, airspeed_mps, own.ground.velocity_mps.z);
+                let air =
+                    DaaMotion::from_track(heading_rad, airspeed_mps, own.ground.velocity_mps.z);
                 wind.velocity_mps = own.ground.velocity_mps - air.velocity_mps;
                 air
             }
             None => wind.through_air(&own.ground),
         };
-        let seen = |report: &Report, air: Motion| Seen {
+        let seen = |report: &DaaReport, air: DaaMotion| Seen {
             aircraft: report.aircraft,
             place: report.place,
             ground: report.ground,
@@ -272,7 +273,7 @@ impl Scene {
         self.aircraft(&self.ownship)
     }
 
-    /// The others for the monitor, in the order of [`Scene::traffic`].
+    /// The others for the monitor, in the order of [`DaaScene::traffic`].
     pub fn traffic_aircraft(&self) -> Vec<Aircraft> {
         self.traffic
             .iter()
@@ -281,7 +282,7 @@ impl Scene {
     }
 }
 
-impl Ahead for Scene {
+impl Ahead for DaaScene {
     fn ownship(&self, after_s: f64) -> State {
         self.state_after(&self.ownship, after_s)
     }

@@ -1,7 +1,7 @@
 //! Alerts and bands as tables, in the layout of DAIDALUS, so that `diff` compares them.
 
 use super::instants::{Instants, Place};
-use super::scene::{Scene, Seen, Wind};
+use super::scene::{DaaScene, Seen, Wind};
 use crate::conf::{Configuration, ShownUnit};
 use crate::number::trimmed;
 use crate::units::NAUTICAL_MILE_M;
@@ -36,7 +36,7 @@ fn seconds(value_s: f64) -> String {
 pub fn watch(
     recording: &Instants,
     configuration: &Configuration,
-    mut show: impl FnMut(&mut Monitor, &Scene),
+    mut show: impl FnMut(&mut Monitor, &DaaScene),
 ) -> Result<(), String> {
     let mut monitor = Monitor::new(configuration.settings.clone());
     let mut wind = Wind::default();
@@ -47,7 +47,7 @@ pub fn watch(
         altitude_m: 0.0,
     });
     for instant in &recording.instants {
-        let Some(scene) = Scene::of(instant, &mut wind, terminal) else {
+        let Some(scene) = DaaScene::of(instant, &mut wind, terminal) else {
             continue;
         };
         monitor
@@ -64,14 +64,14 @@ pub fn watch(
 
 /// The input of both tables.
 #[derive(Debug, Clone, Copy)]
-pub struct Tables<'a> {
+pub struct DaaTables<'a> {
     /// The recording.
     pub recording: &'a Instants,
     /// The configuration.
     pub configuration: &'a Configuration,
 }
 
-impl Tables<'_> {
+impl DaaTables<'_> {
     fn name(&self, aircraft: usize) -> &str {
         self.recording
             .names
@@ -80,7 +80,7 @@ impl Tables<'_> {
     }
 
     /// The names of aircraft of the traffic in braces.
-    fn braced(&self, scene: &Scene, places: impl Iterator<Item = usize>) -> String {
+    fn braced(&self, scene: &DaaScene, places: impl Iterator<Item = usize>) -> String {
         let names: Vec<&str> = places
             .filter_map(|place| scene.traffic.get(place))
             .map(|seen| self.name(seen.aircraft))
@@ -135,7 +135,7 @@ impl Tables<'_> {
     }
 
     /// Appends the rows of `alerts.csv` for a time: one for each aircraft with an alerter.
-    pub fn alerts_rows(&self, monitor: &Monitor, scene: &Scene, out: &mut String) {
+    pub fn alerts_rows(&self, monitor: &Monitor, scene: &DaaScene, out: &mut String) {
         for (index, (seen, alert)) in scene.traffic.iter().zip(monitor.alerts()).enumerate() {
             let Some(alerter) = alert.alerter else {
                 continue;
@@ -160,7 +160,7 @@ impl Tables<'_> {
         }
     }
 
-    fn terminal_fields(&self, monitor: &Monitor, scene: &Scene, seen: &Seen, out: &mut String) {
+    fn terminal_fields(&self, monitor: &Monitor, scene: &DaaScene, seen: &Seen, out: &mut String) {
         if !self.shows_terminal() {
             return;
         }
@@ -188,7 +188,7 @@ impl Tables<'_> {
     }
 
     /// The approach of two aircraft.
-    fn approach_fields(&self, scene: &Scene, index: usize, out: &mut String) {
+    fn approach_fields(&self, scene: &DaaScene, index: usize, out: &mut String) {
         use fga_alerts::Ahead as _;
         let pair = Pair {
             ownship: scene.ownship(0.0),
@@ -231,7 +231,7 @@ impl Tables<'_> {
     }
 
     /// Appends the part of `bands.out` of a time.
-    pub fn bands_text(&self, monitor: &mut Monitor, scene: &Scene, out: &mut String) {
+    pub fn bands_text(&self, monitor: &mut Monitor, scene: &DaaScene, out: &mut String) {
         self.states(scene, out);
         self.conflicts(monitor, scene, out);
         for quantity in Quantity::ALL {
@@ -253,7 +253,7 @@ impl Tables<'_> {
     }
 
     /// Time and states.
-    fn states(&self, scene: &Scene, out: &mut String) {
+    fn states(&self, scene: &DaaScene, out: &mut String) {
         let units = &self.configuration.units;
         let _ = writeln!(out, "Time: {}", seconds(scene.time_s));
         let (place_names, place_units) = if self.recording.is_geodetic {
@@ -355,7 +355,7 @@ impl Tables<'_> {
     }
 
     /// Conflicts and alerts.
-    fn conflicts(&self, monitor: &Monitor, scene: &Scene, out: &mut String) {
+    fn conflicts(&self, monitor: &Monitor, scene: &DaaScene, out: &mut String) {
         let settings = &self.configuration.settings;
         let enabled = |is_on: bool| if is_on { "Enabled" } else { "Disabled" };
         let _ = writeln!(
@@ -397,7 +397,7 @@ impl Tables<'_> {
         }
     }
 
-    fn bands_of(&self, quantity: Quantity, monitor: &Monitor, scene: &Scene, out: &mut String) {
+    fn bands_of(&self, quantity: Quantity, monitor: &Monitor, scene: &DaaScene, out: &mut String) {
         let units = &self.configuration.units;
         let words = words(quantity);
         let title = words.title;

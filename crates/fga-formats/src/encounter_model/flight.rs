@@ -55,13 +55,13 @@ struct Variables {
 
 /// An aircraft in flight.
 #[derive(Debug, Clone, Copy)]
-struct Flying {
+struct FlyingAircraft {
     variables: Variables,
     position_m: DVec3,
     compass_deg: f64,
 }
 
-impl Flying {
+impl FlyingAircraft {
     fn new(variables: Variables, altitude_m: f64) -> Self {
         Self {
             variables,
@@ -164,7 +164,7 @@ impl EncounterModel {
         self.variables.get(layer)?.boundaries.as_deref()?;
         let mut state = self.start(uniform);
         let altitude_m = Feet(*state.values.get(layer)?).to_m();
-        let mut flying = Flying::new(variables, altitude_m);
+        let mut flying = FlyingAircraft::new(variables, altitude_m);
         let mut rows = Vec::new();
         for second in 0..=duration_s {
             let (row, next_kn) = flying.second(f64::from(second), &state);
@@ -205,7 +205,7 @@ impl EncounterModel {
         if !keep(miss_m, height_m) {
             return Some(None);
         }
-        let mut flying = variables.map(|variables| Flying::new(variables, altitude_m));
+        let mut flying = variables.map(|variables| FlyingAircraft::new(variables, altitude_m));
         let mut flights = [Vec::new(), Vec::new()];
         for second in 0..=duration_s {
             let mut speeds_kn = [0.0; 2];

@@ -3,14 +3,14 @@
 /// A network: the dependencies and the count of each case.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Network {
-    nodes: Vec<Node>,
+    nodes: Vec<NetworkNode>,
     /// Every variable after its parents.
     order: Vec<usize>,
 }
 
 /// One variable.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
+pub(super) struct NetworkNode {
     pub(super) bins: usize,
     /// Ascending.
     pub(super) parents: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) struct Node {
 
 impl Network {
     /// The network of these variables; `None` if a variable depends on itself.
-    pub(super) fn new(nodes: Vec<Node>) -> Option<Self> {
+    pub(super) fn new(nodes: Vec<NetworkNode>) -> Option<Self> {
         let mut order: Vec<usize> = Vec::with_capacity(nodes.len());
         while order.len() < nodes.len() {
             let next = nodes.iter().enumerate().find(|(index, node)| {

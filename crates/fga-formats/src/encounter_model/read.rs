@@ -1,6 +1,6 @@
 //! The file of an encounter model: sections that begin with a `# name` line.
 
-use super::network::{Network, Node};
+use super::network::{Network, NetworkNode};
 use super::{EncounterModel, Variable};
 use crate::error::{InputError, read_text, shown};
 use std::collections::HashMap;
@@ -233,7 +233,7 @@ impl<'a> File<'a> {
                     format!("has counts of {label} whose sum is {total}, expected a positive one");
                 return Err(self.error(&counts_name, &message));
             }
-            nodes.push(Node {
+            nodes.push(NetworkNode {
                 bins: *bins,
                 parents,
                 counts: own.to_vec(),

@@ -45,12 +45,12 @@ pub fn line(frame: &LocalFrame, sample: &FlightSample, airspeed_mps: f64) -> Vec
 
 /// Sends states to a FlightGear.
 #[derive(Debug)]
-pub struct Sender {
+pub struct FlightGearSender {
     socket: UdpSocket,
     target: SocketAddr,
 }
 
-impl Sender {
+impl FlightGearSender {
     /// A sender to `host:port`.
     ///
     /// # Errors

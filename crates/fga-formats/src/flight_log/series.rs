@@ -149,7 +149,7 @@ pub(super) struct Signals {
 
 /// A part of a log in which the aircraft flies and every signal is there, at a steady rate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Piece {
+pub struct SeriesPiece {
     /// Time of the first row, seconds, as the log counts them.
     pub start_s: f64,
     /// Airspeed, metres per second.
@@ -164,7 +164,7 @@ pub struct Piece {
     pub climb_rad: Vec<f64>,
 }
 
-impl Piece {
+impl SeriesPiece {
     /// Number of rows.
     pub const fn len(&self) -> usize {
         self.bank_rad.len()
@@ -184,7 +184,7 @@ pub struct FlightLog {
     /// Limits of the vehicle, as far as the log has them.
     pub limits: Limits,
     /// The pieces in order of time; there is at least one.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<SeriesPiece>,
     /// What became of the messages or rows of the file.
     pub tally: Tally,
 }
@@ -270,7 +270,7 @@ impl Signals {
     }
 
     /// What is flown, in pieces.
-    fn pieces(&self, span_s: (f64, f64), period_s: f64) -> Vec<Piece> {
+    fn pieces(&self, span_s: (f64, f64), period_s: f64) -> Vec<SeriesPiece> {
         let flying_mps = FLYING_SHARE * self.cruise_mps();
         let mut places = [0; 5];
         let mut pieces = Vec::new();
@@ -281,7 +281,7 @@ impl Signals {
             let lasts_s = rows.len() as f64 * period_s;
             if lasts_s >= SHORTEST_PIECE_S {
                 let column = |of: fn(&[f64; 5]) -> f64| rows.iter().map(of).collect();
-                pieces.push(Piece {
+                pieces.push(SeriesPiece {
                     start_s,
                     airspeed_mps: column(|row| row[0]),
                     bank_command_rad: column(|row| row[1]),

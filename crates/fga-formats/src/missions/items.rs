@@ -7,7 +7,7 @@ use std::path::Path;
 
 use fga::situation::Passing;
 
-use super::{Fence, MissionFile, Outline, Waypoint};
+use super::{FenceOutline, MissionFence, MissionFile, Waypoint};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 use crate::words::counted;
@@ -330,19 +330,19 @@ impl<'a> ItemReader<'a> {
                 }
                 corners_deg.push(at_deg);
                 if corners_deg.len() == count {
-                    let outline = Outline::Polygon { corners_deg };
-                    return self.add_fence(item, Fence { outline, keep_in });
+                    let outline = FenceOutline::Polygon { corners_deg };
+                    return self.add_fence(item, MissionFence { outline, keep_in });
                 }
                 self.corners = Some((corners_deg, count, keep_in));
                 Ok(())
             }
             5003 | 5004 => {
-                let outline = Outline::Circle {
+                let outline = FenceOutline::Circle {
                     center_deg: at_deg,
                     radius_m: item.first_parameter.unwrap_or(0.0),
                 };
                 let keep_in = item.command == 5003;
-                self.add_fence(item, Fence { outline, keep_in })
+                self.add_fence(item, MissionFence { outline, keep_in })
             }
             5100 => {
                 let place = self.place(item)?;
@@ -361,14 +361,14 @@ impl<'a> ItemReader<'a> {
     }
 
     /// Adds a fence that can be one.
-    pub(super) fn add_fence(&mut self, item: &Item, fence: Fence) -> Result<(), InputError> {
+    pub(super) fn add_fence(&mut self, item: &Item, fence: MissionFence) -> Result<(), InputError> {
         let on_earth = |at: &[f64; 2]| Geodetic::new(at[0], at[1], 0.0).is_some();
         let usable = match &fence.outline {
-            Outline::Circle {
+            FenceOutline::Circle {
                 center_deg,
                 radius_m,
             } => on_earth(center_deg) && radius_m.is_finite() && *radius_m > 0.0,
-            Outline::Polygon { corners_deg } => {
+            FenceOutline::Polygon { corners_deg } => {
                 corners_deg.len() >= 3 && corners_deg.iter().all(on_earth)
             }
         };

@@ -15,7 +15,7 @@ pub struct Waypoint {
 
 /// The outline of a fence; latitudes and longitudes in degrees.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Outline {
+pub enum FenceOutline {
     /// A circle.
     Circle {
         /// Its centre: latitude and longitude, degrees.
@@ -32,9 +32,9 @@ pub enum Outline {
 
 /// A fence.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fence {
+pub struct MissionFence {
     /// Its outline.
-    pub outline: Outline,
+    pub outline: FenceOutline,
     /// Whether the aircraft must stay inside, not outside.
     pub keep_in: bool,
 }
@@ -49,7 +49,7 @@ pub struct MissionFile {
     /// Speed that the file plans with, metres per second.
     pub cruise_mps: Option<f64>,
     /// Fences.
-    pub fences: Vec<Fence>,
+    pub fences: Vec<MissionFence>,
     /// Rally points; altitudes are above mean sea level.
     pub rally: Vec<Geodetic>,
     /// What of the file is not flown, or flown in another way; one sentence each.

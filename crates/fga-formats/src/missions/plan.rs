@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::items::{Item, ItemReader};
-use super::{Fence, MissionFile, Outline};
+use super::{FenceOutline, MissionFence, MissionFile};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 
@@ -21,7 +21,7 @@ struct Plan {
     file_type: String,
     version: Option<Value>,
     #[serde(default)]
-    mission: Mission,
+    mission: PlanMission,
     #[serde(default)]
     geo_fence: GeoFence,
     #[serde(default)]
@@ -30,7 +30,7 @@ struct Plan {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Mission {
+struct PlanMission {
     version: Option<Value>,
     #[serde(default)]
     items: Vec<Value>,
@@ -148,12 +148,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     let mut item = blank(0);
     for circle in plan.geo_fence.circles {
         item.number += 1;
-        let outline = Outline::Circle {
+        let outline = FenceOutline::Circle {
             center_deg: circle.circle.center,
             radius_m: circle.circle.radius,
         };
         let keep_in = circle.inclusion;
-        reader.add_fence(&item, Fence { outline, keep_in })?;
+        reader.add_fence(&item, MissionFence { outline, keep_in })?;
     }
     let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
     let old = old.map(|polygon| Polygon {
@@ -162,11 +162,11 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     });
     for polygon in plan.geo_fence.polygons.into_iter().chain(old) {
         item.number += 1;
-        let outline = Outline::Polygon {
+        let outline = FenceOutline::Polygon {
             corners_deg: polygon.polygon,
         };
         let keep_in = polygon.inclusion;
-        reader.add_fence(&item, Fence { outline, keep_in })?;
+        reader.add_fence(&item, MissionFence { outline, keep_in })?;
     }
     for [latitude_deg, longitude_deg, above_home_m] in plan.rally_points.points {
         reader.take(&Item {

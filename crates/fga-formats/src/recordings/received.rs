@@ -152,7 +152,7 @@ impl Received {
 
 /// The parts known of one aircraft between its messages, each with its time.
 #[derive(Debug, Default)]
-struct Parts {
+struct ReceivedParts {
     altitude: Option<(Altitude, f64)>,
     velocity_mps: Option<([f64; 2], f64)>,
     climb_mps: Option<(f64, f64)>,
@@ -160,7 +160,7 @@ struct Parts {
     callsign: Option<Callsign>,
 }
 
-impl Parts {
+impl ReceivedParts {
     fn take(&mut self, report: &TrafficReport, time_s: f64) {
         fn put<T>(part: &mut Option<(T, f64)>, value: Option<T>, time_s: f64) {
             if let Some(value) = value {
@@ -206,7 +206,7 @@ impl Parts {
 /// The tracks of a BaseStation log. Aircraft on the ground are left out.
 pub(super) fn from_sbs(input: impl Read) -> Received {
     let mut collector = Collector::default();
-    let mut aircraft: BTreeMap<u32, Parts> = BTreeMap::new();
+    let mut aircraft: BTreeMap<u32, ReceivedParts> = BTreeMap::new();
     let mut log = sbs::Log::new(input);
     let mut refused = Tally::default();
     for line in &mut log {

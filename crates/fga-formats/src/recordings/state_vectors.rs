@@ -79,7 +79,7 @@ impl State<'_> {
 /// # Errors
 /// Text that is no JSON, or JSON of something else.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
-    let mut reader = Reader {
+    let mut reader = StateVectorReader {
         path,
         collector: Collector::default(),
         tally: Tally::default(),
@@ -94,13 +94,13 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
     Ok(reader.collector.finish(reader.tally))
 }
 
-struct Reader<'a> {
+struct StateVectorReader<'a> {
     path: &'a Path,
     collector: Collector,
     tally: Tally,
 }
 
-impl Reader<'_> {
+impl StateVectorReader<'_> {
     fn document(&mut self, document: &Value) -> Result<(), InputError> {
         let wrong = |message: &str| Err(InputError::in_file(self.path, message));
         match document {
@@ -109,14 +109,14 @@ impl Reader<'_> {
                 _ => self.row(row),
             }),
             Value::Object(object) => match list_of(object) {
-                Some(List::Aircraft(aircraft)) => {
+                Some(StateList::Aircraft(aircraft)) => {
                     let now_s = seconds(object.get("now"));
                     for row in aircraft {
                         self.aircraft(row, now_s);
                     }
                     Ok(())
                 }
-                Some(List::States(states)) => {
+                Some(StateList::States(states)) => {
                     for row in states {
                         self.opensky(row, seconds(object.get("time")));
                     }
@@ -254,25 +254,25 @@ impl Reader<'_> {
 }
 
 /// The list in a document of readsb or OpenSky.
-enum List<'a> {
+enum StateList<'a> {
     Aircraft(&'a [Value]),
     States(&'a [Value]),
 }
 
-fn list_of(object: &Map<String, Value>) -> Option<List<'_>> {
+fn list_of(object: &Map<String, Value>) -> Option<StateList<'_>> {
     let list = |key: &str| object.get(key).and_then(Value::as_array);
     // OpenSky writes null for a missing value.
     let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
     list("aircraft")
         .or_else(|| list("ac"))
         .filter(|list| list.iter().all(Value::is_object))
-        .map(|list| List::Aircraft(list))
+        .map(|list| StateList::Aircraft(list))
         .or_else(|| {
             list("states")
                 .filter(|list| list.iter().all(Value::is_array))
-                .map(|list| List::States(list))
+                .map(|list| StateList::States(list))
         })
-        .or_else(|| no_states.then_some(List::States(&[])))
+        .or_else(|| no_states.then_some(StateList::States(&[])))
 }
 
 /// A name that is not empty.

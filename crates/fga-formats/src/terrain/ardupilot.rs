@@ -4,7 +4,7 @@
 //! first 1,821 bytes with the checksum as 0), 24 rows and 28 columns from one block to the next, and the metres of a degree. A block's longitude
 //! spacing has the scale at the middle latitude between its degree and its rows; older files have the scale of their degree.
 
-use super::field::{Grid, HOLE, HeightField, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::{Datum, Stated, name};
 use crate::units::DEGREE_RAD;
 
@@ -148,7 +148,7 @@ pub(super) fn grid(
     index: [f64; 2],
     degree: [f64; 2],
     corner: [f64; 2],
-) -> Result<Grid, String> {
+) -> Result<HeightGrid, String> {
     let first = [index[0] * TO_NEXT[0], index[1] * TO_NEXT[1]];
     let south_deg = degree[0] + first[0] * spacing_m / DEGREE_M;
     let east_deg = |scale: f64| first[1] * spacing_m / (DEGREE_M * scale);
@@ -168,7 +168,7 @@ pub(super) fn grid(
     } else {
         scale(degree[0])
     };
-    Ok(Grid {
+    Ok(HeightGrid {
         south_deg,
         west_deg: degree[1] + east_deg(scale),
         step_north_deg: spacing_m / DEGREE_M,

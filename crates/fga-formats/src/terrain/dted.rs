@@ -1,7 +1,7 @@
 //! DTED levels 0, 1 and 2 (MIL-PRF-89020B): three headers, then a record of heights for each line of longitude, from the west;
 //! in it heights from the south, with a sign and a magnitude.
 
-use super::field::{Grid, HOLE, HeightField, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::{Datum, Stated};
 
 const UHL: usize = 80;
@@ -54,7 +54,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<ParsedField, String> {
     let west_deg = angle(&text(4, 8), ['E', 'W'])?;
     let south_deg = angle(&text(12, 8), ['N', 'S'])?;
     let tenths = |at, what| number(at, 4, what).map(|tenths| f64::from(tenths) / 36_000.0);
-    let grid = Grid {
+    let grid = HeightGrid {
         south_deg,
         west_deg,
         step_north_deg: tenths(24, "latitude interval")?,

@@ -11,7 +11,7 @@ pub(super) const HOLE: i16 = i16::MIN;
 
 /// Where the posts of a field are: latitudes and longitudes, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct HeightGrid {
     /// Latitude of the southernmost row.
     pub south_deg: f64,
     /// Longitude of the westernmost column, from −180 up to 180.
@@ -26,7 +26,7 @@ pub struct Grid {
     pub columns: usize,
 }
 
-impl Grid {
+impl HeightGrid {
     /// The area between the outermost posts.
     pub fn area(&self) -> Area {
         Area {
@@ -124,13 +124,13 @@ pub(super) enum Heights {
 /// Heights of the ground on a regular grid of latitudes and longitudes; between four posts the ground is bilinear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightField {
-    grid: Grid,
+    grid: HeightGrid,
     heights: Heights,
 }
 
 impl HeightField {
     /// A field of this grid; the message of an error lacks the file.
-    pub(super) fn new(grid: Grid, heights: Heights) -> Result<Self, String> {
+    pub(super) fn new(grid: HeightGrid, heights: Heights) -> Result<Self, String> {
         grid.check()?;
         let count = match &heights {
             Heights::Whole(heights) => heights.len(),
@@ -186,7 +186,7 @@ impl HeightField {
     }
 
     /// Where its posts are.
-    pub const fn grid(&self) -> &Grid {
+    pub const fn grid(&self) -> &HeightGrid {
         &self.grid
     }
 
@@ -215,7 +215,7 @@ impl HeightField {
     }
 
     /// The four posts around a place, given in steps from the south-west post.
-    pub(super) fn cell(&self, [north, east]: [f64; 2]) -> Cell {
+    pub(super) fn cell(&self, [north, east]: [f64; 2]) -> GridCell {
         let low = |steps: f64, posts: usize| {
             // Within the grid, so from 0 to far below 2^52.
             #[expect(
@@ -229,7 +229,7 @@ impl HeightField {
         let (from_south, column) = (low(north, self.grid.rows), low(east, self.grid.columns));
         let south_row = self.grid.rows.saturating_sub(from_south + 1);
         let north_row = south_row.saturating_sub(1);
-        Cell {
+        GridCell {
             corner: [from_south as f64, column as f64],
             posts_m: [
                 self.post_m(south_row, column),
@@ -293,14 +293,14 @@ fn touched(from: f64, to: f64, posts: usize) -> core::ops::RangeInclusive<usize>
 
 /// Four posts and the bilinear ground between them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct GridCell {
     /// Steps north and east of its south-west post.
     pub corner: [f64; 2],
     /// South-west, south-east, north-west, north-east, metres.
     posts_m: [Option<f64>; 4],
 }
 
-impl Cell {
+impl GridCell {
     /// Whether all four posts are known.
     pub(super) fn is_known(&self) -> bool {
         self.posts_m.iter().all(Option::is_some)

@@ -6,7 +6,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use super::field::{Grid, HOLE, HeightField, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
 use super::name;
@@ -89,7 +89,7 @@ fn grid<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     keys: &GeoKeys,
     [rows, columns]: [usize; 2],
-) -> Result<Grid, String> {
+) -> Result<HeightGrid, String> {
     let mut numbers = |tag: Tag| -> Result<Vec<f64>, String> {
         let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
         let numbers = found
@@ -121,7 +121,7 @@ fn grid<R: Read + Seek>(
         west_deg -= 360.0;
     }
     let north_deg = north_deg - half * north_step;
-    Ok(Grid {
+    Ok(HeightGrid {
         south_deg: north_deg - rows.saturating_sub(1) as f64 * north_step,
         west_deg,
         step_north_deg: north_step,

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::field::{Grid, HeightField, Heights};
+use super::field::{HeightField, HeightGrid, Heights};
 use super::{Datum, Stated, name};
 
 /// Posts of a side and the bytes of the file: three seconds of arc apart, and one.
@@ -43,7 +43,7 @@ pub(super) fn parse(
         heights.extend(pairs.iter().map(|pair| i16::from_be_bytes(*pair)));
     }
     let step_deg = 1.0 / (side - 1) as f64;
-    let grid = Grid {
+    let grid = HeightGrid {
         south_deg,
         west_deg,
         step_north_deg: step_deg,

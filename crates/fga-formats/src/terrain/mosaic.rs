@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::field::{Cell, Grid, HeightField, Heights};
+use super::field::{GridCell, HeightField, HeightGrid, Heights};
 use super::{Area, Datum, Given, TerrainFile, reader};
 use crate::error::InputError;
 
@@ -146,7 +146,7 @@ impl Terrain {
         &self,
         latitude_deg: f64,
         longitude_deg: f64,
-    ) -> Option<(&HeightField, [f64; 2], Cell)> {
+    ) -> Option<(&HeightField, [f64; 2], GridCell)> {
         self.fields().find_map(|field| {
             let steps = field.grid().steps(latitude_deg, longitude_deg)?;
             let cell = field.cell(steps);
@@ -210,7 +210,7 @@ pub(super) fn whole_steps(from: f64, to: f64, step: f64) -> Option<i64> {
 }
 
 /// Whether two grids have the same spacing.
-pub(super) fn same_spacing(a: &Grid, b: &Grid) -> bool {
+pub(super) fn same_spacing(a: &HeightGrid, b: &HeightGrid) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() < 1e-6 * a;
     same(a.step_north_deg, b.step_north_deg) && same(a.step_east_deg, b.step_east_deg)
 }
@@ -278,7 +278,7 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
     let (heights, grid) = if east {
         let heights = pairs.iter().rev().flatten().map(|post| height(*post));
         let south_deg = a.south_deg + begin as f64 * a.step_north_deg;
-        let grid = Grid {
+        let grid = HeightGrid {
             south_deg,
             west_deg: a.area().east_deg,
             rows: count,
@@ -291,7 +291,7 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
             let side = move |pair: &[Option<f64>; 2]| if side == 1 { pair[1] } else { pair[0] };
             pairs.iter().map(side).map(height).collect::<Vec<f32>>()
         });
-        let grid = Grid {
+        let grid = HeightGrid {
             south_deg: a.area().north_deg,
             west_deg: a.west_deg + begin as f64 * a.step_east_deg,
             rows: 2,

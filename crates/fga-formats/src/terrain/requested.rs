@@ -1,7 +1,7 @@
 //! Ground asked for over MAVLink: a block of ArduPilot's grid, filled piece by piece by `TERRAIN_DATA`.
 
 use super::ardupilot::{COLUMNS, DEGREE_M, PIECE, ROWS, TO_NEXT, grid, scale};
-use super::field::{Grid, HOLE, HeightField, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 
 /// All 56 pieces of a block.
 const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
@@ -36,7 +36,7 @@ pub enum Taken {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequestedBlock {
-    grid: Grid,
+    grid: HeightGrid,
     corner_e7: [i32; 2],
     spacing_m: u16,
     filled: u64,

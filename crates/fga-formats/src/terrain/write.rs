@@ -11,7 +11,7 @@ use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
-use super::field::{Grid, HOLE, HeightField, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::file::MOST_BYTES;
 use super::geokeys::{self, codes};
 use super::geotiff::{ERROR_ITEM, GDAL_METADATA};
@@ -95,7 +95,7 @@ impl Terrain {
 }
 
 /// The posts of a lattice around an area.
-fn grid(lattice: &Grid, area: &Area) -> Result<Grid, String> {
+fn grid(lattice: &HeightGrid, area: &Area) -> Result<HeightGrid, String> {
     let around = |from: f64, to: f64, first: f64, step: f64| {
         // A side on a line of posts needs no post beyond.
         let low = libm::floor((from - first) / step + 1e-6);
@@ -126,7 +126,7 @@ fn grid(lattice: &Grid, area: &Area) -> Result<Grid, String> {
         reason = "positive and at most the limit above"
     )]
     let [rows, columns] = [rows, columns].map(|count| count as usize);
-    Ok(Grid {
+    Ok(HeightGrid {
         south_deg,
         west_deg,
         rows,

@@ -5,7 +5,7 @@
 //! is doubled.
 
 use super::TrafficReport;
-use super::surveillance::Surveillance;
+use super::surveillance::SurveillanceMessage;
 use crate::tally::{LeftOut, Tally};
 
 /// The first byte of a frame, doubled inside one.
@@ -19,7 +19,7 @@ const STRAY: usize = 64;
 
 /// One frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Frame<'a> {
+pub struct BeastFrame<'a> {
     /// The receiver's clock, in twelfths of a microsecond.
     pub ticks: u64,
     /// Signal strength, 255 the strongest.
@@ -50,7 +50,7 @@ impl Frames {
     }
 
     /// Takes bytes and calls `take` for each frame in them.
-    pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(Frame<'_>)) {
+    pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(BeastFrame<'_>)) {
         for byte in bytes {
             if self.escaped {
                 self.escaped = false;
@@ -83,7 +83,7 @@ impl Frames {
                 let ticks = clock
                     .iter()
                     .fold(0, |ticks, byte| ticks << 8 | u64::from(*byte));
-                take(Frame {
+                take(BeastFrame {
                     ticks,
                     signal,
                     message,
@@ -127,7 +127,7 @@ impl Frames {
 #[derive(Debug, Clone, Default)]
 pub struct Stream {
     frames: Frames,
-    surveillance: Surveillance,
+    surveillance: SurveillanceMessage,
     tally: Tally,
 }
 

@@ -20,11 +20,11 @@ const FASTEST_MPS: f64 = 1000.0;
 
 /// The memory of an aircraft.
 #[derive(Debug, Clone)]
-pub(super) struct Surveillance {
+pub(super) struct SurveillanceMessage {
     aircraft: Generations<HeardAircraft>,
 }
 
-impl Default for Surveillance {
+impl Default for SurveillanceMessage {
     fn default() -> Self {
         Self {
             aircraft: Generations::new(MOST_AIRCRAFT),
@@ -40,7 +40,7 @@ struct HeardAircraft {
     place: Option<([f64; 2], f64)>,
 }
 
-impl Surveillance {
+impl SurveillanceMessage {
     pub(super) fn aircraft(&self) -> usize {
         self.aircraft.len()
     }

@@ -8,7 +8,7 @@
 use crate::common::data;
 use fga_formats::conf;
 use fga_formats::daa::instants;
-use fga_formats::daa::tables::{Tables, watch};
+use fga_formats::daa::tables::{DaaTables, watch};
 
 /// The first line in which two texts differ, and what both have there.
 fn first_difference(found: &str, expected: &str) -> Option<(usize, String, String)> {
@@ -37,7 +37,7 @@ fn alerts_of_h1_equal_the_reference_in_every_printed_digit() {
     };
     let recording = instants::read(&recording).unwrap();
     let configuration = conf::read(&configuration).unwrap();
-    let tables = Tables {
+    let tables = DaaTables {
         recording: &recording,
         configuration: &configuration,
     };
@@ -62,11 +62,11 @@ fn bands_of_h1_equal_the_reference_line_by_line() {
     };
     let recording = instants::read(&recording).unwrap();
     let configuration = conf::read(&configuration).unwrap();
-    let tables = Tables {
+    let tables = DaaTables {
         recording: &recording,
         configuration: &configuration,
     };
-    let mut found = Tables::bands_head("../Scenarios/H1.daa");
+    let mut found = DaaTables::bands_head("../Scenarios/H1.daa");
     let mut times = 0;
     watch(&recording, &configuration, |monitor, scene| {
         tables.bands_text(monitor, scene, &mut found);

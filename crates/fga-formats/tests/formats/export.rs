@@ -483,7 +483,8 @@ fn flightgear_lines_fit_the_protocol_file() {
     listener
         .set_read_timeout(Some(core::time::Duration::from_secs(5)))
         .unwrap();
-    let sender = flightgear::Sender::new(&listener.local_addr().unwrap().to_string()).unwrap();
+    let sender =
+        flightgear::FlightGearSender::new(&listener.local_addr().unwrap().to_string()).unwrap();
     sender.send(&flight.frame(), &flight.samples[0], 20.0);
     let mut datagram = [0; 256];
     let (length, _) = listener.recv_from(&mut datagram).unwrap();

@@ -8,7 +8,7 @@
 use core::fmt::Write as _;
 
 use fga::situation::Passing;
-use fga_formats::missions::{Outline, is_mission, parse};
+use fga_formats::missions::{FenceOutline, is_mission, parse};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -103,7 +103,7 @@ fn n8_a_plan_of_qgroundcontrol_is_read() {
     assert!(!file.fences[0].keep_in && file.fences[1].keep_in);
     assert_eq!(
         file.fences[0].outline,
-        Outline::Circle {
+        FenceOutline::Circle {
             center_deg: [47.5, 8.6],
             radius_m: 120.5
         }

@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Instant;
 
-use fga_emulator::{Emulator, Item, Mode, ModeChange, Settings};
+use fga_emulator::{Emulator, Item, Mode, Settings, VehicleModeChange};
 use fga_link::Config;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::wire::{Framer, encode};
@@ -79,7 +79,7 @@ fn start_mavproxy(python: &str, master: &str, outputs: [u16; 2], folder: &Path) 
 
 /// What the flight was like, seen from the vehicle.
 struct Flown {
-    changes: Vec<ModeChange>,
+    changes: Vec<VehicleModeChange>,
     /// Least distance to the disc, metres.
     least_m: f64,
     /// The texts that it got for the operator; it passes them on to its other links.

@@ -44,7 +44,7 @@ fn costs_are_those_of_table_7() {
 #[test]
 fn the_grid_holds_both_ends_the_middle_and_its_mirror_image() {
     let own = ownship(0.3);
-    let table: Vec<Entry> = Grid::default().table(&own, &[], 0.0).collect();
+    let table: Vec<GridEntry> = Grid::default().table(&own, &[], 0.0).collect();
     // 135°/0.1 rad = 23.6 → 24 steps a side; 15°/0.03 rad = 8.7 → 9.
     assert_eq!(table.len(), 49 * 19);
     let range = 135f64.to_radians();

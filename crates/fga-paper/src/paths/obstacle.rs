@@ -27,11 +27,11 @@ pub fn deviation_rad(turn_radius_m: f64, radius_m: f64, across_m: f64) -> Option
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundObstacle {
     /// Turn away, to the side of the pass: radius ρ, angle α.
-    pub away: Arc,
+    pub away: PathArc,
     /// Turn round the obstacle, to the other side: radius max(ρ, `d_m`).
-    pub around: Arc,
+    pub around: PathArc,
     /// Turn back onto the initial line, to the side of the pass: radius ρ.
-    pub back: Arc,
+    pub back: PathArc,
     /// Along-track distance to abeam at which it begins, metres: the tangent distance of Eq. 17.
     pub before_m: f64,
     /// Along-track distance from abeam at which it ends, metres.
@@ -59,15 +59,15 @@ impl RoundObstacle {
         let delta_rad = libm::acos(share.limited(-1.0, 1.0));
         let sum_m = around_m + turn_radius_m;
         Some(Self {
-            away: Arc {
+            away: PathArc {
                 radius_m: turn_radius_m,
                 angle_rad: alpha_rad,
             },
-            around: Arc {
+            around: PathArc {
                 radius_m: around_m,
                 angle_rad: alpha_rad + delta_rad,
             },
-            back: Arc {
+            back: PathArc {
                 radius_m: turn_radius_m,
                 angle_rad: delta_rad,
             },
@@ -132,14 +132,14 @@ impl RoundObstacle {
 
 /// An arc of a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arc {
+pub struct PathArc {
     /// Radius, metres.
     pub radius_m: f64,
     /// Angle of the arc, radians, positive.
     pub angle_rad: f64,
 }
 
-impl Arc {
+impl PathArc {
     /// Length, metres.
     pub fn length_m(&self) -> f64 {
         self.radius_m * self.angle_rad

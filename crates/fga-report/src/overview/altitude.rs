@@ -2,7 +2,7 @@
 
 use fga::situation::ProtectedVolume;
 
-use super::data::{Focus, Followed, Overview};
+use super::data::{Focus, FollowedTrack, Overview};
 use super::look::{FRAME, OBSTACLE_COLOURS, marker, state_look};
 use super::panel::{Panel, pieces};
 use crate::label::Labels;
@@ -99,7 +99,7 @@ pub(super) fn draw(overview: &Overview, focus: &Focus, rect: Rect, svg: &mut Svg
 }
 
 /// The section of a protected volume in the track's vertical curtain: time, lowest, highest.
-fn section(overview: &Overview, followed: &Followed) -> Vec<(f64, f64, f64)> {
+fn section(overview: &Overview, followed: &FollowedTrack) -> Vec<(f64, f64, f64)> {
     let obstacle = followed.obstacle;
     overview
         .finite_samples()

@@ -19,7 +19,7 @@ pub struct Sample {
 
 /// An obstacle's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrackPoint {
+pub struct OverviewPoint {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// Centre of the protected volume, metres, local frame.
@@ -39,7 +39,7 @@ pub struct Closest {
 
 /// An obstacle and its track.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Obstacle {
+pub struct OverviewObstacle {
     /// Its number in the run; moments refer to it.
     pub id: u32,
     /// Its name for people; any text.
@@ -48,14 +48,14 @@ pub struct Obstacle {
     pub volume: ProtectedVolume,
     /// Its track, linear between points; a single point is an obstacle at rest for the whole run.
     /// Outside the times of a longer track the obstacle is absent.
-    pub track: Vec<TrackPoint>,
+    pub track: Vec<OverviewPoint>,
     /// The closest approach over continuous time, if known; else the samples give it.
     pub closest: Option<Closest>,
 }
 
 /// A zone, seen from above.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Zone {
+pub struct OverviewZone {
     /// Its name for people; any text.
     pub name: String,
     /// Whether the aircraft keeps within it, not out of it.
@@ -99,7 +99,7 @@ impl MomentKind {
 
 /// A critical moment of the run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct OverviewMoment {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// The kind of moment.
@@ -127,11 +127,11 @@ pub struct Moment {
 ///             state: State::Cruise,
 ///         })
 ///         .collect(),
-///     obstacles: vec![Obstacle {
+///     obstacles: vec![OverviewObstacle {
 ///         id: 1,
 ///         name: "mast".into(),
 ///         volume: ProtectedVolume::Sphere { radius_m: 30.0 },
-///         track: vec![TrackPoint { time_s: 0.0, position_m: Vec3::new(200.0, 40.0, 50.0) }],
+///         track: vec![OverviewPoint { time_s: 0.0, position_m: Vec3::new(200.0, 40.0, 50.0) }],
 ///         closest: None,
 ///     }],
 ///     ..Overview::default()
@@ -147,11 +147,11 @@ pub struct Overview {
     /// The flown track, in time order.
     pub samples: Vec<Sample>,
     /// The obstacles.
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<OverviewObstacle>,
     /// The zones.
-    pub zones: Vec<Zone>,
+    pub zones: Vec<OverviewZone>,
     /// Critical moments; the picture draws the closest approaches without an entry here.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<OverviewMoment>,
 }
 
 impl Overview {
@@ -192,7 +192,7 @@ impl Overview {
     }
 }
 
-impl Obstacle {
+impl OverviewObstacle {
     /// Its position at a time; `None` while it is absent.
     pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if let [only] = self.track.as_slice() {
@@ -235,8 +235,8 @@ impl CurvePoint {
 }
 
 /// An obstacle with a name and a curve in the picture.
-pub(super) struct Followed<'a> {
-    pub(super) obstacle: &'a Obstacle,
+pub(super) struct FollowedTrack<'a> {
+    pub(super) obstacle: &'a OverviewObstacle,
     pub(super) closest: Closest,
     /// One point for each sample at which it exists.
     pub(super) curve: Vec<CurvePoint>,
@@ -244,9 +244,9 @@ pub(super) struct Followed<'a> {
 
 /// The followed obstacles, closest first, and a summary of the others.
 pub(super) struct Focus<'a> {
-    pub(super) followed: Vec<Followed<'a>>,
+    pub(super) followed: Vec<FollowedTrack<'a>>,
     /// The others with the time of their closest approach.
-    pub(super) others: Vec<(&'a Obstacle, f64)>,
+    pub(super) others: Vec<(&'a OverviewObstacle, f64)>,
     /// The least margin of the others at each sample.
     pub(super) least_other: Vec<CurvePoint>,
 }
@@ -259,7 +259,7 @@ impl<'a> Focus<'a> {
         let samples: Vec<&Sample> = overview.finite_samples().collect();
         // About two samples a pixel are enough for the curves and for the ranking.
         let stride = (samples.len() / 2400).max(1);
-        let mut all: Vec<Followed> = Vec::new();
+        let mut all: Vec<FollowedTrack> = Vec::new();
         let mut least: Vec<CurvePoint> = Vec::new();
         for obstacle in &overview.obstacles {
             let Some(followed) = follow(obstacle, &samples, stride) else {
@@ -294,7 +294,11 @@ impl<'a> Focus<'a> {
     }
 }
 
-fn follow<'a>(obstacle: &'a Obstacle, samples: &[&Sample], stride: usize) -> Option<Followed<'a>> {
+fn follow<'a>(
+    obstacle: &'a OverviewObstacle,
+    samples: &[&Sample],
+    stride: usize,
+) -> Option<FollowedTrack<'a>> {
     let last = samples.len().checked_sub(1)?;
     let curve: Vec<CurvePoint> = samples
         .iter()
@@ -317,7 +321,7 @@ fn follow<'a>(obstacle: &'a Obstacle, samples: &[&Sample], stride: usize) -> Opt
         separation_m: sampled.separation_m,
         margin_m: sampled.margin_m,
     });
-    Some(Followed {
+    Some(FollowedTrack {
         obstacle,
         closest,
         curve,

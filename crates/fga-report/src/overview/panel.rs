@@ -1,6 +1,6 @@
 //! A panel over time: its axes, the band of states, lines at the critical moments.
 
-use super::data::{Moment, Overview, Sample};
+use super::data::{Overview, OverviewMoment, Sample};
 use super::look::{GRID_LINE, axis_titles, state_colour};
 use crate::palette::MUTED;
 use crate::scale::{Scale, mark_text, marks, step, time_step};
@@ -57,7 +57,7 @@ impl Panel {
     }
 
     /// Thin lines at the critical moments.
-    pub(super) fn draw_moments(&self, svg: &mut Svg, moments: &[Moment]) {
+    pub(super) fn draw_moments(&self, svg: &mut Svg, moments: &[OverviewMoment]) {
         for moment in moments {
             let x = self.time.at(moment.time_s);
             if moment.time_s.is_finite() {

@@ -4,7 +4,7 @@ use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 
-use super::data::{Focus, Followed, Obstacle, Overview, Zone};
+use super::data::{Focus, FollowedTrack, Overview, OverviewObstacle, OverviewZone};
 use super::look::{
     FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, axis_titles, marker, obstacle_line, state_look,
 };
@@ -85,14 +85,14 @@ pub(super) fn extent(overview: &Overview, focus: &Focus) -> Rect {
     )
 }
 
-struct View {
+struct TopView {
     panel: Rect,
     x: Scale,
     y: Scale,
     per_metre: f64,
 }
 
-impl View {
+impl TopView {
     fn new(extent: &Rect, panel: Rect) -> Self {
         let per_metre = (panel.width / extent.width).min(panel.height / extent.height);
         let (wide, high) = (panel.width / per_metre, panel.height / per_metre);
@@ -112,7 +112,7 @@ impl View {
 }
 
 pub(super) fn draw(overview: &Overview, focus: &Focus, extent: &Rect, panel: Rect, svg: &mut Svg) {
-    let view = View::new(extent, panel);
+    let view = TopView::new(extent, panel);
     draw_grid(&view, svg);
     let mut labels = Labels::new(panel.grown(-3.0));
     svg.begin_clip(&panel);
@@ -147,7 +147,7 @@ pub(super) fn draw(overview: &Overview, focus: &Focus, extent: &Rect, panel: Rec
     svg.rect(&panel, FRAME);
 }
 
-fn draw_grid(view: &View, svg: &mut Svg) {
+fn draw_grid(view: &TopView, svg: &mut Svg) {
     let panel = &view.panel;
     let spacing = step(view.x.high() - view.x.low(), panel.width / 90.0);
     let north_spacing = step(view.y.high() - view.y.low(), panel.height / 48.0).min(spacing);
@@ -182,7 +182,7 @@ fn draw_grid(view: &View, svg: &mut Svg) {
 }
 
 /// A zone: its outline, and its area where the aircraft keeps out of it.
-fn draw_zone(view: &View, zone: &Zone, svg: &mut Svg, labels: &mut Labels) {
+fn draw_zone(view: &TopView, zone: &OverviewZone, svg: &mut Svg, labels: &mut Labels) {
     let places = zone.ring_m.iter().filter(|at| at.is_finite());
     let ring: Vec<Point> = places.map(|at| view.at(at.extend(0.0))).collect();
     if zone.keep_in {
@@ -223,7 +223,7 @@ fn draw_zone(view: &View, zone: &Zone, svg: &mut Svg, labels: &mut Labels) {
 }
 
 /// An obstacle that is not followed: its volume, faint.
-fn draw_other(view: &View, obstacle: &Obstacle, closest_s: f64, svg: &mut Svg) {
+fn draw_other(view: &TopView, obstacle: &OverviewObstacle, closest_s: f64, svg: &mut Svg) {
     let Some(at) = obstacle.position_at_m(closest_s) else {
         return;
     };
@@ -240,13 +240,13 @@ fn draw_other(view: &View, obstacle: &Obstacle, closest_s: f64, svg: &mut Svg) {
 
 fn draw_followed(
     overview: &Overview,
-    view: &View,
-    followed: &Followed,
+    view: &TopView,
+    followed: &FollowedTrack,
     rank: usize,
     svg: &mut Svg,
     labels: &mut Labels,
 ) {
-    let Followed {
+    let FollowedTrack {
         obstacle, closest, ..
     } = followed;
     let Some(at) = obstacle.position_at_m(closest.time_s) else {
@@ -296,7 +296,7 @@ fn draw_followed(
 }
 
 /// The flown track in the colours of its states, with ticks of time.
-fn draw_track(overview: &Overview, view: &View, svg: &mut Svg, labels: &mut Labels) {
+fn draw_track(overview: &Overview, view: &TopView, svg: &mut Svg, labels: &mut Labels) {
     let samples: Vec<_> = overview.finite_samples().collect();
     for (state, piece) in pieces(overview) {
         let line: Vec<Point> = piece.iter().map(|s| view.at(s.position_m)).collect();
@@ -353,7 +353,7 @@ fn draw_arrow(svg: &mut Svg, from: Point, to: Point, state: State) {
     );
 }
 
-fn draw_ticks(overview: &Overview, view: &View, svg: &mut Svg) {
+fn draw_ticks(overview: &Overview, view: &TopView, svg: &mut Svg) {
     let (start, end) = overview.times_s();
     for time in marks(start, end, tick_step_s(overview)) {
         let (Some(here), Some(soon)) = (
@@ -377,7 +377,7 @@ pub(super) fn tick_step_s(overview: &Overview) -> f64 {
     time_step(end - start, 12.0)
 }
 
-fn draw_compass_and_scale(view: &View, svg: &mut Svg, labels: &mut Labels) {
+fn draw_compass_and_scale(view: &TopView, svg: &mut Svg, labels: &mut Labels) {
     let panel = &view.panel;
     // North arrow, top right.
     let (x, y) = (panel.right() - 22.0, panel.y + 14.0);
@@ -420,7 +420,13 @@ fn draw_compass_and_scale(view: &View, svg: &mut Svg, labels: &mut Labels) {
 }
 
 /// The critical moments and closest approaches, the most important labels first.
-fn draw_marks(overview: &Overview, focus: &Focus, view: &View, svg: &mut Svg, labels: &mut Labels) {
+fn draw_marks(
+    overview: &Overview,
+    focus: &Focus,
+    view: &TopView,
+    svg: &mut Svg,
+    labels: &mut Labels,
+) {
     let mut texts: Vec<(Point, String, TextStyle, f64)> = Vec::new();
     let plain = TextStyle::new(11.5, INK).halo();
     for (rank, followed) in focus.followed.iter().enumerate() {

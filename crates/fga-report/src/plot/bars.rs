@@ -1,7 +1,7 @@
 //! Grouped bars with whiskers for their intervals.
 
 use super::Axis;
-use super::frame::{Frame, HEIGHT, colour};
+use super::frame::{HEIGHT, PlotFrame, colour};
 use crate::interval::Estimate;
 use crate::palette::MUTED;
 use crate::svg::{Anchor, Rect, TextStyle, shorten, text_width};
@@ -34,7 +34,7 @@ impl BarChart {
     /// Draws the chart.
     pub fn to_svg(&self) -> String {
         let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
-        let (mut svg, frame) = Frame::begin(&self.title, &names, 74.0, HEIGHT);
+        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
         let values = || {
             self.series
                 .iter()

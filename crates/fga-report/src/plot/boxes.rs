@@ -1,13 +1,13 @@
 //! Spreads of times or lengths, one row each, on a common axis.
 
 use super::Axis;
-use super::frame::{Frame, WIDTH, colour, draw_limits};
+use super::frame::{PlotFrame, WIDTH, colour, draw_limits};
 use crate::palette::{INK, MUTED};
 use crate::svg::{Anchor, Rect, TextStyle, shorten, text_width};
 
 /// The spread of a sample: its order statistics.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spread {
+pub struct BoxSpread {
     /// Number of values.
     pub count: u64,
     /// Least value.
@@ -26,7 +26,7 @@ pub struct Spread {
     pub most: f64,
 }
 
-impl Spread {
+impl BoxSpread {
     /// The spread of `values`, which it sorts in place; `None` without finite values.
     ///
     /// Percentiles interpolate linearly in the sorted sample (type 7 of Hyndman
@@ -35,7 +35,7 @@ impl Spread {
     /// # Examples
     ///
     /// ```
-    /// use fga_report::plot::Spread;
+    /// use fga_report::plot::BoxSpread;
     ///
     /// let spread = Spread::of(&mut [4.0, 1.0, 3.0, 2.0]).unwrap();
     /// assert_eq!((spread.q1, spread.median, spread.q3), (1.75, 2.5, 3.25));
@@ -78,7 +78,7 @@ pub struct SpreadRow {
     /// Name on the left.
     pub name: String,
     /// The drawn statistics: box = quartiles, whiskers = 1st and 99th percentile, dot = largest value.
-    pub spread: Spread,
+    pub spread: BoxSpread,
 }
 
 /// Rows of boxes along a common axis, for decision times on a logarithmic one.
@@ -105,7 +105,7 @@ impl BoxChart {
             .map(|r| text_width(&shorten(&r.name, 34), 12.5))
             .fold(40.0, f64::max);
         let left = (widest + 26.0).min(WIDTH * 0.45);
-        let (mut svg, mut frame) = Frame::begin(&self.title, &[], left, height);
+        let (mut svg, mut frame) = PlotFrame::begin(&self.title, &[], left, height);
         // Room for the medians on the right and the note at the foot.
         frame.area.width -= 64.0;
         frame.area.height -= 22.0;
@@ -206,12 +206,12 @@ mod tests {
     fn quartiles_are_those_of_numpy() {
         // numpy.percentile([15, 20, 35, 40, 50], [1, 25, 50, 75, 99])
         let mut values = [40.0, f64::NAN, 15.0, 50.0, 20.0, 35.0];
-        let spread = Spread::of(&mut values).unwrap();
+        let spread = BoxSpread::of(&mut values).unwrap();
         assert_eq!(spread.count, 5);
         assert!((spread.p1 - 15.2).abs() < 1e-12);
         assert_eq!((spread.q1, spread.median, spread.q3), (20.0, 35.0, 40.0));
         assert!((spread.p99 - 49.6).abs() < 1e-12);
-        assert_eq!(Spread::of(&mut [f64::NAN]), None);
+        assert_eq!(BoxSpread::of(&mut [f64::NAN]), None);
     }
 
     #[test]

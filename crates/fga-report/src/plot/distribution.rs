@@ -1,6 +1,6 @@
 //! Distributions: cumulative shares and histograms.
 
-use super::frame::{Frame, HEIGHT, colour, draw_limits, line_look};
+use super::frame::{HEIGHT, PlotFrame, colour, draw_limits, line_look};
 use super::{Axis, Spacing};
 use crate::svg::{Point, Rect};
 
@@ -43,7 +43,7 @@ impl Cdf {
     /// Draws the chart.
     pub fn to_svg(&self) -> String {
         let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
-        let (mut svg, frame) = Frame::begin(&self.title, &names, 74.0, HEIGHT);
+        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
         let sorted: Vec<Vec<f64>> = self.series.iter().map(SampleSeries::sorted).collect();
         let ends = sorted
             .iter()
@@ -107,7 +107,7 @@ impl Histogram {
     /// Draws the chart; values beyond the axis' range count for the share but belong to no bin.
     pub fn to_svg(&self) -> String {
         let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
-        let (mut svg, frame) = Frame::begin(&self.title, &names, 74.0, HEIGHT);
+        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
         let sorted: Vec<Vec<f64>> = self.series.iter().map(SampleSeries::sorted).collect();
         let ends = sorted
             .iter()

@@ -192,11 +192,11 @@ fn plain(value: f64) -> String {
 }
 
 /// A chart's frame: title, plot area, rulers.
-pub(super) struct Frame {
+pub(super) struct PlotFrame {
     pub(super) area: Rect,
 }
 
-impl Frame {
+impl PlotFrame {
     /// Begins a chart with room for a legend of `names` on the right and `left` pixels of labels.
     pub(super) fn begin(title: &str, names: &[&str], left: f64, height: f64) -> (Svg, Self) {
         let mut svg = Svg::new(WIDTH, height, title, title);

@@ -1,7 +1,7 @@
 //! Lines with bands of intervals, and claims to compare them with.
 
 use super::Axis;
-use super::frame::{Frame, HEIGHT, colour, draw_mark, line_look};
+use super::frame::{HEIGHT, PlotFrame, colour, draw_mark, line_look};
 use crate::interval::Estimate;
 use crate::label::Labels;
 use crate::palette::INK;
@@ -18,7 +18,7 @@ pub struct LinePoint {
 
 /// One series.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct PlotLine {
     /// Name in the legend.
     pub name: String,
     /// Its values, in order of x.
@@ -48,7 +48,7 @@ pub struct LineChart {
     /// The vertical axis.
     pub y: Axis,
     /// The series.
-    pub lines: Vec<Line>,
+    pub lines: Vec<PlotLine>,
     /// Claimed values.
     pub claims: Vec<Claim>,
 }
@@ -57,7 +57,7 @@ impl LineChart {
     /// Draws the chart.
     pub fn to_svg(&self) -> String {
         let names: Vec<&str> = self.lines.iter().map(|l| l.name.as_str()).collect();
-        let (mut svg, frame) = Frame::begin(&self.title, &names, 74.0, HEIGHT);
+        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
         let points = || self.lines.iter().flat_map(|l| &l.points);
         let claimed = self.claims.iter().flat_map(|c| [c.from, c.to]);
         let x = frame.x(&self.x, points().map(|p| p.x).chain(claimed));

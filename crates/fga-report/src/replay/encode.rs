@@ -19,7 +19,7 @@ pub(super) const TEMPLATE: &str = include_str!("../../assets/replay.html");
 #[derive(Serialize)]
 struct Page<'a> {
     title: &'a str,
-    runs: Vec<Run<'a>>,
+    runs: Vec<EncodedRun<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ground: Option<EncodedGround>,
 }
@@ -36,7 +36,7 @@ pub(super) struct EncodedGround {
 }
 
 #[derive(Serialize)]
-pub(super) struct Run<'a> {
+pub(super) struct EncodedRun<'a> {
     name: &'a str,
     samples: Samples,
     mission: &'a [[f64; 3]],
@@ -44,14 +44,14 @@ pub(super) struct Run<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     zones: Vec<EncodedZone<'a>>,
     motion: String,
-    decisions: Vec<Decision<'a>>,
+    decisions: Vec<EncodedDecision<'a>>,
     points: String,
     interval: f64,
-    times: Times,
-    events: Vec<Event<'a>>,
-    outcome: Option<Outcome>,
+    times: EncodedTimes,
+    events: Vec<EncodedEvent<'a>>,
+    outcome: Option<EncodedOutcome>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    guidance: Vec<Guidance>,
+    guidance: Vec<EncodedGuidance>,
     #[serde(skip_serializing_if = "is_zero")]
     levels: usize,
 }
@@ -78,7 +78,7 @@ struct EncodedZone<'a> {
 /// Alerts and bands: `who` holds obstacle, level and time to the violation; `bands` from, to and
 /// region.
 #[derive(Serialize)]
-struct Guidance {
+struct EncodedGuidance {
     t: f64,
     level: usize,
     who: Vec<(u32, usize, Option<f64>)>,
@@ -115,7 +115,7 @@ pub(super) struct EncodedObstacle<'a> {
 }
 
 #[derive(Serialize)]
-pub(super) struct Decision<'a> {
+pub(super) struct EncodedDecision<'a> {
     t: f64,
     state: u8,
     lines: &'a [String],
@@ -125,11 +125,11 @@ pub(super) struct Decision<'a> {
     origin: [f64; 3],
     /// Length of one step of its points, metres.
     step: f64,
-    paths: Vec<Path>,
+    paths: Vec<EncodedPath>,
 }
 
 #[derive(Serialize)]
-struct Path {
+struct EncodedPath {
     kind: u8,
     margin: Option<f64>,
     /// Number of its points.
@@ -137,19 +137,19 @@ struct Path {
 }
 
 #[derive(Serialize)]
-struct Times {
+struct EncodedTimes {
     t: String,
     us: String,
 }
 
 #[derive(Serialize)]
-struct Event<'a> {
+struct EncodedEvent<'a> {
     t: f64,
     text: &'a str,
 }
 
 #[derive(Serialize)]
-struct Outcome {
+struct EncodedOutcome {
     margin: f64,
     t: f64,
     id: u32,
@@ -164,7 +164,7 @@ pub(super) fn replay_json(replay: &Replay) -> String {
     })
 }
 
-pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
+pub(super) fn run(run: &ReplayRun, runs: usize) -> EncodedRun<'_> {
     let (kept, interval) = thin::decisions(&run.decisions, runs);
     let mut points = Vec::new();
     let decisions = kept.into_iter().map(|d| decision(d, &mut points)).collect();
@@ -174,7 +174,7 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
         .iter()
         .map(|o| obstacle(o, &mut motion))
         .collect();
-    Run {
+    EncodedRun {
         name: &run.name,
         samples: samples(&thin::samples(&run.samples, runs)),
         mission: &run.mission_m,
@@ -184,19 +184,19 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
         decisions,
         points: bytes(&points),
         interval,
-        times: Times {
+        times: EncodedTimes {
             t: floats(run.decision_times.iter().map(|d| d.t_s)),
             us: floats(run.decision_times.iter().map(|d| d.decision_us)),
         },
         events: run
             .events
             .iter()
-            .map(|e| Event {
+            .map(|e| EncodedEvent {
                 t: e.t_s,
                 text: &e.text,
             })
             .collect(),
-        outcome: run.outcome.map(|o| Outcome {
+        outcome: run.outcome.map(|o| EncodedOutcome {
             margin: o.min_margin_m,
             t: o.t_s,
             id: o.obstacle,
@@ -257,7 +257,7 @@ fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
-fn guidance(guidance: &ReplayGuidance) -> Guidance {
+fn guidance(guidance: &ReplayGuidance) -> EncodedGuidance {
     let aircraft = guidance.aircraft.iter();
     let quantities = guidance.quantities.each_ref();
     let parts = |bands: &ReplayBands| {
@@ -266,7 +266,7 @@ fn guidance(guidance: &ReplayGuidance) -> Guidance {
             .map(|band| (short(band.low), short(band.high), band.region.code()))
             .collect()
     };
-    Guidance {
+    EncodedGuidance {
         t: guidance.t_s,
         level: guidance.level,
         who: aircraft
@@ -318,7 +318,10 @@ pub(super) fn obstacle<'a>(
 }
 
 /// A record without its points, which go to the pool in steps just large enough for the farthest.
-pub(super) fn decision<'a>(decision: &'a ReplayDecision, pool: &mut Vec<u8>) -> Decision<'a> {
+pub(super) fn decision<'a>(
+    decision: &'a ReplayDecision,
+    pool: &mut Vec<u8>,
+) -> EncodedDecision<'a> {
     let lines: Vec<Vec<[f64; 3]>> = decision
         .paths
         .iter()
@@ -338,7 +341,7 @@ pub(super) fn decision<'a>(decision: &'a ReplayDecision, pool: &mut Vec<u8>) -> 
             pool.extend((steps.round() as i16).to_le_bytes());
         }
     }
-    Decision {
+    EncodedDecision {
         t: decision.t_s,
         state: decision.state.code(),
         lines: &decision.lines,
@@ -350,7 +353,7 @@ pub(super) fn decision<'a>(decision: &'a ReplayDecision, pool: &mut Vec<u8>) -> 
             .paths
             .iter()
             .zip(&lines)
-            .map(|(path, points)| Path {
+            .map(|(path, points)| EncodedPath {
                 kind: match path.kind {
                     ReplayPathKind::Certified => 0,
                     ReplayPathKind::Rejected => 1,

@@ -7,7 +7,7 @@ use super::cells::{self, count, number, ratio};
 use super::{
     LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, WITHOUT, quantile,
 };
-use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
+use crate::plot::{Axis, Cdf, Claim, LineChart, LinePoint, PlotLine, SampleSeries};
 use crate::report::{Block, Cell, Column, Section, Table};
 
 impl SafetyCase {
@@ -128,11 +128,11 @@ impl SafetyCase {
 
     pub(super) fn curves(&self) -> Section {
         let converging = |title: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
-            let lines: Vec<Line> = self
+            let lines: Vec<PlotLine> = self
                 .policies
                 .iter()
                 .filter(|policy| policy.policy != "none")
-                .map(|policy| Line {
+                .map(|policy| PlotLine {
                     name: policy.policy.clone(),
                     points: of(policy)
                         .convergence

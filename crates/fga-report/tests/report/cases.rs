@@ -3,7 +3,9 @@
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
-use fga_report::overview::{Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint};
+use fga_report::overview::{
+    MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, Sample,
+};
 
 const SPHERE: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
 
@@ -40,12 +42,12 @@ fn detour(length_m: f64, at_m: f64, width_m: f64, off_m: f64) -> Vec<Vec3> {
         .collect()
 }
 
-fn still(id: u32, name: &str, volume: ProtectedVolume, at: Vec3) -> Obstacle {
-    Obstacle {
+fn still(id: u32, name: &str, volume: ProtectedVolume, at: Vec3) -> OverviewObstacle {
+    OverviewObstacle {
         id,
         name: name.into(),
         volume,
-        track: vec![TrackPoint {
+        track: vec![OverviewPoint {
             time_s: 0.0,
             position_m: at,
         }],
@@ -53,17 +55,17 @@ fn still(id: u32, name: &str, volume: ProtectedVolume, at: Vec3) -> Obstacle {
     }
 }
 
-fn mover(id: u32, name: &str, from: Vec3, velocity: Vec3, end_s: f64) -> Obstacle {
-    Obstacle {
+fn mover(id: u32, name: &str, from: Vec3, velocity: Vec3, end_s: f64) -> OverviewObstacle {
+    OverviewObstacle {
         id,
         name: name.into(),
         volume: SPHERE,
         track: vec![
-            TrackPoint {
+            OverviewPoint {
                 time_s: 0.0,
                 position_m: from,
             },
-            TrackPoint {
+            OverviewPoint {
                 time_s: end_s,
                 position_m: from + velocity * end_s,
             },
@@ -72,8 +74,8 @@ fn mover(id: u32, name: &str, from: Vec3, velocity: Vec3, end_s: f64) -> Obstacl
     }
 }
 
-fn moment(time_s: f64, kind: MomentKind) -> Moment {
-    Moment {
+fn moment(time_s: f64, kind: MomentKind) -> OverviewMoment {
+    OverviewMoment {
         time_s,
         kind,
         obstacle: Some(1),

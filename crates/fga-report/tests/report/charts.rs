@@ -2,8 +2,8 @@
 
 use fga_report::interval::Estimate;
 use fga_report::plot::{
-    Axis, BarChart, BarSeries, BoxChart, Cdf, Claim, Histogram, Line, LineChart, LinePoint,
-    SampleSeries, Spread, SpreadRow,
+    Axis, BarChart, BarSeries, BoxChart, BoxSpread, Cdf, Claim, Histogram, LineChart, LinePoint,
+    PlotLine, SampleSeries, SpreadRow,
 };
 use fga_report::report::{Block, Cell, Column, Reading, Report, Section, Table};
 
@@ -53,7 +53,7 @@ fn success_against_distance() -> LineChart {
         lines: POLICIES
             .iter()
             .enumerate()
-            .map(|(policy, name)| Line {
+            .map(|(policy, name)| PlotLine {
                 name: (*name).into(),
                 points: (1..=9)
                     .map(|i| {
@@ -116,7 +116,7 @@ fn decision_times() -> BoxChart {
         .enumerate()
         .map(|(i, (name, middle))| SpreadRow {
             name: (*name).into(),
-            spread: Spread::of(&mut sample(u32::try_from(i).expect("small"), 2000, middle))
+            spread: BoxSpread::of(&mut sample(u32::try_from(i).expect("small"), 2000, middle))
                 .expect("not empty"),
         })
         .collect();
@@ -161,7 +161,7 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
                 title: "Threat detection".into(),
                 x: Axis::log("obstacles"),
                 y: Axis::log("time (µs)"),
-                lines: vec![Line {
+                lines: vec![PlotLine {
                     name: "detection".into(),
                     points: [1.0, 3.0, 10.0, 100.0, 1000.0, 10_000.0]
                         .iter()

@@ -3,7 +3,9 @@
 use crate::charts;
 use crate::well_formed::assert_well_formed;
 use fga_report::interval::Estimate;
-use fga_report::plot::{Axis, BoxChart, Cdf, Histogram, Line, LineChart, LinePoint, SampleSeries};
+use fga_report::plot::{
+    Axis, BoxChart, Cdf, Histogram, LineChart, LinePoint, PlotLine, SampleSeries,
+};
 use fga_report::report::{Block, Cell, Column, Report, Section, Table};
 
 #[test]
@@ -64,7 +66,7 @@ fn values_that_are_not_finite_leave_a_gap() {
         title: "t".into(),
         x: Axis::linear("x"),
         y: Axis::log("y"),
-        lines: vec![Line {
+        lines: vec![PlotLine {
             name: "<b>".into(),
             points: vec![
                 point(0.0, 1.0),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use fga_formats::OutputError;
 use fga_formats::atomic;
-use fga_sim::campaign::risk::{Class, Loss, LossCount, PolicyRisk, Risks};
+use fga_sim::campaign::risk::{LossCount, LossRule, PolicyRisk, RiskClass, Risks};
 use fga_sim::campaign::{Campaign, Tail};
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ fn row_of(
     policy: &str,
     class: &str,
     risk: &PolicyRisk,
-    loss: Loss,
+    loss: LossRule,
     (count, tail): (&LossCount, Option<Tail>),
 ) -> Vec<(&'static str, Value)> {
     let ratio = count.ratio();
@@ -58,10 +58,10 @@ fn rows(campaign: &Campaign, risks: &Risks) -> Vec<Vec<(&'static str, Value)>> {
     let mut rows = Vec::new();
     for (policy, class, risk) in risks.iter() {
         let policy = policies.get(policy as usize).map_or("", String::as_str);
-        let tail = (*class == Class::All).then(|| risk.tail()).flatten();
+        let tail = (*class == RiskClass::All).then(|| risk.tail()).flatten();
         let class = class.name(campaign.source_names());
-        for (count, loss) in risk.losses.iter().zip(Loss::ALL) {
-            let tail = tail.filter(|_| loss == Loss::Nmac);
+        for (count, loss) in risk.losses.iter().zip(LossRule::ALL) {
+            let tail = tail.filter(|_| loss == LossRule::Nmac);
             rows.push(row_of(policy, &class, risk, loss, (count, tail)));
         }
     }
@@ -89,12 +89,12 @@ pub fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result<(), Ou
     atomic::write(&folder.join("risk.csv"), csv(&rows))?;
     let mut curve = String::from("policy,loss,encounters,ratio,low,high,half_width\n");
     for (policy, class, risk) in risks.iter() {
-        if *class != Class::All {
+        if *class != RiskClass::All {
             continue;
         }
         let policies = &campaign.configuration.policies;
         let name = policies.get(policy as usize).map_or("", String::as_str);
-        for (count, loss) in risk.losses.iter().zip(Loss::ALL) {
+        for (count, loss) in risk.losses.iter().zip(LossRule::ALL) {
             for (encounters, ratio) in count.convergence(risk.encounters) {
                 let interval = ratio.interval();
                 let _ = writeln!(

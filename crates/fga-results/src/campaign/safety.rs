@@ -7,7 +7,7 @@ use fga::vehicle::Vehicle;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::safety_case::{Assumed, ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
-use fga_sim::campaign::risk::{Class, LossCount, PolicyRisk, RiskRatio, Risks};
+use fga_sim::campaign::risk::{LossCount, PolicyRisk, RiskClass, RiskRatio, Risks};
 use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
 use fga_sim::drawn::TRACKS;
 use fga_sim::policy::PolicyChoice;
@@ -214,7 +214,8 @@ impl Gathered {
         self.risks
             .iter()
             .filter(|(_, class, _)| {
-                **class != Class::All && !(is_one_source && matches!(class, Class::Source(_)))
+                **class != RiskClass::All
+                    && !(is_one_source && matches!(class, RiskClass::Source(_)))
             })
             .filter_map(|(policy, class, risk)| {
                 let policy = policies.get(policy as usize)?;

@@ -91,7 +91,7 @@ pub fn shipped_names() -> String {
 
 /// How the intruders of a set react.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Reaction {
+pub(super) enum LeagueReaction {
     /// They fly their tracks.
     None,
     /// By the policy of the ownship.
@@ -100,7 +100,7 @@ pub(super) enum Reaction {
     By(PolicyChoice),
 }
 
-impl Reaction {
+impl LeagueReaction {
     /// Its name on the page and in tables.
     pub(super) fn name(&self) -> Option<String> {
         match self {
@@ -134,7 +134,7 @@ impl Reaction {
 #[derive(Clone)]
 pub(super) struct Set {
     pub(super) name: String,
-    pub(super) reaction: Reaction,
+    pub(super) reaction: LeagueReaction,
     pub(super) path: PathBuf,
     pub(super) overrides: Overrides,
 }
@@ -156,7 +156,7 @@ pub(super) fn sets(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>),
         // A fleet reacts by itself only.
         let each = reactions
             .iter()
-            .filter(|_| has_tracks && set.reaction == Reaction::None);
+            .filter(|_| has_tracks && set.reaction == LeagueReaction::None);
         let each: Vec<Set> = each
             .map(|reaction| Set {
                 reaction: reaction.clone(),
@@ -170,16 +170,16 @@ pub(super) fn sets(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>),
 }
 
 /// The reactions besides none, each once.
-fn reactions(terms: &Terms) -> Result<Vec<Reaction>, CampaignError> {
-    let mut reactions: Vec<Reaction> = Vec::new();
+fn reactions(terms: &Terms) -> Result<Vec<LeagueReaction>, CampaignError> {
+    let mut reactions: Vec<LeagueReaction> = Vec::new();
     for name in &terms.intruders {
         let reaction = if name == ITSELF {
-            Reaction::Itself
+            LeagueReaction::Itself
         } else {
             let policy = policy_called(name, &terms.own).map_err(|message| {
                 CampaignError::Other(format!("intruders: {message}, or {ITSELF}"))
             })?;
-            Reaction::By(policy)
+            LeagueReaction::By(policy)
         };
         if reactions.contains(&reaction) {
             return Err(CampaignError::Other(format!(
@@ -189,7 +189,7 @@ fn reactions(terms: &Terms) -> Result<Vec<Reaction>, CampaignError> {
         }
         reactions.push(reaction);
     }
-    reactions.retain(|reaction| *reaction != Reaction::By(PolicyChoice::Mission));
+    reactions.retain(|reaction| *reaction != LeagueReaction::By(PolicyChoice::Mission));
     Ok(reactions)
 }
 
@@ -241,7 +241,7 @@ fn of_file(path: &Path, terms: &Terms) -> Set {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned(),
-        reaction: Reaction::None,
+        reaction: LeagueReaction::None,
         path: path.to_owned(),
         overrides: Overrides {
             encounters: terms.encounters,
@@ -263,13 +263,13 @@ fn of_shipped(
         ..Overrides::default()
     };
     let folder = out.join(set.name);
-    let mut reaction = Reaction::None;
+    let mut reaction = LeagueReaction::None;
     match set.needs {
         Needs::Nothing => overrides.encounters = terms.encounters,
         Needs::Fleets => {
             draw_fleets(&folder, terms.encounters.unwrap_or(FLEETS))?;
             overrides.recordings.push(folder.clone());
-            reaction = Reaction::Itself;
+            reaction = LeagueReaction::Itself;
         }
         Needs::Recordings(place) | Needs::Model(place) => {
             let path = terms.data.as_ref().map(|data| data.join(place));

@@ -5,14 +5,14 @@ use fga_report::safety_case::SafetyCase;
 use fga_sim::campaign::{Campaign, Manifest, Summary};
 use serde_json::{Value, json};
 
-use super::sets::Reaction;
+use super::sets::LeagueReaction;
 use crate::named_rows::{Row, rounded};
 
 /// What a set is, and what was assumed.
 pub(super) fn described(
     campaign: &Campaign,
     case: &SafetyCase,
-    reaction: &Reaction,
+    reaction: &LeagueReaction,
 ) -> (Vec<String>, Vec<(String, String)>) {
     let configuration = &campaign.configuration;
     let effective = if case.encounters > 0 {
@@ -21,9 +21,9 @@ pub(super) fn described(
         String::new()
     };
     let by = match reaction {
-        Reaction::None => None,
-        Reaction::Itself => Some("the policy of the row".to_owned()),
-        Reaction::By(policy) => Some(format!("the policy {}", policy.name())),
+        LeagueReaction::None => None,
+        LeagueReaction::Itself => Some("the policy of the row".to_owned()),
+        LeagueReaction::By(policy) => Some(format!("the policy {}", policy.name())),
     };
     let reacts = by.as_ref().map(|by| {
         format!("intruders fly their tracks until they react by {by}, as light aircraft with the same sight")

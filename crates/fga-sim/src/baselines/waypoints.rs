@@ -19,11 +19,11 @@ use super::view::View;
 
 /// The present path: sub-waypoints relative to the aircraft, next first.
 #[derive(Debug, Clone, Default)]
-struct Path {
+struct WaypointPath {
     points_m: Vec<Vec3>,
 }
 
-impl Path {
+impl WaypointPath {
     /// Moves with the aircraft and drops passed sub-waypoints.
     fn advance(&mut self, view: &View<'_>) {
         let moved = view.velocity_mps * view.period_s;
@@ -69,7 +69,7 @@ impl Path {
 #[derive(Debug, Clone)]
 pub struct WaypointGreedy {
     cube: Cube,
-    path: Path,
+    path: WaypointPath,
 }
 
 impl Default for WaypointGreedy {
@@ -88,14 +88,14 @@ impl WaypointGreedy {
     pub fn new(cube: Cube) -> Self {
         Self {
             cube,
-            path: Path::default(),
+            path: WaypointPath::default(),
         }
     }
 }
 
 impl Steering for WaypointGreedy {
     fn restart(&mut self) {
-        self.path = Path::default();
+        self.path = WaypointPath::default();
     }
 
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
@@ -111,7 +111,7 @@ impl Steering for WaypointGreedy {
 pub struct WaypointOptimal {
     cube: Cube,
     most_extended: usize,
-    path: Path,
+    path: WaypointPath,
 }
 
 impl Default for WaypointOptimal {
@@ -133,14 +133,14 @@ impl WaypointOptimal {
         Self {
             cube,
             most_extended,
-            path: Path::default(),
+            path: WaypointPath::default(),
         }
     }
 }
 
 impl Steering for WaypointOptimal {
     fn restart(&mut self) {
-        self.path = Path::default();
+        self.path = WaypointPath::default();
     }
 
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {

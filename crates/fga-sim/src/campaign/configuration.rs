@@ -28,7 +28,7 @@ pub struct FileSource {
 /// Everything that determines the results of a campaign, with all defaults written out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Configuration {
+pub struct CampaignConfiguration {
     /// Name of the campaign.
     pub name: String,
     /// Version of the program.
@@ -83,7 +83,7 @@ fn is_whole(tally: &Tally) -> bool {
     tally.lost() == 0
 }
 
-impl Configuration {
+impl CampaignConfiguration {
     /// What was left out of the recordings, by reason, with the number of those left out as a whole.
     pub fn left_out(&self) -> Map<String, Value> {
         let mut left_out = if is_whole(&self.tally) {

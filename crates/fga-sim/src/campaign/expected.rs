@@ -10,7 +10,7 @@ use core::time::Duration;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use super::flight::Flyer;
+use super::flight::CampaignFlyer;
 use super::{Campaign, CampaignError, Flown};
 
 /// The sample is at most one in this many encounters.
@@ -64,7 +64,7 @@ pub(super) fn expect(
     // The flown encounters and the time in their flights.
     let sum = Mutex::new(Ok((FlownSample::new(), Duration::ZERO)));
     let fly = || -> Result<(FlownSample, Duration), CampaignError> {
-        let mut flyer = Flyer::new(campaign)?;
+        let mut flyer = CampaignFlyer::new(campaign)?;
         let (mut flown, mut taken) = (FlownSample::new(), Duration::ZERO);
         while begun.elapsed() < SAMPLING_TIME && go_on() {
             let index = next.fetch_add(1, Ordering::Relaxed);

@@ -37,7 +37,7 @@ use fga_formats::InputError;
 use fga_formats::error::{read_text, shown};
 use toml::Spanned;
 
-use super::Configuration;
+use super::CampaignConfiguration;
 use super::configuration::{
     FileSource, block_size, number_of_encounters, own_sha256, policy_called,
 };
@@ -91,7 +91,7 @@ pub struct Overrides {
 ///
 /// # Errors
 /// An unreadable file, a file of another kind, or an unknown name in it.
-pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputError> {
+pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration, InputError> {
     let text = read_text(path)?;
     let text = TomlText::new(path, &text);
     let file = CampaignFile::read(&text)?;
@@ -168,7 +168,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         (None, None) => in_files + ENCOUNTERS,
     };
     number_of_encounters(encounters).map_err(|message| text.error(message))?;
-    Ok(Configuration {
+    Ok(CampaignConfiguration {
         name: file.name.unwrap_or_else(|| {
             path.file_stem()
                 .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())

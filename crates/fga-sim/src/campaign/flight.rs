@@ -9,7 +9,7 @@ use fga_formats::encounters::Encounter;
 
 use super::judge::{FlownPath, WorldJudge};
 use super::metrics::{Metrics, kept};
-use super::opened::{Drawn, Scene};
+use super::opened::{CampaignScene, Drawn};
 use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
@@ -38,7 +38,7 @@ pub struct Flown {
 }
 
 /// The tools of a thread that flies encounters.
-pub struct Flyer<'a> {
+pub struct CampaignFlyer<'a> {
     campaign: &'a Campaign,
     engine: Engine,
     world: World,
@@ -49,7 +49,7 @@ pub struct Flyer<'a> {
     flown: FlownPath,
 }
 
-impl<'a> Flyer<'a> {
+impl<'a> CampaignFlyer<'a> {
     /// For this campaign.
     ///
     /// # Errors
@@ -85,11 +85,11 @@ impl<'a> Flyer<'a> {
     pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
         let drawn = self.campaign.draw(number)?;
         match &drawn.scene {
-            Scene::Rows(encounter) => {
+            CampaignScene::Rows(encounter) => {
                 self.fly_rows(number, &drawn, encounter, take);
                 Ok(())
             }
-            Scene::Tracks(recording) => self.fly_tracks(number, &drawn, recording, take),
+            CampaignScene::Tracks(recording) => self.fly_tracks(number, &drawn, recording, take),
         }
     }
 

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reading;
 use super::table::TableWriter;
-use super::{Campaign, CampaignError, Configuration, Row, Stamp};
+use super::{Campaign, CampaignConfiguration, CampaignError, CampaignStamp, Row};
 use crate::fingerprint::fingerprint;
 
 /// Name of the manifest.
@@ -72,11 +72,11 @@ pub struct Manifest {
     /// Fingerprint of the configuration.
     pub configuration_hash: String,
     /// Origin of the results.
-    pub stamp: Stamp,
+    pub stamp: CampaignStamp,
     /// The part in this folder.
     pub shard: Shard,
     /// The configuration.
-    pub configuration: Configuration,
+    pub configuration: CampaignConfiguration,
 }
 
 /// A folder of results.
@@ -246,7 +246,7 @@ impl Folder {
         block: u64,
         rows: &[Row],
         campaign: &Campaign,
-        stamp: &Stamp,
+        stamp: &CampaignStamp,
     ) -> Result<(), CampaignError> {
         let (name, bytes) = encode_block(block, rows, campaign, stamp)?;
         Ok(atomic::write(&self.file(BLOCKS).join(name), bytes)?)
@@ -275,7 +275,7 @@ pub fn encode_block(
     block: u64,
     rows: &[Row],
     campaign: &Campaign,
-    stamp: &Stamp,
+    stamp: &CampaignStamp,
 ) -> Result<(String, Vec<u8>), CampaignError> {
     let bytes = TableWriter::new(Vec::new(), campaign, stamp)
         .and_then(|mut table| {

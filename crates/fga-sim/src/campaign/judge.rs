@@ -11,7 +11,7 @@ use fga_alerts::volume::{Cylinder, Volume, WellClear};
 use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
 
 use super::metrics::Metrics;
-use crate::engine::{Observer, Outcome as Flight, Sample};
+use crate::engine::{Observer, Outcome as EngineFlight, Sample};
 use crate::progress::MissionProgress;
 use crate::track::Track;
 use crate::world::World;
@@ -52,7 +52,7 @@ impl Observer for FlownPath {
 }
 
 /// The metrics of a flight of its own in a recorded world; `None` for a world without a recording.
-pub fn metrics_of(world: &World, flown: &FlownPath, outcome: &Flight) -> Option<Metrics> {
+pub fn metrics_of(world: &World, flown: &FlownPath, outcome: &EngineFlight) -> Option<Metrics> {
     world.recorded.as_ref()?;
     let mut judge = WorldJudge::new();
     let mut metrics = judge.nominal(world);

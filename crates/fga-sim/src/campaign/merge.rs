@@ -14,7 +14,7 @@ use super::folder::{Manifest, RESULTS, read_block};
 use super::reading;
 use super::table::{self, TableWriter};
 use super::totals::Summary;
-use super::{Campaign, CampaignError, Folder, Shard, Stamp};
+use super::{Campaign, CampaignError, CampaignStamp, Folder, Shard};
 use crate::fingerprint::hexadecimal;
 
 /// The finished table.
@@ -109,7 +109,7 @@ pub fn reread(
 pub fn assemble(
     blocks: &BTreeMap<u64, PathBuf>,
     campaign: &Campaign,
-    stamp: &Stamp,
+    stamp: &CampaignStamp,
     folder: &Folder,
     csv: bool,
 ) -> Result<Assembled, CampaignError> {
@@ -188,7 +188,7 @@ fn complete(blocks: &BTreeMap<u64, PathBuf>, campaign: &Campaign) -> Result<(), 
 
 /// The campaign and the blocks of several folders, each block once.
 #[derive(Debug)]
-pub struct Parts {
+pub struct MergedParts {
     /// The common manifest, of the whole campaign.
     pub manifest: Manifest,
     /// The campaign.
@@ -201,7 +201,7 @@ pub struct Parts {
 ///
 /// # Errors
 /// A folder that holds no campaign or another one, or a block that appears twice.
-pub fn merge(folders: &[PathBuf]) -> Result<Parts, CampaignError> {
+pub fn merge(folders: &[PathBuf]) -> Result<MergedParts, CampaignError> {
     let mut found: Option<(Manifest, &Path)> = None;
     let mut blocks: BTreeMap<u64, PathBuf> = BTreeMap::new();
     for path in folders {
@@ -263,7 +263,7 @@ pub fn merge(folders: &[PathBuf]) -> Result<Parts, CampaignError> {
     };
     let campaign = Campaign::new(manifest.configuration.clone(), path)?;
     complete(&blocks, &campaign)?;
-    Ok(Parts {
+    Ok(MergedParts {
         manifest,
         campaign,
         blocks,

@@ -92,7 +92,7 @@ pub const FIELDS: &[Field] = ALL_FIELDS.split_at(ALL_FIELDS.len() - 2).0;
 
 /// A class of geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Geometry {
+pub enum EncounterGeometry {
     /// Directions at least 150° apart.
     HeadOn,
     /// In between.
@@ -101,7 +101,7 @@ pub enum Geometry {
     Overtaking,
 }
 
-impl Geometry {
+impl EncounterGeometry {
     /// All classes.
     pub const ALL: [Self; 3] = [Self::HeadOn, Self::Crossing, Self::Overtaking];
 
@@ -128,14 +128,14 @@ impl Metrics {
     }
 
     /// The class of the geometry.
-    pub fn geometry(&self) -> Option<Geometry> {
+    pub fn geometry(&self) -> Option<EncounterGeometry> {
         let degrees = self.crossing_deg?;
         Some(if degrees >= 150.0 {
-            Geometry::HeadOn
+            EncounterGeometry::HeadOn
         } else if degrees <= 30.0 {
-            Geometry::Overtaking
+            EncounterGeometry::Overtaking
         } else {
-            Geometry::Crossing
+            EncounterGeometry::Crossing
         })
     }
 }

@@ -11,7 +11,9 @@ use fga_formats::encounters::Encounter;
 use fga_formats::error::shown;
 
 use super::CampaignError;
-use super::configuration::{Configuration, number_of_encounters, own_sha256, policy_called};
+use super::configuration::{
+    CampaignConfiguration, number_of_encounters, own_sha256, policy_called,
+};
 use super::metrics::{ALL_FIELDS, FIELDS, Field};
 use super::sources;
 use crate::batch::{self, BatchSettings};
@@ -34,7 +36,7 @@ const ENOUGH_M: f64 = 0.5;
 #[derive(Debug)]
 pub struct Campaign {
     /// Its configuration.
-    pub configuration: Configuration,
+    pub configuration: CampaignConfiguration,
     /// Its fingerprint.
     pub hash: String,
     /// The aircraft.
@@ -57,7 +59,7 @@ pub struct Campaign {
     clippy::large_enum_variant,
     reason = "one scene at a time, and its tracks are far larger"
 )]
-pub enum Scene {
+pub enum CampaignScene {
     /// Obstacles around a straight line; the identifier is the number in the campaign.
     Rows(Encounter),
     /// Aircraft with tracks, the first one the ownship.
@@ -68,7 +70,7 @@ pub enum Scene {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
     /// Its content.
-    pub scene: Scene,
+    pub scene: CampaignScene,
     /// The ground and the zones around it.
     pub scenery: Scenery,
     /// Its number in its file or folder, else its number in the campaign.
@@ -90,7 +92,10 @@ impl Campaign {
     ///
     /// # Errors
     /// An unusable policy, cell, vehicle or file, or an empty campaign.
-    pub fn new(configuration: Configuration, campaign_file: &Path) -> Result<Self, CampaignError> {
+    pub fn new(
+        configuration: CampaignConfiguration,
+        campaign_file: &Path,
+    ) -> Result<Self, CampaignError> {
         Self::with_own(configuration, campaign_file, &[])
     }
 
@@ -99,7 +104,7 @@ impl Campaign {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_own(
-        configuration: Configuration,
+        configuration: CampaignConfiguration,
         campaign_file: &Path,
         own: &[OwnPolicy],
     ) -> Result<Self, CampaignError> {
@@ -362,7 +367,7 @@ impl Campaign {
                     return Ok(Drawn {
                         source_encounter: encounter.id,
                         scenery: file.surroundings.scenery(encounter.id)?,
-                        scene: Scene::Rows(Encounter {
+                        scene: CampaignScene::Rows(Encounter {
                             id: number,
                             obstacles: encounter.obstacles.clone(),
                         }),
@@ -378,7 +383,7 @@ impl Campaign {
             let (recording, folder) = self.recordings.get(rest)?.ok_or_else(past)?;
             let origin = Origin::of(&recording).map_err(CampaignError::Other)?;
             return Ok(Drawn {
-                scene: Scene::Tracks(recording),
+                scene: CampaignScene::Tracks(recording),
                 scenery: Scenery::default(),
                 source_encounter: rest as u64,
                 seed: origin.seed.unwrap_or(seed),
@@ -401,7 +406,7 @@ impl Campaign {
             let drawn = source.encounter(number).map_err(CampaignError::Other)?;
             let first = self.names.len() - configuration.models.len();
             return Ok(Drawn {
-                scene: Scene::Tracks(drawn.recording),
+                scene: CampaignScene::Tracks(drawn.recording),
                 scenery: Scenery::default(),
                 source_encounter: number,
                 seed: source.seed(),
@@ -416,7 +421,7 @@ impl Campaign {
             .get(turn * configuration.cells.len() + kind)
             .ok_or_else(past)?;
         Ok(Drawn {
-            scene: Scene::Rows(source.encounter(number)),
+            scene: CampaignScene::Rows(source.encounter(number)),
             scenery: source.scenery(number),
             source_encounter: number,
             seed: source.seed,

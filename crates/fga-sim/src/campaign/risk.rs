@@ -15,7 +15,7 @@ use alloc::collections::BTreeMap;
 
 use super::Row;
 use super::interval::{Interval, percentiles, poisson};
-use super::metrics::{Geometry, Metrics};
+use super::metrics::{EncounterGeometry, Metrics};
 use super::tail::{Nearness, Tail, tail};
 use crate::encounters::Random;
 
@@ -30,7 +30,7 @@ const Z95: f64 = 1.959_963_984_540_054;
 
 /// A kind of loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Loss {
+pub enum LossRule {
     /// Near mid-air collision.
     Nmac,
     /// Well clear of ASTM F3442.
@@ -39,7 +39,7 @@ pub enum Loss {
     Do365,
 }
 
-impl Loss {
+impl LossRule {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Nmac, Self::WellClear, Self::Do365];
 
@@ -64,18 +64,18 @@ impl Loss {
 
 /// A class of encounters.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Class {
+pub enum RiskClass {
     /// All encounters.
     All,
     /// The encounters of one source, an index.
     Source(u32),
     /// The encounters of one geometry.
-    Geometry(Geometry),
+    EncounterGeometry(EncounterGeometry),
     /// Encounters with an intruder of this speed: below 50 m/s, up to 100 m/s, above.
     Speed(u8),
 }
 
-impl Class {
+impl RiskClass {
     /// Its name in files.
     pub fn name(&self, sources: &[String]) -> String {
         match self {
@@ -84,7 +84,7 @@ impl Class {
                 let name = sources.get(*index as usize).map_or("", String::as_str);
                 format!("source {name}")
             }
-            Self::Geometry(geometry) => geometry.name().into(),
+            Self::EncounterGeometry(geometry) => geometry.name().into(),
             Self::Speed(0) => "intruder below 50 m/s".into(),
             Self::Speed(1) => "intruder of 50 to 100 m/s".into(),
             Self::Speed(_) => "intruder above 100 m/s".into(),
@@ -265,7 +265,7 @@ pub struct PolicyRisk {
     weight_squares: f64,
     /// Encounters with a maneuver.
     pub acted: u64,
-    /// The losses, in the order of [`Loss::ALL`].
+    /// The losses, in the order of [`LossRule::ALL`].
     pub losses: [LossCount; 3],
     /// How near each encounter came, where the tail is asked for.
     nearness: Vec<Nearness>,
@@ -278,7 +278,7 @@ impl PolicyRisk {
         self.weight_squares += row.weight * row.weight;
         let acted = row.start_s.is_some();
         self.acted += u64::from(acted);
-        for (count, loss) in self.losses.iter_mut().zip(Loss::ALL) {
+        for (count, loss) in self.losses.iter_mut().zip(LossRule::ALL) {
             if let Some(lost) = loss.of(&row.metrics) {
                 count.take(self.encounters, row.weight, lost, acted);
             }
@@ -303,7 +303,7 @@ impl PolicyRisk {
 /// Risks of all policies by class.
 #[derive(Debug, Clone, Default)]
 pub struct Risks {
-    by_class: BTreeMap<(u32, Class), PolicyRisk>,
+    by_class: BTreeMap<(u32, RiskClass), PolicyRisk>,
 }
 
 impl Risks {
@@ -313,13 +313,13 @@ impl Risks {
             return;
         }
         let classes = [
-            Some(Class::All),
-            Some(Class::Source(row.source)),
-            row.metrics.geometry().map(Class::Geometry),
-            Class::speed(&row.metrics),
+            Some(RiskClass::All),
+            Some(RiskClass::Source(row.source)),
+            row.metrics.geometry().map(RiskClass::EncounterGeometry),
+            RiskClass::speed(&row.metrics),
         ];
         for class in classes.into_iter().flatten() {
-            let is_all = class == Class::All;
+            let is_all = class == RiskClass::All;
             let risk = self.by_class.entry((row.policy, class)).or_default();
             risk.take(row);
             if is_all && let Some(scale) = row.metrics.nmac_scale {
@@ -340,11 +340,11 @@ impl Risks {
 
     /// The risk of a policy over all encounters.
     pub fn of(&self, policy: u32) -> Option<&PolicyRisk> {
-        self.by_class.get(&(policy, Class::All))
+        self.by_class.get(&(policy, RiskClass::All))
     }
 
     /// The risks of each policy and class.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Class, &PolicyRisk)> {
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &RiskClass, &PolicyRisk)> {
         self.by_class
             .iter()
             .map(|((policy, class), risk)| (*policy, class, risk))

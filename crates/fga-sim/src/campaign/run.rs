@@ -12,19 +12,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::expected::{Expected, FlownSample, expect};
-use super::flight::Flyer;
+use super::flight::CampaignFlyer;
 use super::folder::{Manifest, read_block};
-use super::{Campaign, CampaignError, Flown, Folder, Quantiles, Row, Shard, Stamp};
+use super::{Campaign, CampaignError, CampaignStamp, Flown, Folder, Quantiles, Row, Shard};
 
 /// The work and its folder.
 #[derive(Debug)]
-pub struct Task<'a> {
+pub struct CampaignTask<'a> {
     /// The campaign.
     pub campaign: &'a Campaign,
     /// The part to fly.
     pub shard: Shard,
     /// Origin of the results.
-    pub stamp: Stamp,
+    pub stamp: CampaignStamp,
     /// Folder of the results.
     pub folder: Folder,
     /// Whether to continue with existing results.
@@ -35,7 +35,7 @@ pub struct Task<'a> {
 
 /// The progress of the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
+pub struct CampaignProgress {
     /// Encounters in finished blocks.
     pub done: u64,
     /// Of these, the ones from earlier runs.
@@ -74,7 +74,7 @@ impl PolicyTimes {
     }
 }
 
-impl Task<'_> {
+impl CampaignTask<'_> {
     /// The manifest of the folder.
     pub fn manifest(&self) -> Manifest {
         Manifest {
@@ -99,9 +99,9 @@ const TAKEN: u64 = 4;
 /// A folder of another campaign, a damaged block, an unwritable output, or
 /// [`CampaignError::Stopped`].
 pub fn run(
-    task: &Task<'_>,
+    task: &CampaignTask<'_>,
     go_on: &(impl Fn() -> bool + Sync),
-    show: &mut (dyn FnMut(&Progress) + Send),
+    show: &mut (dyn FnMut(&CampaignProgress) + Send),
 ) -> Result<Vec<PolicyTimes>, CampaignError> {
     let campaign = task.campaign;
     let configuration = &campaign.configuration;
@@ -111,7 +111,7 @@ pub fn run(
         let range = configuration.range_of(block);
         range.end - range.start
     };
-    let mut progress = Progress {
+    let mut progress = CampaignProgress {
         done: 0,
         before: 0,
         total: (0..configuration.blocks())
@@ -127,7 +127,7 @@ pub fn run(
     }
     progress.before = progress.done;
     // Checks the settings once; the same ones fly every encounter.
-    Flyer::new(campaign)?;
+    CampaignFlyer::new(campaign)?;
     let blocks: Vec<u64> = (0..configuration.blocks())
         .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
         .collect();
@@ -138,7 +138,7 @@ pub fn run(
         (progress.expected, sample) = expect(campaign, &blocks, left, go_on)?;
     }
     show(&progress);
-    let work = Work {
+    let work = RunWork {
         task,
         blocks,
         sample,
@@ -168,8 +168,8 @@ pub fn run(
 }
 
 /// The remaining work and the progress.
-struct Work<'a> {
-    task: &'a Task<'a>,
+struct RunWork<'a> {
+    task: &'a CampaignTask<'a>,
     /// Numbers of the blocks to be flown.
     blocks: Vec<u64>,
     /// What was flown for the expected duration.
@@ -184,13 +184,13 @@ struct WorkState<'a> {
     /// Flown encounters of unfinished blocks.
     running: BTreeMap<u64, BTreeMap<u64, Vec<Flown>>>,
     times: Vec<PolicyTimes>,
-    progress: Progress,
-    show: &'a mut (dyn FnMut(&Progress) + Send),
+    progress: CampaignProgress,
+    show: &'a mut (dyn FnMut(&CampaignProgress) + Send),
     /// The first error.
     error: Option<CampaignError>,
 }
 
-impl<'a> Work<'a> {
+impl<'a> RunWork<'a> {
     fn state(&self) -> MutexGuard<'_, WorkState<'a>> {
         // A panic of a thread ends the program.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -223,7 +223,7 @@ impl<'a> Work<'a> {
     }
 
     fn try_to_go_through(&self, go_on: &impl Fn() -> bool) -> Result<(), CampaignError> {
-        let mut flyer = Flyer::new(self.task.campaign)?;
+        let mut flyer = CampaignFlyer::new(self.task.campaign)?;
         while let Some((block, numbers)) = self.take() {
             let mut flown = Vec::with_capacity(numbers.clone().count());
             for number in numbers {
@@ -277,7 +277,7 @@ impl<'a> Work<'a> {
 }
 
 /// Whether an existing block belongs here and is undamaged.
-fn check(block: u64, path: &Path, task: &Task<'_>) -> Result<(), CampaignError> {
+fn check(block: u64, path: &Path, task: &CampaignTask<'_>) -> Result<(), CampaignError> {
     if block >= task.campaign.configuration.blocks() || !task.shard.has(block) {
         return Err(CampaignError::Other(format!(
             "{}: block {block} does not belong to part {}/{} of this campaign",

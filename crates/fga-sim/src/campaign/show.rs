@@ -2,7 +2,7 @@
 
 use fga_formats::daa::Recording;
 
-use super::opened::Scene;
+use super::opened::CampaignScene;
 use super::{Campaign, CampaignError};
 use crate::batch;
 use crate::policy::PolicyChoice;
@@ -24,13 +24,13 @@ impl Campaign {
             .map_or("", String::as_str);
         let description = format!("{source}, seed {}", drawn.seed);
         let plan = match drawn.scene {
-            Scene::Rows(encounter) => {
+            CampaignScene::Rows(encounter) => {
                 let mut world = self.world()?;
                 world.seed = drawn.seed;
                 drawn.scenery.place(&mut world);
                 batch::plan(world, &encounter, &self.model)
             }
-            Scene::Tracks(recording) => {
+            CampaignScene::Tracks(recording) => {
                 let name = drawn
                     .name
                     .and_then(|name| self.encounter_names().get(name as usize));
@@ -71,7 +71,7 @@ impl Campaign {
     pub fn show(&self, number: u64, policy: &PolicyChoice) -> Result<RunLog, CampaignError> {
         let mut plan = self.plan(number)?;
         if self.intruders.is_some()
-            && let Scene::Tracks(recording) = self.draw(number)?.scene
+            && let CampaignScene::Tracks(recording) = self.draw(number)?.scene
             && let Some(reacted) = self.reacted(&plan.world, &recording, policy)?
         {
             plan.world = reacted.world;

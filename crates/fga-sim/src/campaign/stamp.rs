@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Origin of the results, besides the configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Stamp {
+pub struct CampaignStamp {
     /// The target of the build.
     pub target: String,
     /// The commit of the build.
@@ -18,7 +18,7 @@ fn unknown() -> String {
     build::UNKNOWN.into()
 }
 
-impl Stamp {
+impl CampaignStamp {
     /// The stamp of this program, built for `target`.
     pub fn of_this_build(target: &str) -> Self {
         Self {
@@ -28,7 +28,7 @@ impl Stamp {
     }
 }
 
-impl core::fmt::Display for Stamp {
+impl core::fmt::Display for CampaignStamp {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "{} by commit {}", self.target, self.commit)
     }

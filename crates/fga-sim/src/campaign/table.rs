@@ -25,7 +25,7 @@ use parquet::schema::types::{ColumnPath, Type};
 use serde_json::Value;
 
 use super::metrics::{Access, Field};
-use super::{Campaign, Row, Stamp};
+use super::{Campaign, CampaignStamp, Row};
 
 const BASE: &str = "
     required int64 encounter (INTEGER(64,false));
@@ -165,7 +165,7 @@ fn schema_in_words(campaign: &Campaign) -> String {
 }
 
 /// One column of some rows.
-enum Column {
+enum TableColumn {
     Long(Vec<i64>),
     Int(Vec<i32>),
     Flag(Vec<bool>),
@@ -177,20 +177,21 @@ enum Column {
 }
 
 /// The columns of some rows, in the order of the schema.
-fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
+fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<TableColumn> {
     let long = |get: fn(&Row) -> u64| {
-        Column::Long(rows.iter().map(|row| get(row).cast_signed()).collect())
+        TableColumn::Long(rows.iter().map(|row| get(row).cast_signed()).collect())
     };
-    let flag = |get: fn(&Row) -> bool| Column::Flag(rows.iter().map(get).collect());
-    let real = |get: fn(&Row) -> f64| Column::Real(rows.iter().map(get).collect());
-    let maybe = |get: fn(&Row) -> Option<f64>| Column::MaybeReal(rows.iter().map(get).collect());
+    let flag = |get: fn(&Row) -> bool| TableColumn::Flag(rows.iter().map(get).collect());
+    let real = |get: fn(&Row) -> f64| TableColumn::Real(rows.iter().map(get).collect());
+    let maybe =
+        |get: fn(&Row) -> Option<f64>| TableColumn::MaybeReal(rows.iter().map(get).collect());
     let text = |names: &[String], get: fn(&Row) -> u32| {
         let names: Vec<ByteArray> = names
             .iter()
             .map(|name| ByteArray::from(name.as_str()))
             .collect();
         let name_of = |row: &Row| names.get(get(row) as usize).cloned().unwrap_or_default();
-        Column::Text(rows.iter().map(name_of).collect())
+        TableColumn::Text(rows.iter().map(name_of).collect())
     };
     let names = campaign.encounter_names();
     let name_of = |row: &Row| Some(ByteArray::from(names.get(row.name? as usize)?.as_str()));
@@ -200,7 +201,7 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
         long(|row| row.seed),
         text(campaign.source_names(), |row| row.source),
         text(&campaign.configuration.policies, |row| row.policy),
-        Column::Int(rows.iter().map(|row| row.obstacles.cast_signed()).collect()),
+        TableColumn::Int(rows.iter().map(|row| row.obstacles.cast_signed()).collect()),
         flag(Row::threatened),
         real(|row| row.held_margin_m),
         flag(|row| row.separated),
@@ -215,22 +216,22 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
         maybe(Row::time_away_s),
         real(|row| row.max_cross_track_m),
         real(|row| row.extra_path_m),
-        Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
+        TableColumn::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
         maybe(|row| row.oracle_margin_m),
-        Column::MaybeText(rows.iter().map(name_of).collect()),
+        TableColumn::MaybeText(rows.iter().map(name_of).collect()),
         real(|row| row.weight),
     ];
     for field in campaign.metric_fields() {
         columns.push(match field.access {
             Access::Real(get, _) => {
-                Column::MaybeReal(rows.iter().map(|row| get(&row.metrics)).collect())
+                TableColumn::MaybeReal(rows.iter().map(|row| get(&row.metrics)).collect())
             }
             Access::Flag(get, _) => {
-                Column::MaybeFlag(rows.iter().map(|row| get(&row.metrics)).collect())
+                TableColumn::MaybeFlag(rows.iter().map(|row| get(&row.metrics)).collect())
             }
             Access::Failure(get, _) => {
                 let word = |row: &Row| Some(get(&row.metrics)?.name().into());
-                Column::MaybeText(rows.iter().map(word).collect())
+                TableColumn::MaybeText(rows.iter().map(word).collect())
             }
         });
     }
@@ -245,7 +246,11 @@ impl<W: Write + Send> TableWriter<W> {
     ///
     /// # Errors
     /// Errors of the output.
-    pub fn new(output: W, campaign: &Campaign, stamp: &Stamp) -> Result<Self, ParquetError> {
+    pub fn new(
+        output: W,
+        campaign: &Campaign,
+        stamp: &CampaignStamp,
+    ) -> Result<Self, ParquetError> {
         let configuration = &campaign.configuration;
         let seeds: Vec<String> = configuration.seeds.iter().map(u64::to_string).collect();
         let entries = [
@@ -296,14 +301,16 @@ impl<W: Write + Send> TableWriter<W> {
                 break;
             };
             match &column {
-                Column::Long(values) => put(writer.typed::<Int64Type>(), values)?,
-                Column::Int(values) => put(writer.typed::<Int32Type>(), values)?,
-                Column::Flag(values) => put(writer.typed::<BoolType>(), values)?,
-                Column::Real(values) => put(writer.typed::<DoubleType>(), values)?,
-                Column::Text(values) => put(writer.typed::<ByteArrayType>(), values)?,
-                Column::MaybeFlag(values) => put_maybe(writer.typed::<BoolType>(), values)?,
-                Column::MaybeReal(values) => put_maybe(writer.typed::<DoubleType>(), values)?,
-                Column::MaybeText(values) => put_maybe(writer.typed::<ByteArrayType>(), values)?,
+                TableColumn::Long(values) => put(writer.typed::<Int64Type>(), values)?,
+                TableColumn::Int(values) => put(writer.typed::<Int32Type>(), values)?,
+                TableColumn::Flag(values) => put(writer.typed::<BoolType>(), values)?,
+                TableColumn::Real(values) => put(writer.typed::<DoubleType>(), values)?,
+                TableColumn::Text(values) => put(writer.typed::<ByteArrayType>(), values)?,
+                TableColumn::MaybeFlag(values) => put_maybe(writer.typed::<BoolType>(), values)?,
+                TableColumn::MaybeReal(values) => put_maybe(writer.typed::<DoubleType>(), values)?,
+                TableColumn::MaybeText(values) => {
+                    put_maybe(writer.typed::<ByteArrayType>(), values)?;
+                }
             }
             writer.close()?;
         }
@@ -360,29 +367,29 @@ pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
             line.push(b',');
         }
         let shown = match column {
-            Column::Long(values) => values.first().map(|v| v.cast_unsigned().to_string()),
-            Column::Int(values) => values.first().map(i32::to_string),
-            Column::Flag(values) => values.first().map(bool::to_string),
-            Column::MaybeFlag(values) => values.iter().flatten().next().map(bool::to_string),
-            Column::Real(values) => {
+            TableColumn::Long(values) => values.first().map(|v| v.cast_unsigned().to_string()),
+            TableColumn::Int(values) => values.first().map(i32::to_string),
+            TableColumn::Flag(values) => values.first().map(bool::to_string),
+            TableColumn::MaybeFlag(values) => values.iter().flatten().next().map(bool::to_string),
+            TableColumn::Real(values) => {
                 if let Some(value) = values.first() {
                     push_fixed(line, *value, 6);
                 }
                 None
             }
-            Column::MaybeReal(values) => {
+            TableColumn::MaybeReal(values) => {
                 if let Some(value) = values.iter().flatten().next() {
                     push_fixed(line, *value, 6);
                 }
                 None
             }
-            Column::Text(values) => {
+            TableColumn::Text(values) => {
                 if let Some(value) = values.first() {
                     push_csv_field(line, value.data());
                 }
                 None
             }
-            Column::MaybeText(values) => {
+            TableColumn::MaybeText(values) => {
                 if let Some(value) = values.iter().flatten().next() {
                     push_csv_field(line, value.data());
                 }

@@ -21,14 +21,14 @@ pub(super) fn is_parquet(bytes: &[u8]) -> bool {
 }
 
 /// An open file.
-pub(super) struct Table<'a> {
+pub(super) struct ColumnTable<'a> {
     reader: SerializedFileReader<Bytes>,
     places: HashMap<String, usize>,
     path: &'a Path,
 }
 
 /// One group of rows of it.
-pub(super) struct Group<'a> {
+pub(super) struct ColumnGroup<'a> {
     reader: Box<dyn RowGroupReader + 'a>,
     places: &'a HashMap<String, usize>,
     path: &'a Path,
@@ -36,7 +36,7 @@ pub(super) struct Group<'a> {
     pub(super) count: usize,
 }
 
-impl<'a> Table<'a> {
+impl<'a> ColumnTable<'a> {
     pub(super) fn open(bytes: Vec<u8>, path: &'a Path) -> Result<Self, InputError> {
         let reader =
             SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| damaged(path, &error))?;
@@ -60,14 +60,14 @@ impl<'a> Table<'a> {
     }
 
     /// Its groups of rows.
-    pub(super) fn groups(&self) -> impl Iterator<Item = Result<Group<'_>, InputError>> {
+    pub(super) fn groups(&self) -> impl Iterator<Item = Result<ColumnGroup<'_>, InputError>> {
         (0..self.reader.num_row_groups()).map(|index| {
             let reader = self
                 .reader
                 .get_row_group(index)
                 .map_err(|error| damaged(self.path, &error))?;
             let count = usize::try_from(reader.metadata().num_rows()).unwrap_or(0);
-            Ok(Group {
+            Ok(ColumnGroup {
                 reader,
                 places: &self.places,
                 path: self.path,
@@ -95,7 +95,7 @@ fn damaged(path: &Path, error: &ParquetError) -> InputError {
     InputError::in_file(path, format!("is no readable Parquet file: {reason}"))
 }
 
-impl Group<'_> {
+impl ColumnGroup<'_> {
     /// A column of finite numbers.
     pub(super) fn numbers(&self, name: &str) -> Result<Vec<f64>, InputError> {
         let numbers: Vec<f64> = match self.column(name)? {

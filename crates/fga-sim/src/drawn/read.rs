@@ -12,7 +12,7 @@ use fga_formats::error::shown;
 use fga_formats::recordings::{Encounters, Named};
 use fga_formats::tally::Tally;
 
-use super::columns::{Group, Table, reading};
+use super::columns::{ColumnGroup, ColumnTable, reading};
 use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
 use super::{Content, Origin};
 
@@ -22,7 +22,7 @@ const LARGEST_SPEED_MPS: f64 = 5000.0;
 
 /// The content of a table, by its columns.
 pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
-    let table = reading(path, || Table::open(bytes, path))?;
+    let table = reading(path, || ColumnTable::open(bytes, path))?;
     match (table.has("aircraft"), table.has("obstacle")) {
         (true, false) => Ok(Content::Tracks),
         (false, true) => Ok(Content::Rows),
@@ -39,7 +39,7 @@ pub(super) fn rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputE
 }
 
 fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> {
-    let table = Table::open(bytes, path)?;
+    let table = ColumnTable::open(bytes, path)?;
     let mut found = Vec::new();
     for group in table.groups() {
         let group = group?;
@@ -93,7 +93,7 @@ pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputErr
 }
 
 fn read_tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
-    let table = Table::open(bytes, path)?;
+    let table = ColumnTable::open(bytes, path)?;
     let mut found: Vec<(u64, Named)> = Vec::new();
     for group in table.groups() {
         take_tracks(&group?, &table, path, &mut found)?;
@@ -134,13 +134,13 @@ fn read_tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
 }
 
 /// The columns that a table may lack.
-struct Extras {
+struct ExtraColumns {
     deviations: [Option<Vec<f64>>; 8],
     air: Option<[Vec<Option<f64>>; 2]>,
 }
 
-impl Extras {
-    fn of(group: &Group<'_>, table: &Table<'_>) -> Result<Self, InputError> {
+impl ExtraColumns {
+    fn of(group: &ColumnGroup<'_>, table: &ColumnTable<'_>) -> Result<Self, InputError> {
         let mut deviations: [Option<Vec<f64>>; 8] = Default::default();
         for (column, (name, _)) in deviations
             .iter_mut()
@@ -181,8 +181,8 @@ impl Extras {
 
 /// Adds the rows of a group; an encounter may go on from one group to the next.
 fn take_tracks(
-    group: &Group<'_>,
-    table: &Table<'_>,
+    group: &ColumnGroup<'_>,
+    table: &ColumnTable<'_>,
     path: &Path,
     found: &mut Vec<(u64, Named)>,
 ) -> Result<(), InputError> {
@@ -202,7 +202,7 @@ fn take_tracks(
         .iter()
         .map(|(name, _)| group.numbers(name))
         .collect::<Result<Vec<_>, _>>()?;
-    let extras = Extras::of(group, table)?;
+    let extras = ExtraColumns::of(group, table)?;
     for row in 0..group.count {
         let number = numbers[row];
         let at = |column: usize| values[column][row];

@@ -196,11 +196,11 @@ impl Engine {
         &'a mut self,
         world: &'a World,
         state: &'a mut FlightState,
-    ) -> Flight<'a> {
+    ) -> EngineFlight<'a> {
         let plant = self
             .plant
             .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
-        Flight {
+        EngineFlight {
             world,
             plant,
             sensor: &mut self.sensor,
@@ -234,7 +234,7 @@ pub(super) struct FlightState {
 }
 
 /// A flight in progress.
-pub(super) struct Flight<'a> {
+pub(super) struct EngineFlight<'a> {
     pub(super) world: &'a World,
     pub(super) plant: &'a mut Plant,
     pub(super) sensor: &'a mut Sensor,
@@ -250,7 +250,7 @@ pub(super) struct Flight<'a> {
     pub(super) state: &'a mut FlightState,
 }
 
-impl<'a> Flight<'a> {
+impl<'a> EngineFlight<'a> {
     fn fly(mut self, pilot: &mut (impl Pilot + ?Sized), observer: &mut impl Observer) -> Outcome {
         let end_s = loop {
             let time_s = self.time_s();

@@ -7,14 +7,14 @@ use fga::Vec3;
 use fga::avoider::Decision;
 use fga::pilot::Pilot;
 
-use super::flight::{Flight, situation};
+use super::flight::{EngineFlight, situation};
 use crate::track::Track;
 use crate::world::Ending;
 
 /// A flight that drifts off its line by more than this is not straight along it, metres.
 const ALONG_WITHIN_M: f64 = 1e-6;
 
-impl Flight<'_> {
+impl EngineFlight<'_> {
     /// Number of cycles for which a decision stands whatever the pilot sees; at least one.
     pub(super) fn cycles_alike(
         &self,

@@ -1,7 +1,7 @@
 //! How the bank follows its command: dead time and a first-order lag, fitted by what they predict.
 
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use fga_formats::flight_log::{FlightLog, Piece};
+use fga_formats::flight_log::{FlightLog, SeriesPiece};
 
 use super::figures::{Identified, MARGIN_AHEAD_S, mean, rows_of};
 
@@ -36,7 +36,7 @@ pub(super) struct Fits {
 }
 
 /// Rows of a piece, from a movement of the command to the next one.
-fn windows(piece: &Piece, period_s: f64) -> Vec<(usize, usize)> {
+fn windows(piece: &SeriesPiece, period_s: f64) -> Vec<(usize, usize)> {
     let ahead = rows_of(MOVING_S, period_s);
     let (shortest, longest) = (
         rows_of(SHORTEST_WINDOW_S, period_s),
@@ -87,7 +87,7 @@ fn late(command: &[f64], row: usize, late_rows: f64) -> f64 {
 
 /// Squared error of a first-order lag over a window, with the share of the command that is reached at last
 /// fitted too: that share is part of the largest bank, not of the lag.
-fn error(piece: &Piece, window: (usize, usize), late_rows: f64, keeps: f64) -> f64 {
+fn error(piece: &SeriesPiece, window: (usize, usize), late_rows: f64, keeps: f64) -> f64 {
     let (begin, end) = window;
     let (mut free, mut forced) = (piece.bank_rad[begin], 0.0);
     let (mut across, mut along, mut square) = (0.0, 0.0, 0.0);
@@ -108,7 +108,7 @@ fn error(piece: &Piece, window: (usize, usize), late_rows: f64, keeps: f64) -> f
 }
 
 /// The lag that follows best in one window; `None` where none does.
-fn fit(piece: &Piece, window: (usize, usize), period_s: f64) -> Option<Fit> {
+fn fit(piece: &SeriesPiece, window: (usize, usize), period_s: f64) -> Option<Fit> {
     let (begin, end) = window;
     let banks = &piece.bank_rad[begin..end];
     let middle = mean(banks);
@@ -141,7 +141,7 @@ fn fit(piece: &Piece, window: (usize, usize), period_s: f64) -> Option<Fit> {
 
 /// The lag of every window in which the command moves.
 pub(super) fn fits(log: &FlightLog) -> Fits {
-    let all: Vec<(&Piece, (usize, usize))> = log
+    let all: Vec<(&SeriesPiece, (usize, usize))> = log
         .pieces
         .iter()
         .flat_map(|piece| {

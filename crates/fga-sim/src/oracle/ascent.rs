@@ -34,7 +34,7 @@ struct Climber {
     done: bool,
 }
 
-pub(super) struct Ascent<'a> {
+pub(super) struct OracleAscent<'a> {
     start: &'a OracleStart,
     vehicle: &'a OracleVehicle,
     bodies: &'a [OracleBody],
@@ -48,7 +48,7 @@ pub(super) struct Ascent<'a> {
     pub(super) best: (f64, OracleManeuver),
 }
 
-impl<'a> Ascent<'a> {
+impl<'a> OracleAscent<'a> {
     pub(super) fn new(
         start: &'a OracleStart,
         vehicle: &'a OracleVehicle,

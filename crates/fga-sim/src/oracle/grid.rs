@@ -3,7 +3,7 @@
 use super::OracleVehicle;
 
 /// The resolution of the tree.
-pub(super) struct Grid {
+pub(super) struct OracleGrid {
     pub(super) waits_s: Vec<f64>,
     pub(super) straights_s: Vec<f64>,
     pub(super) turns_rad: Vec<f64>,
@@ -26,7 +26,7 @@ pub(super) fn degrees(list: &[(f64, f64, f64)]) -> Vec<f64> {
     angles
 }
 
-impl Grid {
+impl OracleGrid {
     pub(super) fn one_turn(vehicle: &OracleVehicle, horizon_s: f64) -> Self {
         let most = (vehicle.course_rate_radps * horizon_s).to_degrees();
         Self {

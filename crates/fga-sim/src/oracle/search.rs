@@ -7,9 +7,9 @@ use fga::Vec3;
 
 use super::airspace::OracleAirspace;
 use super::arc::{ArcNode, TurnArc};
-use super::ascent::Ascent;
+use super::ascent::OracleAscent;
 use super::flight::OracleFlight;
-use super::grid::Grid;
+use super::grid::OracleGrid;
 use super::separation::{OracleBody, least_margin};
 use super::tree::{Here, Tree};
 use super::{
@@ -111,7 +111,7 @@ impl Problem<'_> {
             .collect()
     }
 
-    fn tree(&self, grid: &Grid, kinds: usize, best: f64, enough: f64) -> Tree<'_> {
+    fn tree(&self, grid: &OracleGrid, kinds: usize, best: f64, enough: f64) -> Tree<'_> {
         Tree {
             bodies: self.bodies,
             horizon_s: self.horizon_s,
@@ -125,7 +125,7 @@ impl Problem<'_> {
 
     /// One turn: every wait, side, angle and climb angle.
     fn one_turn(&self, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
-        let grid = Grid::one_turn(self.vehicle, self.horizon_s);
+        let grid = OracleGrid::one_turn(self.vehicle, self.horizon_s);
         let climb_count = grid.climbs.len();
         let mut tree = self.tree(
             &grid,
@@ -168,7 +168,7 @@ impl Problem<'_> {
     }
 
     /// Two turns.
-    fn two_turns(&self, grid: &Grid, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
+    fn two_turns(&self, grid: &OracleGrid, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
         let count = grid.climbs.len();
         let kinds = grid.waits_s.len() * 2 * count * 3 * 2 * count;
         let mut tree = self.tree(grid, kinds, best, enough);
@@ -187,7 +187,7 @@ impl Problem<'_> {
                 for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
                     let kind = ((w * 2 + s) * count + c) * 3;
                     tree.walk(arc, &here, sign, |tree, node, at, running| {
-                        let prefix = Prefix {
+                        let prefix = OraclePrefix {
                             wait_s,
                             arc,
                             node,
@@ -216,9 +216,9 @@ impl Problem<'_> {
     fn second_turn(
         &self,
         tree: &mut Tree<'_>,
-        grid: &Grid,
+        grid: &OracleGrid,
         arcs: &[Vec<TurnArc>],
-        prefix: &Prefix<'_>,
+        prefix: &OraclePrefix<'_>,
     ) {
         let exit = &prefix.exit;
         let (mut from_s, mut from, mut running) = (exit.time_s, exit.position, exit.running);
@@ -275,7 +275,7 @@ impl Problem<'_> {
 }
 
 /// A manoeuvre up to the end of its first turn.
-struct Prefix<'a> {
+struct OraclePrefix<'a> {
     wait_s: f64,
     arc: &'a TurnArc,
     node: &'a ArcNode,
@@ -337,7 +337,7 @@ pub(super) fn search(
 ) -> OracleAnswer {
     let nothing = hold_all_the_way(start, settings.horizon_s);
     let enough = settings.enough_m.unwrap_or(f64::INFINITY);
-    let mut ascent = Ascent::new(start, vehicle, bodies, settings.horizon_s, enough);
+    let mut ascent = OracleAscent::new(start, vehicle, bodies, settings.horizon_s, enough);
     let do_nothing = ascent.look(&nothing);
     let problem = Problem {
         start,
@@ -370,10 +370,10 @@ pub(super) fn search(
     {
         return answer(ascent.best);
     }
-    let seeds = problem.two_turns(&Grid::coarse(vehicle), ascent.best.0, stop);
+    let seeds = problem.two_turns(&OracleGrid::coarse(vehicle), ascent.best.0, stop);
     ascent.refine(&seeds, true);
     if ascent.best.0 < enough && ascent.best.0.abs() < DOUBTFUL_M {
-        let seeds = problem.two_turns(&Grid::fine(vehicle), ascent.best.0, stop);
+        let seeds = problem.two_turns(&OracleGrid::fine(vehicle), ascent.best.0, stop);
         ascent.refine(&seeds, true);
     }
     answer(ascent.best)
@@ -381,7 +381,7 @@ pub(super) fn search(
 
 /// Whether the obstacle that limits the best margin allows no more even when it is alone: then no
 /// second turn, which only helps to get past several obstacles, is worth a try.
-fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &Ascent<'_>) -> bool {
+fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &OracleAscent<'_>) -> bool {
     let (margin, maneuver) = found.best;
     let flight = OracleFlight::new(problem.start, problem.vehicle, &maneuver, problem.horizon_s);
     let Some(limiting) = bodies.iter().find(|body| {
@@ -397,7 +397,7 @@ fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &Ascent<'_>
         bodies: &alone,
         ..*problem
     };
-    let mut ascent = Ascent::new(
+    let mut ascent = OracleAscent::new(
         problem.start,
         problem.vehicle,
         &alone,

@@ -11,7 +11,7 @@ use core::f64::consts::PI;
 use fga::Vec3;
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
-use super::rolls::Moment;
+use super::rolls::RollMoment;
 use super::{Arc, Plant, rate_to};
 
 /// Longest integration step under the PI autopilot, seconds (50 Hz).
@@ -222,7 +222,7 @@ impl Plant {
         &self,
         (command, climb_rate): (f64, f64),
         (step_s, left): (f64, f64),
-        (now, after): (&Moment, &mut Moment),
+        (now, after): (&RollMoment, &mut RollMoment),
     ) -> (f64, f64) {
         let (mut a_s, mut at_a) = (0.0, self.beyond_at(now.course_rad, now.bank_rad));
         let (mut b_s, mut at_b) = (step_s, left);
@@ -252,15 +252,15 @@ impl Plant {
     }
 
     /// This moment; mostly the end of the last step.
-    fn moment(&self) -> Moment {
+    fn moment(&self) -> RollMoment {
         let (course_rad, climb_rad, bank_rad) = (self.course_rad, self.climb_rad, self.bank_rad);
-        let is_now = |last: &Moment| {
+        let is_now = |last: &RollMoment| {
             (last.course_rad, last.climb_rad, last.bank_rad) == (course_rad, climb_rad, bank_rad)
         };
         let position_m = self.position_m;
         match self.rolls.last.filter(is_now) {
-            Some(last) => Moment { position_m, ..last },
-            None => Moment {
+            Some(last) => RollMoment { position_m, ..last },
+            None => RollMoment {
                 position_m,
                 course_rad,
                 climb_rad,
@@ -292,7 +292,12 @@ impl Plant {
     }
 
     /// The moment after a part of a roll: the bank decays exactly towards its command.
-    fn rolled(&self, (bank_command, climb_rate): (f64, f64), now: &Moment, step_s: f64) -> Moment {
+    fn rolled(
+        &self,
+        (bank_command, climb_rate): (f64, f64),
+        now: &RollMoment,
+        step_s: f64,
+    ) -> RollMoment {
         let response = self.vehicle.response;
         let half_s = 0.5 * step_s;
         let decay = libm::exp(-half_s / response.bank_time_constant_s);
@@ -316,12 +321,12 @@ impl Plant {
                 libm::sincos(now.climb_rad + climb_rate * after_s)
             }
         };
-        let middle = Moment {
+        let middle = RollMoment {
             course: libm::sincos(middle_course),
             climb: climb_at(half_s),
             ..*now
         };
-        let end = Moment {
+        let end = RollMoment {
             position_m: now.position_m,
             course_rad,
             climb_rad: now.climb_rad + climb_rate * step_s,
@@ -331,7 +336,7 @@ impl Plant {
             climb: climb_at(step_s),
         };
         let sum = now.direction() + middle.direction() * 4.0 + end.direction();
-        Moment {
+        RollMoment {
             position_m: now.position_m
                 + sum * (self.airspeed_mps * step_s / 6.0)
                 + self.wind_mps * step_s,
@@ -444,7 +449,7 @@ impl Plant {
 #[cfg(test)]
 mod tests {
     use super::super::autopilot::Autopilot;
-    use super::super::rolls::Rolls;
+    use super::super::rolls::PlantRolls;
     use super::*;
     use fga::vehicle::Vehicle;
 
@@ -495,7 +500,7 @@ mod tests {
         for cycle in 0..120 {
             let course_rad = [0.4, 0.4, 2.0, -1.0][cycle / 30];
             let maneuver = fga::maneuver::Maneuver::turn(0.0, course_rad, 0.002 * course_rad);
-            forgetful.rolls = Rolls::default();
+            forgetful.rolls = PlantRolls::default();
             for plant in [&mut plant, &mut forgetful] {
                 if cycle == 70 {
                     plant.fly_at(25.0);

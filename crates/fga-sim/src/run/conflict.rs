@@ -8,7 +8,7 @@ use crate::world::World;
 
 /// One conflict. Times in seconds since the start.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Conflict {
+pub struct RunConflict {
     /// First threat.
     pub threat_s: f64,
     /// Start of the first manoeuvre; `None` if the threat went away before.
@@ -22,8 +22,8 @@ pub struct Conflict {
 }
 
 /// The conflicts in the decisions of a flight, in time order. The aircraft is back once its track is.
-pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<Conflict> {
-    let mut conflicts: Vec<Conflict> = Vec::new();
+pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<RunConflict> {
+    let mut conflicts: Vec<RunConflict> = Vec::new();
     let mut last = State::Cruise;
     let mut progress = MissionProgress::of(world);
     for moment in decisions {
@@ -43,7 +43,7 @@ pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<Conflict> {
             }
         }
         if now != State::Cruise && (last == State::Cruise || (was_away && on_route)) {
-            conflicts.push(Conflict {
+            conflicts.push(RunConflict {
                 threat_s: time_s,
                 start_s: None,
                 clear_s: None,

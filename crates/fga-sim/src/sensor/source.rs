@@ -10,7 +10,7 @@ use crate::tracker::TrackEstimate;
 
 /// What a source keeps about an obstacle of the world.
 #[derive(Debug, Clone, Default)]
-struct Known {
+struct KnownAircraft {
     /// Its track, where looks are noisy.
     track: Option<TrackEstimate>,
     /// The error that its position keeps, metres.
@@ -25,7 +25,7 @@ struct Known {
 
 /// A source in use.
 #[derive(Debug, Clone)]
-pub(super) struct Source {
+pub(super) struct SensorSource {
     settings: SensorSettings,
     /// Seed and stream of its random numbers.
     seed: (u64, u64),
@@ -42,12 +42,12 @@ pub(super) struct Source {
     /// Time of the extrapolated result, seconds.
     carried_to_s: f64,
     seen: Vec<Obstacle>,
-    known: Vec<Known>,
+    known: Vec<KnownAircraft>,
     /// First sight of each obstacle of the world, seconds.
     first_seen_s: Vec<Option<f64>>,
 }
 
-impl Source {
+impl SensorSource {
     pub(super) fn new() -> Self {
         Self {
             settings: SensorSettings::default(),
@@ -85,7 +85,7 @@ impl Source {
         self.first_seen_s.clear();
         self.first_seen_s.resize(obstacles, None);
         self.known.clear();
-        self.known.resize(obstacles, Known::default());
+        self.known.resize(obstacles, KnownAircraft::default());
         if settings.bias_m() > 0.0 {
             let mut biases = Noise::new(seed ^ BIASES, stream);
             let across_m = settings.position_bias_m;
@@ -114,7 +114,7 @@ impl Source {
         self.course_rad = course_rad;
     }
 
-    /// The visible obstacles at `time_s`, with the source at `at_m`; see [`Source::known`].
+    /// The visible obstacles at `time_s`, with the source at `at_m`; see [`SensorSource::known`].
     pub(super) fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) {
         let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;
         if due {
@@ -280,7 +280,7 @@ fn with_noise(
     time_s: f64,
     settings: &SensorSettings,
     noise: &mut Option<Noise>,
-    known: &mut Known,
+    known: &mut KnownAircraft,
 ) -> Obstacle {
     if let Some(noise) = noise {
         let sigma_m = settings.position_sigma_m;

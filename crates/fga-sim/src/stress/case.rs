@@ -1,14 +1,14 @@
 //! The intruders and the gust of a flight.
 
 use super::Stress;
-use super::motion::{GUST, MOTION, Motion, gust_in_words, gust_of};
+use super::motion::{GUST, MOTION, StressMotion, gust_in_words, gust_of};
 use crate::plant::Gust;
 
 /// The intruders and the gust of a flight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressCase {
     /// The motion of each intruder.
-    pub motions: Vec<Motion>,
+    pub motions: Vec<StressMotion>,
     /// The gust, where gusts are searched.
     pub gust: Option<Gust>,
 }
@@ -19,7 +19,7 @@ impl StressCase {
         // The gust's parameters are left over: a gust has fewer than a motion.
         let (motions, rest) = point.as_chunks::<{ MOTION.len() }>();
         let model = &stress.model;
-        let of = |point| Motion::of(point, &stress.bounds, &model.vehicle, &model.protection);
+        let of = |point| StressMotion::of(point, &stress.bounds, &model.vehicle, &model.protection);
         let gust = rest.first_chunk::<{ GUST.len() }>();
         Self {
             motions: motions.iter().map(of).collect(),

@@ -120,7 +120,7 @@ const LONGEST_LOSS_S: f64 = 10.0;
 
 /// A motion of an intruder and the loss of its reports.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct StressMotion {
     /// The values of [`MOTION`].
     pub values: [f64; MOTION.len()],
     /// The ownship's airspeed, metres per second.
@@ -151,7 +151,7 @@ fn share_below(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
-impl Motion {
+impl StressMotion {
     /// The motion at a point of the standard normal distribution.
     pub(super) fn of(
         point: &[f64; MOTION.len()],

@@ -12,7 +12,7 @@ const SMOOTHING: f64 = 0.6;
 const LEAST_SPREAD: f64 = 0.3;
 
 /// A point of the standard normal distribution.
-pub(super) type Point = Vec<f64>;
+pub(super) type ProposalPoint = Vec<f64>;
 
 /// Length from the most usual flight.
 pub(super) fn distance(point: &[f64]) -> f64 {
@@ -21,8 +21,8 @@ pub(super) fn distance(point: &[f64]) -> f64 {
 
 /// The normal distribution from which a batch is drawn.
 pub(super) struct Proposal {
-    mean: Point,
-    spread: Point,
+    mean: ProposalPoint,
+    spread: ProposalPoint,
 }
 
 impl Proposal {
@@ -44,7 +44,7 @@ impl Proposal {
         1.0 / (USUAL_SHARE + (1.0 - USUAL_SHARE) * libm::exp(exponent))
     }
 
-    pub(super) fn draw(&self, random: &mut Random) -> Point {
+    pub(super) fn draw(&self, random: &mut Random) -> ProposalPoint {
         let is_usual = random.unit() < USUAL_SHARE;
         let each = self.mean.iter().zip(&self.spread);
         each.map(|(mean, spread)| {
@@ -55,7 +55,7 @@ impl Proposal {
     }
 
     /// Moves to the elite of a batch: points with weights.
-    pub(super) fn follow(&mut self, elite: &[(&Point, f64)]) {
+    pub(super) fn follow(&mut self, elite: &[(&ProposalPoint, f64)]) {
         let total: f64 = elite.iter().map(|(_, weight)| weight).sum();
         if total <= 0.0 {
             return;
@@ -63,7 +63,7 @@ impl Proposal {
         let own = self.mean.iter_mut().zip(&mut self.spread);
         for (place, (own_mean, own_spread)) in own.enumerate() {
             let mean = elite.iter().map(|(z, w)| z[place] * w).sum::<f64>() / total;
-            let square = |z: &Point| (z[place] - mean) * (z[place] - mean);
+            let square = |z: &ProposalPoint| (z[place] - mean) * (z[place] - mean);
             let variance = elite.iter().map(|(z, w)| square(z) * w).sum::<f64>() / total;
             let spread = libm::sqrt(variance).max(LEAST_SPREAD);
             *own_mean += SMOOTHING * (mean - *own_mean);

@@ -49,7 +49,7 @@ fn stress(policy: PolicyChoice, flights: usize) -> Stress {
     }
 }
 
-fn found(stress: &Stress) -> Found {
+fn found(stress: &Stress) -> FoundEncounter {
     let found = search(stress, &[], &|| true, &mut |_| Ok(()));
     found.unwrap().unwrap()
 }

@@ -7,12 +7,12 @@ use crate::engine::{DecisionMoment, Observer};
 use crate::obstacle::WorldObstacle;
 
 /// Watches a flight among obstacles as they really are.
-pub(super) struct Urgency<'a> {
+pub(super) struct StressUrgency<'a> {
     obstacles: &'a [WorldObstacle],
     least_s: f64,
 }
 
-impl<'a> Urgency<'a> {
+impl<'a> StressUrgency<'a> {
     pub(super) const fn of(obstacles: &'a [WorldObstacle]) -> Self {
         Self {
             obstacles,
@@ -26,7 +26,7 @@ impl<'a> Urgency<'a> {
     }
 }
 
-impl Observer for Urgency<'_> {
+impl Observer for StressUrgency<'_> {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let own = &moment.situation.ownship;
         let own_mps = own.velocity_mps() + moment.situation.wind_mps;

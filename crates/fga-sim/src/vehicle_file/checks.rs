@@ -5,8 +5,8 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Response;
 use fga_files::TomlText;
 use fga_files::vehicle::{
-    AutopilotKind, AutopilotTable, Grid, LimitsTable, NoiseTable, Protection, ResponseTable,
-    SensorTable, WindTable,
+    AutopilotKind, AutopilotTable, GridSettings, LimitsTable, NoiseTable, Protection,
+    ResponseTable, SensorTable, WindTable,
 };
 use fga_formats::InputError;
 use fga_paper::pilot::GridSteps;
@@ -73,7 +73,7 @@ pub(super) fn angle(
         .map(f64::to_radians)
 }
 
-impl Checked for Grid {
+impl Checked for GridSettings {
     type Meaning = GridSteps;
 
     fn checked(&self, text: &TomlText<'_>) -> Result<GridSteps, InputError> {

@@ -6,7 +6,7 @@
 )]
 
 use fga_files::TomlText;
-use fga_formats::flight_log::{FlightLog, Limits, Piece};
+use fga_formats::flight_log::{FlightLog, Limits, SeriesPiece};
 use fga_sim::identification::{Estimate, identify};
 use fga_sim::vehicle_file::VehicleModel;
 use std::path::Path;
@@ -36,7 +36,7 @@ fn log(plant: &Plant, command: impl Fn(f64) -> f64, lasts_s: f64) -> FlightLog {
             .wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
     };
-    let mut piece = Piece {
+    let mut piece = SeriesPiece {
         start_s: 0.0,
         airspeed_mps: Vec::new(),
         bank_command_rad: Vec::new(),

@@ -45,7 +45,7 @@ pub(super) fn greedy(cube: &Cube, view: &View<'_>, candidates: &[Vec3]) -> Vec<V
 }
 
 /// A sub-waypoint in the search.
-struct Node {
+struct SearchNode {
     at_m: Vec3,
     flown_m: f64,
     from: usize,
@@ -59,7 +59,7 @@ pub(super) fn shortest(
     most: usize,
 ) -> Vec<Vec3> {
     let goal = cube.goal_m(view);
-    let mut nodes = vec![Node {
+    let mut nodes = vec![SearchNode {
         at_m: Vec3::ZERO,
         flown_m: 0.0,
         from: 0,
@@ -93,7 +93,7 @@ pub(super) fn shortest(
             }
             let flown_m = flown_m + offset.length();
             open.insert(((flown_m + goal.distance(to)).to_bits(), nodes.len()));
-            nodes.push(Node {
+            nodes.push(SearchNode {
                 at_m: to,
                 flown_m,
                 from: index,
@@ -101,7 +101,7 @@ pub(super) fn shortest(
         }
     }
     // No clear path: the most promising one found, else the clearest leg.
-    let left = |node: &Node| node.flown_m + goal.distance(node.at_m);
+    let left = |node: &SearchNode| node.flown_m + goal.distance(node.at_m);
     let promising = (1..nodes.len()).min_by(|a, b| left(&nodes[*a]).total_cmp(&left(&nodes[*b])));
     match (promising, clearest) {
         (Some(index), _) => path_to(&nodes, index, goal),
@@ -117,7 +117,7 @@ fn cell(point: Vec3) -> [i64; 3] {
     [whole(point.x), whole(point.y), whole(point.z)]
 }
 
-fn path_to(nodes: &[Node], mut index: usize, goal: Vec3) -> Vec<Vec3> {
+fn path_to(nodes: &[SearchNode], mut index: usize, goal: Vec3) -> Vec<Vec3> {
     let mut points = vec![goal];
     while index != 0 {
         points.push(nodes[index].at_m);
