@@ -394,7 +394,7 @@ fn fifty_encounters_shown_early_are_kept_apart_with_a_small_departure() {
     }
     let departure = median(results.iter().map(|r| r.largest_m).collect());
     eprintln!("median departure {departure:.1} m");
-    // 90 m are wanted. The emulator gives 99.9 m, a real ArduPlane 111 m (docs/benchmarks/2026-11-22-arduplane.md): received
+    // 90 m are wanted. The emulator gives 99.9 m, a real ArduPlane 111 m: received
     // aircraft may turn, so they are passed wider. This limit only holds what is reached.
     assert!(departure <= 100.0);
     let back_s = median(results.iter().map(|r| r.back_s).collect());
