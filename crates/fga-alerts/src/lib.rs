@@ -82,7 +82,7 @@ pub use aircraft::{Aircraft, AircraftId, Deviation, Pair, PairDeviation, State};
 pub use bands::QuantityBands;
 pub use bands::colors::Band;
 pub use bands::memory::{Resolution, Way};
-pub use bands::recovered::Recovery;
+pub use bands::recovery::Recovery;
 pub use bands::span::Quantity;
 pub use hysteresis::HysteresisSettings;
 pub use loss::Loss;

@@ -4,7 +4,7 @@ mod input;
 
 use crate::aircraft::{Aircraft, AircraftId, Pair, State};
 use crate::almost::Closeness::Rounding;
-use crate::bands::met::Met;
+use crate::bands::meeting::Met;
 use crate::bands::span::Quantity;
 use crate::bands::{Contribution, Picture, QuantityBands, Terminal, meets_within_spread};
 use crate::hysteresis::{Held, HysteresisSettings};
@@ -329,7 +329,6 @@ impl Monitor {
                 return false;
             };
             picture.met(index).is_some_and(|met| {
-                let spread = (spread, spread);
                 meets_within_spread(&picture, quantity, spread, &met, &level.volume, time_s)
             })
         })
@@ -534,9 +533,8 @@ impl Monitor {
             let intruder = ahead.intruder(index, tried_s);
             let met = Met {
                 settings: &self.settings,
-                intruder: &intruder,
+                intruder,
                 deviation,
-                asked_s: self.settings.lookahead_s,
             };
             let pair = Pair {
                 ownship,

@@ -8,10 +8,6 @@ use alloc::vec::Vec;
 pub(crate) struct Intervals(Vec<[f64; 2]>);
 
 impl Intervals {
-    pub(crate) fn clear(&mut self) {
-        self.0.clear();
-    }
-
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -58,30 +54,11 @@ impl Intervals {
         }
     }
 
-    /// Whether the intersection with `other` has any interval.
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        let mut found = false;
-        self.common(other, |_, _| {
-            found = true;
-            false
-        });
-        found
-    }
-
     /// Keeps the intersection with `other`.
     pub(crate) fn intersect(&mut self, other: &Self) {
         let mine = core::mem::take(self);
-        mine.common(other, |low, high| {
-            self.append(low, high);
-            true
-        });
-    }
-
-    /// Calls `take` for each part of the intersection with `other`, until it has enough.
-    fn common(&self, other: &Self, mut take: impl FnMut(f64, f64) -> bool) {
-        let (mut a, mut b) = (self.0.iter(), other.0.iter());
-        let (mut first, mut second) = (a.next(), b.next());
-        while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (first, second) {
+        let (mut a, mut b) = (mine.iter().peekable(), other.iter().peekable());
+        while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (a.peek(), b.peek()) {
             let starts_in_b = Edge.at_most(b_low, a_low) && Edge.less(a_low, b_high);
             let starts_in_a = Edge.at_most(a_low, b_low) && Edge.less(b_low, a_high);
             let a_ends_first = if starts_in_b {
@@ -92,20 +69,15 @@ impl Intervals {
                 Edge.at_most(a_high, b_low)
             };
             let end = if a_ends_first { a_high } else { b_high };
-            let goes_on = if starts_in_b {
-                take(a_low, end)
+            if starts_in_b {
+                self.append(a_low, end);
             } else if starts_in_a {
-                take(b_low, end)
-            } else {
-                true
-            };
-            if !goes_on {
-                return;
+                self.append(b_low, end);
             }
             if a_ends_first {
-                first = a.next();
+                a.next();
             } else {
-                second = b.next();
+                b.next();
             }
         }
     }

@@ -1,10 +1,10 @@
 //! What all bands are computed from.
 
 use crate::aircraft::{Aircraft, PairDeviation};
-use crate::bands::met::Met;
+use crate::bands::meeting::Met;
 use crate::bands::span::Quantity;
 use crate::loss::Loss;
-use crate::settings::{AlertLevel, Region, Settings};
+use crate::settings::{Region, Settings};
 use alloc::vec::Vec;
 
 /// An aircraft that contributes to the bands of a region.
@@ -18,13 +18,6 @@ pub(crate) struct Contribution {
     pub(crate) level: usize,
     /// Horizon, seconds.
     pub(crate) horizon_s: f64,
-}
-
-impl Contribution {
-    /// The level that the aircraft contributes by.
-    pub(super) fn level<'a>(&self, settings: &'a Settings) -> Option<&'a AlertLevel> {
-        settings.alerters.get(self.alerter)?.level(self.level)
-    }
 }
 
 /// The state of the terminal area.
@@ -60,26 +53,9 @@ impl<'a> Picture<'a> {
         let aircraft = self.traffic.get(intruder)?;
         Some(Met {
             settings: self.settings,
-            intruder: &aircraft.state,
+            intruder: aircraft.state,
             deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
-            asked_s: self.asked_s(intruder),
         })
-    }
-
-    /// Until when a maneuver is looked at against an intruder: up to the horizon against one in conflict, else up
-    /// to the longest alerting time.
-    pub(super) fn asked_s(&self, intruder: usize) -> f64 {
-        let mut conflicts = self.conflicts.iter().flatten();
-        if conflicts.any(|contribution| contribution.intruder == intruder) {
-            return self.settings.lookahead_s;
-        }
-        let alerter = self.alerters.get(intruder).copied().flatten();
-        alerter
-            .and_then(|index| self.settings.alerters.get(index))
-            .into_iter()
-            .flat_map(|alerter| &alerter.levels)
-            .map(|level| level.alerting_s.min(self.settings.lookahead_s))
-            .fold(0.0, f64::max)
     }
 
     pub(crate) fn turns_at_once(&self) -> bool {

@@ -90,6 +90,7 @@ impl<T: Copy> PerManeuver<T> {
 /// The values in reach from the current one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Span {
+    pub(crate) quantity: Quantity,
     /// The current value.
     pub(crate) value: f64,
     /// The whole scale.
@@ -184,6 +185,7 @@ impl Span {
             count
         };
         inside.then(|| Self {
+            quantity,
             value,
             bounds: (reach.least, reach.greatest),
             min,
@@ -194,14 +196,6 @@ impl Span {
             steps_down: steps(down),
             steps_up: steps(up),
         })
-    }
-
-    /// Whether neighbouring values differ by more than the resolution of band edges anywhere on the scale. Then
-    /// intervals have a common part only where they have two neighbouring values in common.
-    pub(crate) fn tells_steps_apart(&self) -> bool {
-        let (least, greatest) = self.bounds;
-        let farthest = self.value.abs().max(least.abs()).max(greatest.abs());
-        self.step > 1e-3 * farthest && self.step > 1e-4
     }
 
     /// The whole searched range.

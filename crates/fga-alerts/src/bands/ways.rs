@@ -1,156 +1,215 @@
-//! The ways to the values of a span.
+//! The lines on which the ownship flies to the values of a span, and which values it reaches without conflict.
 
+use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
-use crate::bands::level::{LevelSearch, Levels};
-use crate::bands::met::Meeting;
-use crate::bands::path::{Fan, Lines, Range};
-use crate::bands::search::{FanSearch, Task};
+use crate::bands::level::LevelChange;
+use crate::bands::meeting::{Guard, Meeting, Met};
+use crate::bands::path::{Line, steps};
+use crate::bands::picture::Picture;
 use crate::bands::span::{Quantity, Span};
+use crate::volume::Volume;
+use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// The ways to the values of a span.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Ways {
-    /// Step by step from the current value.
-    Fan(Fan),
-    /// To each altitude.
-    Levels(Levels),
+pub(crate) struct Ways {
+    legs: Vec<Leg>,
+    kind: Kind,
 }
 
-impl Default for Ways {
-    fn default() -> Self {
-        Self::Fan(Fan::default())
-    }
+/// A line on a way.
+struct Leg {
+    line: Line,
+    /// Until when the ownship flies it, seconds; `None` for a moment.
+    until_s: Option<f64>,
 }
 
-impl Ways {
-    /// Finds the ways to the values of a range.
-    pub(crate) fn fill(&mut self, range: &Range<'_>) {
-        match (range.quantity, self) {
-            (Quantity::Altitude, Self::Levels(levels)) => {
-                let instantaneous = range.quantity.is_instantaneous(range.settings, false);
-                levels.fill(range.settings, range.ownship, range.span, instantaneous);
-            }
-            (Quantity::Altitude, ways) => {
-                *ways = Self::Levels(Levels::default());
-                ways.fill(range);
-            }
-            (_, Self::Fan(fan)) => fan.fill(range),
-            (_, ways) => {
-                *ways = Self::default();
-                ways.fill(range);
-            }
-        }
-    }
-
-    pub(crate) fn lines(&self) -> Lines<'_> {
-        match self {
-            Self::Fan(fan) => fan.lines(),
-            Self::Levels(levels) => Lines {
-                sides: [&levels.lines, &[]],
-                step_s: 0.0,
-            },
-        }
-    }
+/// How legs make ways.
+enum Kind {
+    /// Each leg ends one step's way, which leads over all steps between it and the current value.
+    Steps { now: usize, step_s: f64 },
+    /// The legs of each altitude.
+    Altitudes {
+        ways: Vec<Range<usize>>,
+        around: Option<(i32, i32)>,
+    },
 }
 
-/// A search of either kind.
-pub(super) enum Search<'a> {
-    Fan(FanSearch<'a>),
-    Level(LevelSearch<'a>),
+/// What counts on the way to a step, besides the line after it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Between {
+    /// The whole way.
+    Way,
+    /// The begin of each step.
+    Steps,
+    Nothing,
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "casts of floats saturate, and more steps than i32 holds are never asked for"
+)]
+const fn int(value: f64) -> i32 {
+    value as i32
 }
 
 impl Ways {
-    /// A search along the ways, past the task's volume and its earlier one.
-    pub(super) fn search<'a>(
-        &'a self,
-        later: &'a [Meeting<'a>; 2],
-        before: Option<&'a [Meeting<'a>; 2]>,
-    ) -> Search<'a> {
-        match self {
-            Self::Fan(fan) => Search::Fan(FanSearch {
-                later,
-                before,
-                step_s: fan.step_s,
-            }),
-            Self::Levels(levels) => {
-                let [later, _] = later;
-                Search::Level(LevelSearch {
-                    levels,
-                    later,
-                    before: before.map(|[before, _]| before),
-                })
+    /// The ways from a state to the values of a span.
+    pub(super) fn new(picture: &Picture, ownship: &State, span: &Span) -> Self {
+        let settings = picture.settings;
+        let at_once = span
+            .quantity
+            .is_instantaneous(settings, picture.turns_at_once());
+        if span.quantity != Quantity::Altitude {
+            let (lines, step_s) = steps(settings, ownship, span, at_once);
+            let until_s = Some(f64::INFINITY);
+            let legs = lines
+                .into_iter()
+                .map(|line| Leg { line, until_s })
+                .collect();
+            let now = span.steps_down;
+            return Self {
+                legs,
+                kind: Kind::Steps { now, step_s },
+            };
+        }
+        let height_m = ownship.position_m.z;
+        let is_inside = height_m >= span.min && height_m <= span.max;
+        let around = is_inside.then(|| {
+            let above = int(libm::ceil(height_m - span.min) / span.step);
+            (above, int(libm::floor((height_m - span.min) / span.step)))
+        });
+        let (mut legs, mut ways) = (Vec::new(), Vec::new());
+        let mut last: Option<LevelChange> = None;
+        for step in 0..=int(libm::floor((span.max - span.min) / span.step)) + 1 {
+            let target_m = span.min + f64::from(step) * span.step;
+            if at_once {
+                legs.push(Leg {
+                    line: LevelChange::instantly(target_m, ownship),
+                    until_s: Some(f64::INFINITY),
+                });
+                ways.push(legs.len() - 1..legs.len());
+                continue;
             }
+            let change = LevelChange::to(target_m, settings, ownship);
+            // Altitudes beyond the horizon are flown to alike.
+            let known = last.filter(|last| change.is_flown_as(last, settings.lookahead_s));
+            let way = known.and_then(|_| ways.last().cloned());
+            let way = way.unwrap_or_else(|| {
+                let from = legs.len();
+                change.fly(settings.lookahead_s, |line, until_s| {
+                    legs.push(Leg { line, until_s });
+                });
+                from..legs.len()
+            });
+            ways.push(way);
+            last = Some(change);
+        }
+        Self {
+            legs,
+            kind: Kind::Altitudes { ways, around },
         }
     }
 
-    /// Two neighbouring values that lead past the volumes of all aircraft, which count from now on.
-    pub(super) fn common_neighbors<'a>(
-        &'a self,
-        aircraft: &'a [([Meeting<'a>; 2], Task)],
-        span: &Span,
-    ) -> Option<(f64, f64)> {
-        match self {
-            Self::Fan(fan) => {
-                let searches = aircraft.iter().map(|(later, task)| {
-                    let search = FanSearch {
-                        later,
-                        before: None,
-                        step_s: fan.step_s,
-                    };
-                    (search, *task)
+    /// A volume of an intruder on all lines.
+    pub(super) fn meeting<'a>(&self, met: &Met<'a>, volume: &'a Volume) -> Meeting<'a> {
+        Meeting::new(met, volume, self.legs.iter().map(|leg| &leg.line))
+    }
+
+    /// Whether each value, in growing order, is reached without conflict.
+    fn free_values(&self, guard: &Guard, between: Between) -> Vec<bool> {
+        let (now, step_s) = match &self.kind {
+            Kind::Steps { now, step_s } => (*now, *step_s),
+            Kind::Altitudes { ways, .. } => {
+                let is_free = |way: &Range<usize>| {
+                    let mut legs = way
+                        .clone()
+                        .zip(self.legs.get(way.clone()).unwrap_or_default());
+                    legs.all(|(index, leg)| !meets(guard, index, leg))
+                };
+                let alike = ways.chunk_by(|a, b| a == b);
+                let free = alike.flat_map(|ways| {
+                    core::iter::repeat_n(ways.first().is_some_and(is_free), ways.len())
                 });
-                FanSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
+                return free.collect();
             }
-            Self::Levels(levels) => {
-                let searches = aircraft.iter().map(|([later, _], task)| {
-                    let search = LevelSearch {
-                        levels,
-                        later,
-                        before: None,
-                    };
-                    (search, *task)
-                });
-                LevelSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
+        };
+        let watches = step_s > 0.0 && between != Between::Nothing;
+        let coast_s = if between == Between::Way { step_s } else { 0.0 };
+        let mut free = vec![false; self.legs.len()];
+        // From the current value to both sides, as far as nothing stops the manoeuvre.
+        for side in [-1, 1] {
+            for steps in 0.. {
+                let index = now.checked_add_signed(side * steps);
+                let Some((index, leg)) =
+                    index.and_then(|index| Some((index, self.legs.get(index)?)))
+                else {
+                    break;
+                };
+                let order = (steps as f64).partial_cmp(&(guard.change_s / step_s));
+                if watches && guard.stops(index, &leg.line, order, coast_s) {
+                    break;
+                }
+                if let Some(free) = free.get_mut(index) {
+                    *free = !guard.blocks(index, &leg.line, f64::INFINITY);
+                }
             }
         }
+        free
+    }
+
+    /// The values that are reached without conflict, where two neighbours are.
+    pub(super) fn free(&self, guard: &Guard, span: &Span) -> Intervals {
+        let (base, first) = match self.kind {
+            Kind::Steps { now, .. } => (span.value, -(now as f64)),
+            Kind::Altitudes { .. } => (span.min, 0.0),
+        };
+        let values = self.free_values(guard, Between::Way);
+        let mut free = Intervals::default();
+        let mut start = 0;
+        for part in values.chunk_by(|a, b| a == b) {
+            let end = start + part.len() - 1;
+            if part.first() == Some(&true) && end > start {
+                let value = |index: usize| span.step * (first + index as f64) + base;
+                span.add_free(&mut free, value(start), value(end));
+            }
+            start = end + 1;
+        }
+        free
+    }
+
+    /// Whether a manoeuvre to any value leads into a volume, or on the way beyond it.
+    pub(super) fn any_conflict(&self, guard: &Guard) -> bool {
+        self.asked(self.free_values(guard, Between::Nothing))
+            .any(|free| !free)
+    }
+
+    /// Whether no manoeuvre leads past a volume.
+    pub(super) fn all_conflict(&self, guard: &Guard) -> bool {
+        !self
+            .asked(self.free_values(guard, Between::Steps))
+            .any(|free| free)
+    }
+
+    /// The values upwards and downwards from the current one.
+    fn asked(&self, values: Vec<bool>) -> impl Iterator<Item = bool> {
+        let (above, below) = match self.kind {
+            Kind::Steps { .. } => (0, 0),
+            Kind::Altitudes { around, .. } => around.unwrap_or((i32::MAX, i32::MIN)),
+        };
+        (0..)
+            .zip(values)
+            .filter(move |(step, _)| *step >= above || *step <= below)
+            .map(|(_, free)| free)
     }
 }
 
-impl Search<'_> {
-    pub(super) fn any_conflict(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.any_conflict(task),
-            Self::Level(search) => search.any_conflict(task),
-        }
-    }
-
-    pub(super) fn is_blocked_at_once(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.is_blocked_at_once(task),
-            Self::Level(search) => search.is_blocked_at_once(task),
-        }
-    }
-
-    pub(super) fn all_conflict(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.all_conflict(task),
-            Self::Level(search) => search.all_conflict(task),
-        }
-    }
-
-    /// A part of what [`Search::free`] finds; `false` where that is nothing.
-    pub(super) fn some_free(&self, task: &Task, span: &Span, free: &mut Intervals) -> bool {
-        match self {
-            Self::Fan(search) => search.some_free(task, span, free),
-            Self::Level(search) => search.some_free(task, span, free),
-        }
-    }
-
-    pub(super) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
-        match self {
-            Self::Fan(search) => search.free(task, span, free),
-            Self::Level(search) => search.free(task, span, free),
-        }
+/// Whether the ownship meets a volume on a leg to an altitude.
+fn meets(guard: &Guard, index: usize, leg: &Leg) -> bool {
+    let line = &leg.line;
+    match leg.until_s {
+        None => guard.stops(index, line, line.since_s.partial_cmp(&guard.change_s), 0.0),
+        Some(until_s) => guard.blocks(index, line, until_s),
     }
 }

@@ -9,7 +9,6 @@ use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, cross, root};
 use crate::volume::WellClear;
-use crate::volume::approach::Approach;
 use glam::DVec2;
 
 /// A smaller deviation (metres, metres per second) counts as this.
@@ -86,9 +85,10 @@ impl UncertainWellClear {
         })
     }
 
-    pub(super) fn window(&self, approach: &Approach, pair: &Pair, horizon_s: f64) -> Loss {
+    /// The whole violation up to a time, seconds from now.
+    pub(super) fn window(&self, pair: &Pair, horizon_s: f64) -> Loss {
         match self.spread(pair) {
-            None => self.volume.window(approach, || *pair),
+            None => self.volume.window(pair),
             Some(spread) => self.spread_violation(pair, &spread, 0.0, horizon_s),
         }
     }
