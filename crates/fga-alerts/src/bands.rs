@@ -29,10 +29,10 @@ pub(crate) use picture::{Contribution, Picture, Terminal};
 pub(crate) use search::meets_within_spread;
 
 use crate::aircraft::State;
-use crate::bands::colors::{Band, Colors, band_at};
+use crate::bands::colors::{Band, Colors, Way, band_at};
 use crate::bands::intervals::Intervals;
 use crate::bands::meeting::Met;
-use crate::bands::memory::{Memory, Resolution, Step, Way};
+use crate::bands::memory::{Memory, Resolution, Step};
 use crate::bands::recovery::Recovery;
 use crate::bands::search::Search;
 use crate::bands::span::{Quantity, Span};

@@ -80,8 +80,8 @@ pub mod volume;
 
 pub use aircraft::{Aircraft, AircraftId, Deviation, Pair, PairDeviation, State};
 pub use bands::QuantityBands;
-pub use bands::colors::Band;
-pub use bands::memory::{Resolution, Way};
+pub use bands::colors::{Band, Way};
+pub use bands::memory::Resolution;
 pub use bands::recovery::Recovery;
 pub use bands::span::Quantity;
 pub use hysteresis::HysteresisSettings;

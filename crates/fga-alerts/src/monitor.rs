@@ -75,7 +75,7 @@ fn remember(
     if let Some((_, held)) = memories.iter_mut().find(|(known, _)| *known == id) {
         return held.take(raw, time_s, settings);
     }
-    let mut held = Held::new();
+    let mut held = Held::default();
     let level = held.take(raw, time_s, settings);
     memories.push((id, held));
     level
@@ -91,7 +91,7 @@ impl Monitor {
             traffic: Vec::new(),
             alert_memory: Vec::new(),
             terminal_memory: Vec::new(),
-            slow_memory: Held::new(),
+            slow_memory: Held::default(),
             alerters: Vec::new(),
             alerts: Vec::new(),
             conflicts: Default::default(),
@@ -178,7 +178,7 @@ impl Monitor {
     fn forget(&mut self) {
         self.alert_memory.clear();
         self.terminal_memory.clear();
-        self.slow_memory = Held::new();
+        self.slow_memory = Held::default();
         for quantity in &mut self.bands {
             quantity.forget();
         }

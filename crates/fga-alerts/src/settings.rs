@@ -5,7 +5,7 @@ use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// The urgency of a band's conflict.
+/// The urgency of a band's conflict, in the order in which regions cover each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Region {
     /// No conflict.
@@ -42,44 +42,12 @@ impl Region {
 
     /// Severity of the conflict: 1 to 3, 0 without a conflict.
     pub(crate) const fn severity(self) -> u8 {
-        match self {
-            Self::None | Self::Recovery => 0,
-            Self::Far => 1,
-            Self::Mid => 2,
-            Self::Near => 3,
-        }
-    }
-
-    /// Order in which colors cover each other, recovery on top.
-    pub(crate) const fn order(self) -> i8 {
-        match self {
-            Self::None => 0,
-            Self::Far => 1,
-            Self::Mid => 2,
-            Self::Near => 3,
-            Self::Recovery => 4,
-        }
-    }
-
-    pub(crate) const fn from_order(order: i8) -> Option<Self> {
-        match order {
-            0 => Some(Self::None),
-            1 => Some(Self::Far),
-            2 => Some(Self::Mid),
-            3 => Some(Self::Near),
-            4 => Some(Self::Recovery),
-            _ => None,
-        }
+        if self.is_conflict() { self as u8 } else { 0 }
     }
 
     /// Index in [`Region::CONFLICTS`].
-    pub(crate) const fn conflict_index(self) -> Option<usize> {
-        match self {
-            Self::Near => Some(0),
-            Self::Mid => Some(1),
-            Self::Far => Some(2),
-            Self::None | Self::Recovery => None,
-        }
+    pub(crate) fn conflict_index(self) -> Option<usize> {
+        Self::CONFLICTS.iter().position(|region| *region == self)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A line of values painted with regions.
 
 use crate::almost::Closeness::Edge;
-use crate::almost::{Closeness, wrapped};
+use crate::almost::wrapped;
 use crate::bands::intervals::Intervals;
 use crate::bands::span::Span;
 use crate::settings::Region;
@@ -19,52 +19,61 @@ pub(crate) struct Edge2 {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Colors(pub(crate) Vec<Edge2>);
 
-fn order(color: Option<Region>) -> i8 {
-    color.map_or(-1, Region::order)
-}
-
-fn edge(left: Option<Region>, at: f64, right: Option<Region>) -> Edge2 {
-    Edge2 { left, at, right }
+/// The side of a manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Way {
+    /// Left or down.
+    #[default]
+    Low,
+    /// Right or up.
+    High,
 }
 
 impl Colors {
     /// The line of a span, free of conflicts.
     pub(crate) fn of(span: &Span) -> Self {
-        let free = Some(Region::None);
-        let (least, greatest) = span.bounds;
-        let mut edges = Vec::new();
-        if span.modulus == 0.0 {
-            if Edge.less(least, span.min) {
-                edges.push(edge(None, least, None));
-            }
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, span.max, None));
-            if Edge.less(span.max, greatest) {
-                edges.push(edge(None, greatest, None));
-            }
-            return Self(edges);
-        }
+        let (free, (least, greatest)) = (Some(Region::None), span.bounds);
         let turn = span.modulus;
-        if Edge.same(wrapped(span.max - span.min, turn), 0.0) {
-            edges.push(edge(free, 0.0, free));
-            edges.push(edge(free, turn, free));
-        } else if Edge.same(span.min, span.max) {
-            edges.push(edge(None, 0.0, free));
-            edges.push(edge(free, turn, None));
-        } else if span.min < span.max {
-            if !Edge.same(0.0, span.min) {
-                edges.push(edge(None, 0.0, None));
+        // What lies beyond the ends, and the values from which on a color holds.
+        let (outside, parts): (_, &[_]) =
+            if turn > 0.0 && Edge.same(wrapped(span.max - span.min, turn), 0.0) {
+                (free, &[(0.0, free), (turn, free)])
+            } else if turn > 0.0 && Edge.same(span.min, span.max) {
+                (None, &[(0.0, free), (turn, None)])
+            } else if turn > 0.0 && span.min >= span.max {
+                (
+                    free,
+                    &[
+                        (0.0, free),
+                        (span.max, None),
+                        (span.min, free),
+                        (turn, free),
+                    ],
+                )
+            } else {
+                (
+                    None,
+                    &[
+                        (least, None),
+                        (span.min, free),
+                        (span.max, None),
+                        (greatest, None),
+                    ],
+                )
+            };
+        let mut edges = Vec::new();
+        let mut left = outside;
+        for (index, &(at, right)) in parts.iter().enumerate() {
+            let is_shown = left.is_some()
+                || right.is_some()
+                || match index {
+                    0 => Edge.less(at, span.min),
+                    _ => Edge.less(span.max, at),
+                };
+            if is_shown {
+                edges.push(Edge2 { left, at, right });
             }
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, span.max, None));
-            if !Edge.same(span.max, turn) {
-                edges.push(edge(None, turn, None));
-            }
-        } else {
-            edges.push(edge(free, 0.0, free));
-            edges.push(edge(free, span.max, None));
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, turn, free));
+            left = right;
         }
         Self(edges)
     }
@@ -75,9 +84,8 @@ impl Colors {
 
     /// Whether the part right of edge `index` is paintable.
     fn yields(&self, index: usize, color: Region) -> bool {
-        self.0
-            .get(index)
-            .is_some_and(|edge| edge.right.is_some() && order(edge.right) < color.order())
+        let right = self.0.get(index).and_then(|edge| edge.right);
+        right.is_some_and(|right| right < color)
     }
 
     /// Splits the part right of edge `index` at a value, unless it lies on the edge.
@@ -88,8 +96,8 @@ impl Colors {
         if Edge.same(before.at, at) {
             return false;
         }
-        self.0
-            .insert(index + 1, edge(before.right, at, before.right));
+        let (left, right) = (before.right, before.right);
+        self.0.insert(index + 1, Edge2 { left, at, right });
         true
     }
 
@@ -112,15 +120,10 @@ impl Colors {
             return;
         }
         let (low, high) = (low.max(first), high.min(last));
-        let final_edge = self.0.len() - 1;
         // The edge at the lower end or the last one below it.
-        let mut index = self
-            .0
-            .get(..final_edge)
-            .unwrap_or_default()
-            .iter()
-            .rposition(|edge| Edge.at_most(edge.at, low))
-            .unwrap_or(0);
+        let starts = self.0.iter().take(self.0.len() - 1);
+        let below = starts.take_while(|edge| Edge.at_most(edge.at, low)).count();
+        let mut index = below.saturating_sub(1);
         if self.yields(index, color) && self.split(index, low) {
             index += 1;
         }
@@ -192,16 +195,11 @@ impl Colors {
         if !Edge.same(edge.at, value) {
             return edge.left;
         }
-        match (edge.left, edge.right) {
-            (None, right) => right,
-            (left, None) => left,
-            (_, Some(right)) if !right.is_conflict() => Some(right),
-            (Some(left), _) if !left.is_conflict() => Some(left),
-            (Some(left), Some(right)) => Some(if left.severity() < right.severity() {
-                left
-            } else {
-                right
-            }),
+        let severity = |color: Option<Region>| color.map(Region::severity);
+        match (severity(edge.left), severity(edge.right)) {
+            (Some(left), Some(right)) if left < right => edge.left,
+            (_, Some(_)) => edge.right,
+            (_, None) => edge.left,
         }
     }
 }
@@ -244,59 +242,52 @@ impl Colors {
     }
 }
 
+/// The next of a number of bands to one side, on a circular scale around it.
+pub(crate) fn beside(index: usize, way: Way, count: usize, modulus: f64) -> Option<usize> {
+    let around = modulus > 0.0;
+    match way {
+        Way::Low if index == 0 => around.then_some(count - 1),
+        Way::Low => Some(index - 1),
+        Way::High if index + 1 == count => around.then_some(0),
+        Way::High => Some(index + 1),
+    }
+}
+
 /// The band of a value; on an edge the one with the lesser conflict.
 pub(crate) fn band_at(bands: &[Band], value: f64, modulus: f64) -> Option<usize> {
     let value = wrapped(value, modulus);
-    let last = bands.len().checked_sub(1)?;
-    let is_free = |region: Option<Region>| region.is_some_and(|region| !region.is_conflict());
+    let count = bands.len();
+    let (index, band) = bands.iter().enumerate().find(|(index, band)| {
+        let closes = index + 1 == count && Edge.same(wrapped(band.high - value, modulus), 0.0);
+        closes || Edge.at_most(band.low, value) && Edge.at_most(value, band.high)
+    })?;
+    let way = if band.region.is_some_and(|region| !region.is_conflict()) {
+        return Some(index);
+    } else if Edge.same(value, band.low) {
+        Way::Low
+    } else if Edge.less(value, band.high) {
+        return Some(index);
+    } else {
+        Way::High
+    };
+    let other = beside(index, way, count, modulus)?;
     // A neighbour below the second band is only a fallback: the tables of the reference
     // show no region there, and the tables must agree.
-    let milder = |own: usize, other: Option<usize>| -> Option<usize> {
-        let other = other?;
-        let (mine, theirs) = (bands.get(own)?.region, bands.get(other)?.region);
-        match (mine, theirs) {
-            _ if other == 0 => Some(other),
-            (Some(_), None) => Some(own),
-            (Some(mine), Some(theirs)) if mine.severity() <= theirs.severity() => Some(own),
-            _ => Some(other),
-        }
+    let is_milder = match (band.region, bands.get(other)?.region) {
+        (Some(_), None) => true,
+        (Some(mine), Some(theirs)) => mine.severity() <= theirs.severity(),
+        (None, _) => false,
     };
-    for (index, band) in bands.iter().enumerate() {
-        let within = (band.low < value || Edge.same(band.low, value))
-            && (value < band.high || Edge.same(band.high, value));
-        let closes = index == last && Edge.same(wrapped(band.high - value, modulus), 0.0);
-        if !within && !closes {
-            continue;
-        }
-        if is_free(band.region) {
-            return Some(index);
-        }
-        if Edge.same(value, band.low) {
-            let before = match index.checked_sub(1) {
-                Some(before) => Some(before),
-                None if modulus > 0.0 => Some(last),
-                None => None,
-            };
-            return milder(index, before);
-        }
-        if Edge.less(value, band.high) {
-            return Some(index);
-        }
-        let after = if index < last {
-            Some(index + 1)
-        } else if modulus > 0.0 {
-            Some(0)
-        } else {
-            None
-        };
-        return milder(index, after);
-    }
-    None
+    Some(if other != 0 && is_milder {
+        index
+    } else {
+        other
+    })
 }
 
 /// Whether `a` lies left of (below) `b` or counts as the same.
 pub(crate) fn is_left_of(a: f64, b: f64, modulus: f64) -> bool {
-    if Closeness::Edge.same(a, b) {
+    if Edge.same(a, b) {
         return true;
     }
     if modulus == 0.0 {
