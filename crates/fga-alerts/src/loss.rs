@@ -47,6 +47,20 @@ impl Loss {
             && self.is_conflict()
     }
 
+    /// From the first begin to the last end of both, as far as they have a duration.
+    pub(crate) fn hull(self, other: Self) -> Self {
+        if !other.is_conflict() {
+            self.if_lasting()
+        } else if !self.is_conflict() {
+            other
+        } else {
+            Self::new(
+                self.entry_s.min(other.entry_s),
+                self.exit_s.max(other.exit_s),
+            )
+        }
+    }
+
     /// The intersection.
     pub(crate) fn and(self, other: Self) -> Self {
         Self::new(

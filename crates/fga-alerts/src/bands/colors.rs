@@ -88,27 +88,23 @@ impl Colors {
         right.is_some_and(|right| right < color)
     }
 
-    /// Splits the part right of edge `index` at a value, unless it lies on the edge.
-    fn split(&mut self, index: usize, at: f64) -> bool {
-        let Some(before) = self.0.get(index).copied() else {
-            return false;
+    /// Splits the part at a value where it is paintable and no edge lies there; returns the edge there or below.
+    fn split(&mut self, at: f64, color: Region) -> usize {
+        let below = self
+            .0
+            .iter()
+            .take_while(|edge| Edge.at_most(edge.at, at))
+            .count();
+        let index = below.saturating_sub(1);
+        let Some(edge) = self.0.get(index).filter(|edge| !Edge.same(edge.at, at)) else {
+            return index;
         };
-        if Edge.same(before.at, at) {
-            return false;
+        if !self.yields(index, color) {
+            return index;
         }
-        let (left, right) = (before.right, before.right);
+        let (left, right) = (edge.right, edge.right);
         self.0.insert(index + 1, Edge2 { left, at, right });
-        true
-    }
-
-    /// Paints the part right of edge `index`.
-    fn color(&mut self, index: usize, color: Region) {
-        if let Some(left) = self.0.get_mut(index) {
-            left.right = Some(color);
-        }
-        if let Some(right) = self.0.get_mut(index + 1) {
-            right.left = Some(color);
-        }
+        index + 1
     }
 
     /// Paints the paintable parts between two values.
@@ -119,44 +115,23 @@ impl Colors {
         if Edge.at_most(high, low) || Edge.at_most(high, first) || Edge.at_most(last, low) {
             return;
         }
-        let (low, high) = (low.max(first), high.min(last));
-        // The edge at the lower end or the last one below it.
-        let starts = self.0.iter().take(self.0.len() - 1);
-        let below = starts.take_while(|edge| Edge.at_most(edge.at, low)).count();
-        let mut index = below.saturating_sub(1);
-        if self.yields(index, color) && self.split(index, low) {
-            index += 1;
-        }
-        while self
-            .0
-            .get(index + 1)
-            .is_some_and(|next| Edge.at_most(next.at, high))
-        {
-            if self.yields(index, color) {
-                self.color(index, color);
+        let from = self.split(low.max(first), color);
+        for index in from..self.split(high.min(last), color) {
+            if self.yields(index, color)
+                && let Some([left, right]) = self.0.get_mut(index..index + 2)
+            {
+                left.right = Some(color);
+                right.left = Some(color);
             }
-            index += 1;
         }
-        if index + 1 < self.0.len() && self.yields(index, color) && self.split(index, high) {
-            self.color(index, color);
-        }
-        self.close_the_circle();
-    }
-
-    /// On a circle the ends have the colors of each other.
-    fn close_the_circle(&mut self) {
-        let (Some(first), Some(last)) = (self.0.first().copied(), self.0.last().copied()) else {
-            return;
-        };
-        if first.left.is_some()
-            && let Some(edge) = self.0.first_mut()
-        {
-            edge.left = last.left;
-        }
-        if last.right.is_some()
-            && let Some(edge) = self.0.last_mut()
-        {
-            edge.right = first.right;
+        // On a circle the ends have the colors of each other.
+        if let [first, .., last] = self.0.as_mut_slice() {
+            if first.left.is_some() {
+                first.left = last.left;
+            }
+            if last.right.is_some() {
+                last.right = first.right;
+            }
         }
     }
 

@@ -74,36 +74,25 @@ impl Advisory {
 
     /// Traffic advisories of TCAS II.
     pub fn traffic() -> Self {
-        let level =
-            |&(up_to_ft, [tau_s, nmi, height_ft], _): &(f64, [f64; 3], [f64; 4])| Sensitivity {
-                up_to_m: up_to_ft * FOOT_M,
-                tau_s,
-                coaltitude_s: tau_s,
-                distance_m: nmi * NAUTICAL_MILE_M,
-                miss_distance_m: nmi * NAUTICAL_MILE_M,
-                height_m: height_ft * FOOT_M,
-            };
+        let levels = TABLE.map(|(up_to_ft, [tau_s, nmi, height_ft], _)| {
+            Sensitivity::of(up_to_ft, tau_s, nmi, height_ft)
+        });
         Self {
-            levels: TABLE.iter().map(level).collect(),
+            levels: levels.into(),
             filters_by_miss_distance: false,
         }
     }
 
     /// Resolution advisories of TCAS II.
     pub fn resolution() -> Self {
-        let level =
-            |&(up_to_ft, _, [tau_s, nmi, height_ft, miss_ft]): &(f64, [f64; 3], [f64; 4])| {
-                Sensitivity {
-                    up_to_m: up_to_ft * FOOT_M,
-                    tau_s,
-                    coaltitude_s: tau_s,
-                    distance_m: nmi * NAUTICAL_MILE_M,
-                    miss_distance_m: miss_ft * FOOT_M,
-                    height_m: height_ft * FOOT_M,
-                }
-            };
+        let levels = TABLE.map(
+            |(up_to_ft, _, [tau_s, nmi, height_ft, miss_ft])| Sensitivity {
+                miss_distance_m: miss_ft * FOOT_M,
+                ..Sensitivity::of(up_to_ft, tau_s, nmi, height_ft)
+            },
+        );
         Self {
-            levels: TABLE.iter().map(level).collect(),
+            levels: levels.into(),
             filters_by_miss_distance: true,
         }
     }
@@ -141,9 +130,10 @@ impl Advisory {
         }
         let mut found = Loss::NEVER;
         let mut begin_s = from_s;
+        let climbs = first < last;
         let mut index = first;
         while begin_s < to_s {
-            let bound_m = if first < last {
+            let bound_m = if climbs {
                 self.levels
                     .get(index)
                     .map_or(f64::INFINITY, |level| level.up_to_m)
@@ -155,18 +145,12 @@ impl Advisory {
             } else {
                 f64::INFINITY
             };
-            let part = self.level_violation(index, pair, begin_s, end_s.min(to_s));
-            if part.is_conflict() {
-                found = Loss::new(
-                    found.entry_s.min(part.entry_s),
-                    found.exit_s.max(part.exit_s),
-                );
-            }
+            found = found.hull(self.level_violation(index, pair, begin_s, end_s.min(to_s)));
             begin_s = end_s;
             if index == last {
                 break;
             }
-            index = if first < last {
+            index = if climbs {
                 index + 1
             } else {
                 index.saturating_sub(1)
@@ -231,6 +215,18 @@ impl Advisory {
 }
 
 impl Sensitivity {
+    /// Thresholds in the units of the table, with the distance as miss distance.
+    fn of(up_to_ft: f64, tau_s: f64, nmi: f64, height_ft: f64) -> Self {
+        Self {
+            up_to_m: up_to_ft * FOOT_M,
+            tau_s,
+            coaltitude_s: tau_s,
+            distance_m: nmi * NAUTICAL_MILE_M,
+            miss_distance_m: nmi * NAUTICAL_MILE_M,
+            height_m: height_ft * FOOT_M,
+        }
+    }
+
     /// Whether the straight line is within the miss distance at or after a time.
     fn comes_within_miss(&self, pair: &Pair, after_s: f64) -> bool {
         let (s, v) = pair.plane();

@@ -177,63 +177,39 @@ impl UncertainWellClear {
 
     /// The vertical violation within `[0, to_s]` by any height and climb in the intervals.
     fn vertical(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
-        let [low_m, high_m] = height_m;
-        let above_only = low_m >= 0.0;
-        let below_only = !above_only && high_m <= 0.0;
-        let above = if below_only {
-            Loss::NEVER
-        } else {
-            self.vertical_above(to_s, [low_m.max(0.0), high_m], climb_mps)
-        };
-        let below = if above_only {
-            Loss::NEVER
-        } else {
+        let ([low_m, high_m], [slow_mps, fast_mps]) = (height_m, climb_mps);
+        let mut found = Loss::NEVER;
+        if low_m >= 0.0 || high_m > 0.0 {
+            found = self.vertical_above(to_s, [low_m.max(0.0), high_m], climb_mps);
+        }
+        if low_m < 0.0 {
             // Mirrored vertically.
-            let [slow_mps, fast_mps] = climb_mps;
-            self.vertical_above(to_s, [-high_m.min(0.0), -low_m], [-fast_mps, -slow_mps])
-        };
-        hull(above, below)
+            let (height_m, climb_mps) = ([-high_m.min(0.0), -low_m], [-fast_mps, -slow_mps]);
+            found = found.hull(self.vertical_above(to_s, height_m, climb_mps));
+        }
+        found.if_lasting()
     }
 
     /// The same for a height that is not negative.
     fn vertical_above(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
         let ([low_m, high_m], [slow_mps, fast_mps]) = (height_m, climb_mps);
-        let climbing_only = slow_mps >= 0.0;
-        let descending_only = !climbing_only && fast_mps <= 0.0;
         let at = |height_m, climb_mps| {
             self.volume
                 .vertical_violation(0.0, to_s, height_m, climb_mps)
         };
-        let climbing = if descending_only {
-            Loss::NEVER
-        } else {
-            at(low_m, slow_mps.max(0.0))
-        };
-        let descending = if climbing_only {
-            Loss::NEVER
-        } else {
+        let mut found = Loss::NEVER;
+        if slow_mps >= 0.0 || fast_mps > 0.0 {
+            found = at(low_m, slow_mps.max(0.0));
+        }
+        if slow_mps < 0.0 {
             let (first, last) = (at(low_m, slow_mps), at(high_m, fast_mps.min(0.0)));
-            let is_empty = |loss: Loss| loss.entry_s > loss.exit_s;
-            if is_empty(first) {
-                Loss::NEVER
-            } else if is_empty(last) {
-                Loss::new(first.entry_s, to_s)
-            } else {
-                Loss::new(first.entry_s, last.exit_s)
+            if first.entry_s <= first.exit_s {
+                let stays = last.entry_s > last.exit_s;
+                let exit_s = if stays { to_s } else { last.exit_s };
+                found = found.hull(Loss::new(first.entry_s, exit_s));
             }
-        };
-        hull(climbing, descending)
-    }
-}
-
-/// The interval from the first entry to the last exit.
-fn hull(a: Loss, b: Loss) -> Loss {
-    if !b.is_conflict() {
-        a.if_lasting()
-    } else if !a.is_conflict() {
-        b
-    } else {
-        Loss::new(a.entry_s.min(b.entry_s), a.exit_s.max(b.exit_s))
+        }
+        found.if_lasting()
     }
 }
 
@@ -284,33 +260,27 @@ fn worst_pair(s: DVec2, v: DVec2, spread: &Spread) -> (DVec2, DVec2) {
     let p = [-1.0, 1.0].map(|side| tangent(s, spread.position_m, side));
     let w = [-1.0, 1.0].map(|side| tangent(-v, spread.velocity_mps, side));
     let ([p1, p2], [w1, w2]) = (p, w);
-    let between = |[a, b]: [DVec2; 2], c| is_between(a, b, c);
-    let middle = |a: DVec2, b: DVec2| {
-        let direction = unit(a + b);
-        (direction, direction)
-    };
-    let (position, velocity) = if between(p, w1) && between(p, w2) {
-        middle(w1, w2)
-    } else if between(w, p1) && between(w, p2) {
-        middle(p1, p2)
-    } else if between(w, p1) && between(p, w1) {
-        middle(p1, w1)
-    } else if between(w, p1) && between(p, w2) {
-        middle(p1, w2)
-    } else if between(w, p2) && between(p, w1) {
-        middle(p2, w1)
-    } else if between(w, p2) && between(p, w2) {
-        middle(p2, w2)
-    } else {
-        let pairs = [(p1, w1), (p1, w2), (p2, w1), (p2, w2)];
+    let within = |[a, b]: [DVec2; 2], c| is_between(a, b, c);
+    let overlaps = [
+        (within(p, w1) && within(p, w2), w1, w2),
+        (within(w, p1) && within(w, p2), p1, p2),
+        (within(w, p1) && within(p, w1), p1, w1),
+        (within(w, p1) && within(p, w2), p1, w2),
+        (within(w, p2) && within(p, w1), p2, w1),
+        (within(w, p2) && within(p, w2), p2, w2),
+    ];
+    let (position, velocity) = match overlaps.into_iter().find(|(overlaps, ..)| *overlaps) {
+        Some((_, a, b)) => (unit(a + b), unit(a + b)),
         // The first of the largest, so that ties resolve in order.
-        pairs.into_iter().fold((p1, w1), |best, pair| {
-            if pair.0.dot(pair.1) > best.0.dot(best.1) {
-                pair
-            } else {
-                best
-            }
-        })
+        None => [(p1, w2), (p2, w1), (p2, w2)]
+            .into_iter()
+            .fold((p1, w1), |best, pair| {
+                if pair.0.dot(pair.1) > best.0.dot(best.1) {
+                    pair
+                } else {
+                    best
+                }
+            }),
     };
     (
         -position * (length(s) - spread.position_m),
