@@ -82,12 +82,8 @@ impl QuantityBands {
 
     /// Aircraft (indices in the traffic) that are not in conflict but would be after a manoeuvre.
     pub fn peripheral(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
-        region
-            .conflict_index()
-            .and_then(|index| self.peripheral.get(index))
-            .into_iter()
-            .flatten()
-            .map(|contribution| contribution.intruder)
+        let aircraft = region.of(&self.peripheral).into_iter().flatten();
+        aircraft.map(|contribution| contribution.intruder)
     }
 
     /// The nearest resolution to one side.
@@ -119,7 +115,7 @@ impl QuantityBands {
         self.bands.clear();
         self.peripheral = Default::default();
         self.recovery = Recovery::NotNeeded;
-        let (settings, ownship) = (picture.settings, &picture.ownship.state);
+        let (settings, ownship) = (&picture.settings, &picture.ownship.state);
         let around = picture.around(self.quantity);
         self.span = Span::of(self.quantity, settings, ownship, around);
         let Some(span) = self.span else {
@@ -153,7 +149,7 @@ impl QuantityBands {
     /// values of recovery.
     fn paint(&mut self, search: &Search) -> Colors {
         let Search { picture, span, .. } = *search;
-        let settings = picture.settings;
+        let settings = &picture.settings;
         let corrective = settings.corrective_region.conflict_index().unwrap_or(0);
         let lands = self.quantity == Quantity::Direction
             && picture.terminal == Terminal::Guided

@@ -45,6 +45,11 @@ impl Region {
         if self.is_conflict() { self as u8 } else { 0 }
     }
 
+    /// What belongs to this region, of what is in the order of [`Region::CONFLICTS`].
+    pub(crate) fn of<T>(self, by_region: &[T; 3]) -> Option<&T> {
+        by_region.get(self.conflict_index()?)
+    }
+
     /// Index in [`Region::CONFLICTS`].
     pub(crate) fn conflict_index(self) -> Option<usize> {
         Self::CONFLICTS.iter().position(|region| *region == self)
@@ -132,6 +137,17 @@ pub struct AlertLevel {
     pub region: Region,
     /// Manoeuvres of the ownship that also raise the alert, in SI units; 0 for none.
     pub spread: PerManeuver<f64>,
+}
+
+impl AlertLevel {
+    /// Time before the violation within which the alert is on, if it is on already or not, seconds.
+    pub(crate) const fn time_s(&self, is_on: bool) -> f64 {
+        if is_on {
+            self.early_alerting_s
+        } else {
+            self.alerting_s
+        }
+    }
 }
 
 /// Alert levels in the order of severity.

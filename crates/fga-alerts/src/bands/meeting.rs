@@ -34,7 +34,7 @@ impl<'a> Meeting<'a> {
         let horizon_s = met.settings.lookahead_s + 1.0;
         let window = |line: &Line| {
             if line.state.is_finite() {
-                volume.window(&met.pair(line), horizon_s)
+                volume.window(&met.pair(&line.state), horizon_s)
             } else {
                 Some(Loss::NEVER)
             }
@@ -49,7 +49,9 @@ impl<'a> Meeting<'a> {
     /// Whether the volume is violated on a line between two times, the same one for a moment.
     fn meets(&self, index: usize, line: &Line, from_s: f64, to_s: f64) -> bool {
         match self.windows.get(index).copied().flatten() {
-            None => self.volume.conflicts(&self.met.pair(line), from_s, to_s),
+            None => self
+                .volume
+                .conflicts(&self.met.pair(&line.state), from_s, to_s),
             Some(window) if Rounding.same(from_s, to_s) => window.is_on_at(from_s),
             Some(window) => from_s <= to_s && window.conflicts_within(from_s, to_s),
         }
@@ -57,9 +59,9 @@ impl<'a> Meeting<'a> {
 }
 
 impl Met<'_> {
-    fn pair(&self, line: &Line) -> Pair {
+    pub(crate) fn pair(&self, ownship: &State) -> Pair {
         Pair {
-            ownship: line.state,
+            ownship: *ownship,
             intruder: self.intruder,
             deviation: self.deviation,
         }

@@ -59,7 +59,7 @@ struct Avoided<'a> {
 impl Search<'_> {
     /// Searches the resolutions of a certain conflict with these aircraft.
     pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Intervals) {
-        let settings = self.picture.settings;
+        let settings = &self.picture.settings;
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
         let past_nmac = self.free(aircraft, Some(nmac));
         let distances = distances(settings, &self.picture.ownship.state);
@@ -89,12 +89,12 @@ impl Search<'_> {
     /// The earliest time, to half a second, after which well clear is possible again, and the values that are free
     /// of the cylinder until then and of each aircraft's own volume afterwards.
     fn way_back(&self, aircraft: &[Contribution], kept: Cylinder) -> (f64, Intervals) {
-        let settings = self.picture.settings;
+        let settings = &self.picture.settings;
         let kept = Volume::Cylinder(kept);
         let avoided = aircraft.iter().filter_map(|contribution| {
-            let (level, met) = self.against(contribution)?;
+            let (met, own) = self.against(contribution)?;
             Some(Avoided {
-                own: self.ways.meeting(&met, &level.volume),
+                own: self.ways.meeting(&met, own),
                 cylinder: self.ways.meeting(&met, &kept),
                 horizon_s: contribution.horizon_s,
             })
@@ -102,7 +102,7 @@ impl Search<'_> {
         let avoided: Vec<Avoided> = avoided.collect();
         let free = |change_s| {
             let guards = avoided.iter().map(|aircraft| aircraft.guard(change_s));
-            self.free_of_all(guards)
+            self.common(guards.map(|guard| self.ways.free(&guard, self.span)))
         };
         let (mut blocked_s, mut open_s) = (0.0, settings.lookahead_s + 1.0);
         let mut tried_s = open_s - 1.0;

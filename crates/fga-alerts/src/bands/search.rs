@@ -1,25 +1,25 @@
 //! Which values of a quantity are free of conflicts with some aircraft.
 
-use crate::aircraft::{Pair, State};
+use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::meeting::{Guard, Met};
 use crate::bands::picture::{Contribution, Picture};
 use crate::bands::span::{Quantity, Span};
 use crate::bands::ways::Ways;
-use crate::settings::{AlertLevel, Region};
+use crate::settings::Region;
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 
 /// The manoeuvres of one quantity.
 pub(crate) struct Search<'a> {
-    pub(super) picture: &'a Picture<'a>,
+    pub(super) picture: &'a Picture,
     pub(super) span: &'a Span,
     pub(super) ways: Ways,
 }
 
 impl<'a> Search<'a> {
     /// The manoeuvres from a state to the values of a span.
-    pub(crate) fn new(picture: &'a Picture<'a>, ownship: &State, span: &'a Span) -> Self {
+    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a Span) -> Self {
         Self {
             picture,
             span,
@@ -27,43 +27,34 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The level by which an aircraft contributes, and the aircraft.
-    pub(super) fn against(&self, contribution: &Contribution) -> Option<(&'a AlertLevel, Met<'a>)> {
-        let alerter = self.picture.settings.alerters.get(contribution.alerter)?;
-        let level = alerter.level(contribution.level)?;
-        Some((level, self.picture.met(contribution.intruder)?))
+    /// The aircraft that contributes, and the volume of its level.
+    pub(super) fn against(&self, contribution: &Contribution) -> Option<(Met<'a>, &'a Volume)> {
+        let (intruder, picture) = (contribution.intruder, self.picture);
+        let level = picture.level(intruder, contribution.level)?;
+        Some((picture.met(intruder)?, &level.volume))
     }
 
     /// The values free of conflicts with these aircraft: out of each one's own volume, or of a cylinder instead.
     pub(super) fn free(&self, aircraft: &[Contribution], kept: Option<Cylinder>) -> Intervals {
         let kept = kept.map(Volume::Cylinder);
-        let mut free = self.span.whole();
-        for contribution in aircraft {
-            let Some((level, met)) = self.against(contribution) else {
-                continue;
-            };
-            let meeting = self
-                .ways
-                .meeting(&met, kept.as_ref().unwrap_or(&level.volume));
+        self.common(aircraft.iter().filter_map(|contribution| {
+            let (met, own) = self.against(contribution)?;
+            let meeting = self.ways.meeting(&met, kept.as_ref().unwrap_or(own));
             let guard = Guard::of(&meeting, contribution.horizon_s);
-            free.intersect(&self.ways.free(&guard, self.span));
-            if free.is_empty() {
-                break;
-            }
-        }
-        free
+            Some(self.ways.free(&guard, self.span))
+        }))
     }
 
-    /// The values free of all of these conflicts.
-    pub(super) fn free_of_all<'g>(&self, guards: impl Iterator<Item = Guard<'g>>) -> Intervals {
-        let mut free = self.span.whole();
-        for guard in guards {
-            free.intersect(&self.ways.free(&guard, self.span));
-            if free.is_empty() {
+    /// What of the searched values is free of each aircraft.
+    pub(super) fn common(&self, free: impl Iterator<Item = Intervals>) -> Intervals {
+        let mut common = self.span.whole();
+        for free in free {
+            common.intersect(&free);
+            if common.is_empty() {
                 break;
             }
         }
-        free
+        common
     }
 
     /// Whether any manoeuvre leads into a volume before a time.
@@ -81,30 +72,24 @@ impl<'a> Search<'a> {
 
     /// The aircraft that only a manoeuvre brings into a region's conflict.
     pub(super) fn peripheral(&self, region: Region) -> Vec<Contribution> {
-        let settings = self.picture.settings;
-        let contribution = |(intruder, alerter): (usize, &Option<usize>)| {
-            let alerter = (*alerter)?;
-            let level = settings.alerters.get(alerter)?.level_for(region)?;
-            let mut contribution = Contribution {
+        let settings = &self.picture.settings;
+        let contribution = |intruder| {
+            let level = self.picture.level_for(intruder, region)?;
+            let alerting_s = self.picture.level(intruder, level)?.alerting_s;
+            let contribution = Contribution {
                 intruder,
-                alerter,
                 level,
-                horizon_s: 0.0,
+                horizon_s: settings.lookahead_s.min(alerting_s),
             };
-            let (level, met) = self.against(&contribution)?;
-            contribution.horizon_s = settings.lookahead_s.min(level.alerting_s);
-            let pair = Pair {
-                ownship: self.picture.ownship.state,
-                intruder: met.intruder,
-                deviation: met.deviation,
-            };
-            let loss = level.volume.violation(&pair, 0.0, settings.lookahead_s);
+            let (met, volume) = self.against(&contribution)?;
+            let loss = self.picture.violation(intruder, level)?;
             let is_peripheral = !loss.begins_before(contribution.horizon_s)
-                && self.any_conflict(&met, &level.volume, contribution.horizon_s);
+                && self.any_conflict(&met, volume, contribution.horizon_s);
             is_peripheral.then_some(contribution)
         };
-        let alerters = self.picture.alerters.iter().enumerate();
-        alerters.filter_map(contribution).collect()
+        (0..self.picture.traffic.len())
+            .filter_map(contribution)
+            .collect()
     }
 }
 
@@ -118,6 +103,6 @@ pub(crate) fn meets_within_spread(
     until_s: f64,
 ) -> bool {
     let ownship = &picture.ownship.state;
-    let span = Span::of(quantity, picture.settings, ownship, Some((spread, spread)));
+    let span = Span::of(quantity, &picture.settings, ownship, Some((spread, spread)));
     span.is_some_and(|span| Search::new(picture, ownship, &span).any_conflict(met, volume, until_s))
 }

@@ -57,7 +57,7 @@ const fn int(value: f64) -> i32 {
 impl Ways {
     /// The ways from a state to the values of a span.
     pub(super) fn new(picture: &Picture, ownship: &State, span: &Span) -> Self {
-        let settings = picture.settings;
+        let settings = &picture.settings;
         let at_once = span
             .quantity
             .is_instantaneous(settings, picture.turns_at_once());
