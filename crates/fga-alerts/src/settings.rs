@@ -1,6 +1,7 @@
 //! The settings: horizons, dynamics, regions, memories, alerters.
 
 use crate::hysteresis::HysteresisSettings;
+use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -251,11 +252,6 @@ pub struct Settings {
     /// The alerters.
     pub alerters: Vec<Alerter>,
 }
-
-const FOOT_M: f64 = 0.3048;
-const KNOT_MPS: f64 = 1852.0 / 3600.0;
-const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
-const DEGREE_RAD: f64 = core::f64::consts::PI / 180.0;
 
 impl Default for Settings {
     /// The defaults of a file.

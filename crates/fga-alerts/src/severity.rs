@@ -21,7 +21,7 @@ pub fn severity(volume: &WellClear, pair: &Pair) -> Option<f64> {
     }
     let (s, v) = pair.plane();
     let (height_m, _) = pair.vertical();
-    let range_m = libm::sqrt(s.length_squared());
+    let range_m = s.length();
     let reach_m = volume.distance_m;
     let closing_mps = if range_m > 0.0 {
         (-s.dot(v) / range_m).max(0.0)
@@ -33,7 +33,7 @@ pub fn severity(volume: &WellClear, pair: &Pair) -> Option<f64> {
     let miss_m = match time_to_closest_s(s, v) {
         Some(time_s) if time_s > 0.0 => {
             let closest = s + v * time_s;
-            libm::sqrt(closest.length_squared())
+            closest.length()
         }
         _ => range_m,
     };

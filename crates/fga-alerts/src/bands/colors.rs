@@ -262,11 +262,8 @@ pub(crate) fn band_at(bands: &[Band], value: f64, modulus: f64) -> Option<usize>
 
 /// Whether `a` lies left of (below) `b` or counts as the same.
 pub(crate) fn is_left_of(a: f64, b: f64, modulus: f64) -> bool {
-    if Edge.same(a, b) {
-        return true;
-    }
     if modulus == 0.0 {
-        return Edge.less(a, b);
+        return Edge.at_most(a, b);
     }
-    Edge.less(wrapped(b - a, modulus), modulus / 2.0)
+    Edge.same(a, b) || Edge.less(wrapped(b - a, modulus), modulus / 2.0)
 }

@@ -21,30 +21,17 @@ impl Intervals {
         if !Edge.less(low, high) {
             return;
         }
-        let touches = |[other_low, other_high]: [f64; 2], low: f64, high: f64| {
-            (Edge.at_most(other_low, low) && Edge.at_most(low, other_high))
-                || (Edge.at_most(low, other_low) && Edge.at_most(other_low, high))
-        };
-        let mut place = 0;
-        let mut swallowed = 0;
-        for &[other_low, other_high] in &self.0 {
-            if touches([other_low, other_high], low, high) {
+        let mut below = 0;
+        self.0.retain(|&[other_low, other_high]| {
+            if Edge.at_most(other_low, high) && Edge.at_most(low, other_high) {
                 low = low.min(other_low);
                 high = high.max(other_high);
-                swallowed += 1;
-            } else if Edge.less(high, other_low) {
-                break;
-            } else {
-                place += 1;
+                return false;
             }
-        }
-        match self.0.get_mut(place) {
-            Some(interval) if swallowed > 0 => {
-                *interval = [low, high];
-                self.0.drain(place + 1..place + swallowed);
-            }
-            _ => self.0.insert(place, [low, high]),
-        }
+            below += usize::from(other_low < low);
+            true
+        });
+        self.0.insert(below, [low, high]);
     }
 
     /// Adds every interval of `other`.

@@ -6,6 +6,7 @@ use crate::bands::meeting::{Guard, Meeting};
 use crate::bands::picture::Contribution;
 use crate::bands::search::Search;
 use crate::settings::Settings;
+use crate::units::FOOT_M;
 use crate::volume::{Advisory, Cylinder, Sensitivity, Volume};
 use alloc::vec::Vec;
 
@@ -46,7 +47,7 @@ impl Recovery {
 const MOST_SHRINKINGS: usize = 1000;
 
 /// An altitude in the lowest level that has resolution advisories, metres.
-const LOWEST_ADVISORY_M: f64 = 1001.0 * 0.3048;
+const LOWEST_ADVISORY_M: f64 = 1001.0 * FOOT_M;
 
 /// An aircraft that recovery keeps away from: out of a cylinder until a change, out of its own volume from then on.
 struct Avoided<'a> {
@@ -142,23 +143,22 @@ impl Avoided<'_> {
 fn distances(settings: &Settings, ownship: &State) -> Vec<Cylinder> {
     let (radius_m, half_height_m) = (settings.nmac_distance_m, settings.nmac_height_m);
     let factor = 1.0 - settings.recovery_shrinking;
-    let mut kept = least_recovery(settings, ownship);
-    let mut distances = Vec::new();
+    let shrink = |kept: &Cylinder| {
+        Some(Cylinder::new(
+            radius_m.max(kept.radius_m * factor),
+            half_height_m.max(kept.half_height_m * factor),
+        ))
+    };
     // Shrinking by a factor of zero never ends by itself.
     let most = if settings.shrinks_recovery {
         MOST_SHRINKINGS
     } else {
         1
     };
-    while (kept.radius_m > radius_m || kept.half_height_m > half_height_m) && distances.len() < most
-    {
-        distances.push(kept);
-        kept = Cylinder::new(
-            radius_m.max(kept.radius_m * factor),
-            half_height_m.max(kept.half_height_m * factor),
-        );
-    }
-    distances
+    core::iter::successors(Some(least_recovery(settings, ownship)), shrink)
+        .take_while(|kept| kept.radius_m > radius_m || kept.half_height_m > half_height_m)
+        .take(most)
+        .collect()
 }
 
 /// The first distances of recovery.

@@ -29,10 +29,10 @@ struct Leg {
 enum Kind {
     /// Each leg ends one step's way, which leads over all steps between it and the current value.
     Steps { now: usize, step_s: f64 },
-    /// The legs of each altitude.
+    /// The legs of each altitude, and whether the current one is among those searched.
     Altitudes {
         ways: Vec<Range<usize>>,
-        around: Option<(i32, i32)>,
+        is_inside: bool,
     },
 }
 
@@ -74,41 +74,35 @@ impl Ways {
                 kind: Kind::Steps { now, step_s },
             };
         }
-        let height_m = ownship.position_m.z;
-        let is_inside = height_m >= span.min && height_m <= span.max;
-        let around = is_inside.then(|| {
-            let above = int(libm::ceil(height_m - span.min) / span.step);
-            (above, int(libm::floor((height_m - span.min) / span.step)))
-        });
-        let (mut legs, mut ways) = (Vec::new(), Vec::new());
-        let mut last: Option<LevelChange> = None;
+        let (mut legs, mut ways) = (Vec::new(), Vec::<Range<usize>>::new());
+        let mut last = None;
         for step in 0..=int(libm::floor((span.max - span.min) / span.step)) + 1 {
             let target_m = span.min + f64::from(step) * span.step;
-            if at_once {
-                legs.push(Leg {
-                    line: LevelChange::instantly(target_m, ownship),
-                    until_s: Some(f64::INFINITY),
-                });
-                ways.push(legs.len() - 1..legs.len());
-                continue;
-            }
             let change = LevelChange::to(target_m, settings, ownship);
-            // Altitudes beyond the horizon are flown to alike.
-            let known = last.filter(|last| change.is_flown_as(last, settings.lookahead_s));
-            let way = known.and_then(|_| ways.last().cloned());
-            let way = way.unwrap_or_else(|| {
-                let from = legs.len();
-                change.fly(settings.lookahead_s, |line, until_s| {
-                    legs.push(Leg { line, until_s });
-                });
-                from..legs.len()
-            });
-            ways.push(way);
+            let from = legs.len();
+            let mut take = |line, until_s| legs.push(Leg { line, until_s });
+            let is_known = |last| change.is_flown_as(&last, settings.lookahead_s);
+            let way = if at_once {
+                take(
+                    LevelChange::instantly(target_m, ownship),
+                    Some(f64::INFINITY),
+                );
+                None
+            } else if last.is_some_and(is_known) {
+                // Altitudes beyond the horizon are flown to alike.
+                ways.last().cloned()
+            } else {
+                change.fly(settings.lookahead_s, take);
+                None
+            };
+            ways.push(way.unwrap_or(from..legs.len()));
             last = Some(change);
         }
+        let height_m = ownship.position_m.z;
+        let is_inside = height_m >= span.min && height_m <= span.max;
         Self {
             legs,
-            kind: Kind::Altitudes { ways, around },
+            kind: Kind::Altitudes { ways, is_inside },
         }
     }
 
@@ -181,27 +175,18 @@ impl Ways {
 
     /// Whether a manoeuvre to any value leads into a volume, or on the way beyond it.
     pub(super) fn any_conflict(&self, guard: &Guard) -> bool {
-        self.asked(self.free_values(guard, Between::Nothing))
-            .any(|free| !free)
+        self.free_values(guard, Between::Nothing).contains(&false)
     }
 
-    /// Whether no manoeuvre leads past a volume.
+    /// Whether no manoeuvre leads past a volume: none does from an altitude that is not searched.
     pub(super) fn all_conflict(&self, guard: &Guard) -> bool {
-        !self
-            .asked(self.free_values(guard, Between::Steps))
-            .any(|free| free)
-    }
-
-    /// The values upwards and downwards from the current one.
-    fn asked(&self, values: Vec<bool>) -> impl Iterator<Item = bool> {
-        let (above, below) = match self.kind {
-            Kind::Steps { .. } => (0, 0),
-            Kind::Altitudes { around, .. } => around.unwrap_or((i32::MAX, i32::MIN)),
-        };
-        (0..)
-            .zip(values)
-            .filter(move |(step, _)| *step >= above || *step <= below)
-            .map(|(_, free)| free)
+        matches!(
+            self.kind,
+            Kind::Altitudes {
+                is_inside: false,
+                ..
+            }
+        ) || !self.free_values(guard, Between::Steps).contains(&true)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossing_s, half_root, room, root, same_velocity};
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 use crate::volume::cylinder::slab_crossing_s;
 use alloc::vec::Vec;
 use glam::DVec2;
@@ -36,9 +37,6 @@ pub struct Advisory {
     /// Whether an approach that misses by `HMD` is no threat.
     pub filters_by_miss_distance: bool,
 }
-
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
 
 /// Altitude, ft; traffic advisory: tau s, DMOD nmi, ZTHR ft; resolution advisory: tau s, DMOD
 /// nmi, ZTHR ft, HMD ft (RTCA DO-185B).

@@ -4,6 +4,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossings, room, same_velocity};
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 
 /// A cylinder, its flat sides level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,9 +14,6 @@ pub struct Cylinder {
     /// Vertical distance, metres.
     pub half_height_m: f64,
 }
-
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
 
 impl Cylinder {
     /// Near mid-air collision: 500 ft and 100 ft (RTCA SC-147).

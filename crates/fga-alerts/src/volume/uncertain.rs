@@ -66,7 +66,7 @@ impl UncertainWellClear {
         let deviation = &pair.deviation;
         let factors = &self.factors;
         let position_m = factors.horizontal_position * deviation.horizontal_m;
-        let distance_m = (libm::sqrt(s.length_squared()) - position_m).max(0.0);
+        let distance_m = (s.length() - position_m).max(0.0);
         let spread = Spread {
             position_m,
             height_m: factors.vertical_position * deviation.vertical_m,
@@ -169,8 +169,8 @@ impl UncertainWellClear {
     /// The violation by the state that flies straight at the other aircraft.
     fn head_on(&self, s: DVec2, v: DVec2, spread: &Spread, to_s: f64) -> Loss {
         let ahead = unit(s);
-        let distance_m = length(s) - spread.position_m;
-        let speed_mps = length(v) + spread.velocity_mps;
+        let distance_m = s.length() - spread.position_m;
+        let speed_mps = v.length() + spread.velocity_mps;
         self.volume
             .plane_violation(to_s, ahead * distance_m, ahead * -speed_mps)
     }
@@ -213,12 +213,8 @@ impl UncertainWellClear {
     }
 }
 
-fn length(v: DVec2) -> f64 {
-    libm::sqrt(v.length_squared())
-}
-
 fn unit(v: DVec2) -> DVec2 {
-    let length = length(v);
+    let length = v.length();
     if length == 0.0 {
         DVec2::ZERO
     } else {
@@ -283,7 +279,7 @@ fn worst_pair(s: DVec2, v: DVec2, spread: &Spread) -> (DVec2, DVec2) {
             }),
     };
     (
-        -position * (length(s) - spread.position_m),
-        velocity * (length(v) + spread.velocity_mps),
+        -position * (s.length() - spread.position_m),
+        velocity * (v.length() + spread.velocity_mps),
     )
 }

@@ -11,6 +11,7 @@ use crate::loss::Loss;
 use crate::plane::{
     Crossing, circle_crossing_s, circle_crossings, modified_tau_s, room, time_to_closest_s,
 };
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
@@ -53,9 +54,6 @@ pub struct WellClear {
     pub vertical_time: VerticalTime,
 }
 
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
-
 impl WellClear {
     /// En route (DO-365B phase 1): 0.66 nmi, 35 s, 450 ft.
     pub const EN_ROUTE: Self = Self::do_365(0.66 * NAUTICAL_MILE_M, 35.0, 450.0 * FOOT_M, 0.0);
@@ -87,14 +85,14 @@ impl WellClear {
     }
 
     pub(super) fn is_violated_in_plane(&self, s: DVec2, v: DVec2) -> bool {
-        if libm::sqrt(s.length_squared()) <= self.distance_m {
+        if s.length() <= self.distance_m {
             return true;
         }
         let Some(closest_s) = time_to_closest_s(s, v) else {
             return false;
         };
         let miss = s + v * closest_s;
-        if libm::sqrt(miss.length_squared()) > self.distance_m {
+        if miss.length() > self.distance_m {
             return false;
         }
         let time_s = match self.horizontal_time {
@@ -145,7 +143,7 @@ impl WellClear {
             HorizontalTime::ClosestApproach => {
                 let closest_s = -closing / speed2;
                 let miss = s + v * closest_s;
-                if at_rest || libm::sqrt(miss.length_squared()) > self.distance_m {
+                if at_rest || miss.length() > self.distance_m {
                     return Loss::NEVER;
                 }
                 if !crosses {
