@@ -36,13 +36,7 @@ impl Pair {
     /// relative motion.
     pub fn distance_at_closest_m(&self) -> Option<f64> {
         let (s, v) = self.plane();
-        time_to_closest_s(s, v).map(|time_s| {
-            if time_s <= 0.0 {
-                s.length()
-            } else {
-                (s + v * time_s).length()
-            }
-        })
+        time_to_closest_s(s, v).map(|time_s| (s + v * time_s.max(0.0)).length())
     }
 
     /// Least horizontal distance within a time, metres.

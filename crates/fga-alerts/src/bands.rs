@@ -202,7 +202,7 @@ impl QuantityBands {
         colors
     }
 
-    /// Whether every manoeuvre from a state leads into the volume.
+    /// Whether every manoeuvre from a state leads into the volume; none begins at an altitude that is not searched.
     pub(crate) fn is_blocked(
         &self,
         picture: &Picture,
@@ -210,8 +210,11 @@ impl QuantityBands {
         met: &Met,
         volume: &Volume,
     ) -> bool {
-        self.span
-            .as_ref()
-            .is_none_or(|span| Search::new(picture, ownship, span).all_conflict(met, volume))
+        let is_searched = |span: &&Span| {
+            self.quantity != Quantity::Altitude
+                || (span.min..=span.max).contains(&ownship.position_m.z)
+        };
+        let span = self.span.as_ref().filter(is_searched);
+        span.is_none_or(|span| Search::new(picture, ownship, span).all_conflict(met, volume))
     }
 }

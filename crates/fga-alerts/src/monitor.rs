@@ -151,48 +151,37 @@ impl Monitor {
         let raw = i8::from(ownship.state.speed_mps() < picture.settings.least_airspeed_mps);
         let hysteresis = &picture.settings.hysteresis;
         picture.is_slow = self.slow_memory.take(raw, time_s, hysteresis) > 0;
-        self.choose_alerters();
+        self.picture.alerters = if self.picture.settings.ownship_centric {
+            vec![self.alerter_of(ownship); traffic.len()]
+        } else {
+            traffic
+                .iter()
+                .map(|aircraft| self.alerter_of(aircraft))
+                .collect()
+        };
         self.alert();
         Ok(())
     }
 
-    /// Whether an aircraft is in the terminal area, with memory.
-    fn is_in_terminal(&mut self, aircraft: &Aircraft) -> bool {
-        let area = &self.picture.settings.terminal;
-        let on = area.guidance != TerminalGuidance::Off
+    /// The alerter that holds where an aircraft is: in the terminal area, with memory, or elsewhere.
+    fn alerter_of(&mut self, aircraft: &Aircraft) -> Option<usize> {
+        let settings = &self.picture.settings;
+        let area = &settings.terminal;
+        let mut alerter = aircraft.alerter;
+        if area.guidance != TerminalGuidance::Off
             && area.alerter.is_some()
             && area.radius_m > 0.0
-            && area.height_m > 0.0;
-        if !on {
-            return false;
+            && area.height_m > 0.0
+        {
+            let distance_m = aircraft.terminal_distance_m;
+            let inside = distance_m.is_some_and(|m| Rounding.at_most(m, area.radius_m))
+                && Rounding.at_most(aircraft.state.position_m.z, area.height_m);
+            let held = self.terminal_memory.entry(aircraft.id).or_default();
+            if held.take(i8::from(inside), self.picture.time_s, &settings.hysteresis) == 1 {
+                alerter = area.alerter;
+            }
         }
-        let inside = aircraft
-            .terminal_distance_m
-            .is_some_and(|distance_m| Rounding.at_most(distance_m, area.radius_m))
-            && Rounding.at_most(aircraft.state.position_m.z, area.height_m);
-        let hysteresis = &self.picture.settings.hysteresis;
-        let held = self.terminal_memory.entry(aircraft.id).or_default();
-        held.take(i8::from(inside), self.picture.time_s, hysteresis) == 1
-    }
-
-    /// Chooses the alerter that judges each aircraft: the ownship's, or its own.
-    fn choose_alerters(&mut self) {
-        let count = self.picture.traffic.len();
-        let mut judging = if self.picture.settings.ownship_centric {
-            vec![self.picture.ownship]
-        } else {
-            self.picture.traffic.clone()
-        };
-        let alerters = judging.drain(..).map(|aircraft| {
-            let alerter = if self.is_in_terminal(&aircraft) {
-                self.picture.settings.terminal.alerter
-            } else {
-                aircraft.alerter
-            };
-            alerter.filter(|index| *index < self.picture.settings.alerters.len())
-        });
-        let alerters: Vec<_> = alerters.collect();
-        self.picture.alerters = alerters.into_iter().cycle().take(count).collect();
+        alerter.filter(|index| *index < settings.alerters.len())
     }
 
     /// Finds the alert level of every aircraft.
@@ -225,10 +214,7 @@ impl Monitor {
         let lists = conflicts.iter_mut().zip(&mut times);
         for (region, (list, times)) in Region::CONFLICTS.into_iter().zip(lists) {
             for (intruder, aircraft) in picture.traffic.iter().enumerate() {
-                let level = picture.level_for(intruder, region);
-                let Some((level, loss)) =
-                    level.and_then(|level| Some((level, picture.violation(intruder, level)?)))
-                else {
+                let Some(level) = picture.level_for(intruder, region) else {
                     continue;
                 };
                 let stays_on = self.alert_memory.get(&aircraft.id).is_some_and(|held| {
@@ -236,8 +222,10 @@ impl Monitor {
                     held.rose_s().is_some_and(|rose_s| rose_s < picture.time_s)
                         && last == Some(level)
                 });
-                let alerts = picture.level(intruder, level);
-                if alerts.is_some_and(|alerts| loss.begins_before(alerts.time_s(stays_on))) {
+                let alert = picture.level(intruder, level);
+                let time_s = alert.map_or(0.0, |alert| alert.time_s(stays_on));
+                let loss = picture.violation(intruder, level).unwrap_or(Loss::NEVER);
+                if loss.begins_before(time_s) {
                     list.push(Contribution {
                         intruder,
                         level,

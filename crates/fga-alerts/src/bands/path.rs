@@ -43,11 +43,9 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 
 /// Speed for the computation of turns: a standing aircraft turns nowhere.
 fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
-    settings
-        .horizontal_speed
-        .step
-        .max(settings.least_airspeed_mps)
-        .max(ownship.speed_mps())
+    let least_mps = settings.horizontal_speed.step;
+    let least_mps = least_mps.max(settings.least_airspeed_mps);
+    least_mps.max(ownship.speed_mps())
 }
 
 /// The lines after each step of a turn or a change of speed, in the order of their values, and the time of one step,

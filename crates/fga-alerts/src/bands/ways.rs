@@ -29,21 +29,8 @@ struct Leg {
 enum Kind {
     /// Each leg ends one step's way, which leads over all steps between it and the current value.
     Steps { now: usize, step_s: f64 },
-    /// The legs of each altitude, and whether the current one is among those searched.
-    Altitudes {
-        ways: Vec<Range<usize>>,
-        is_inside: bool,
-    },
-}
-
-/// What counts on the way to a step, besides the line after it.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Between {
-    /// The whole way.
-    Way,
-    /// The begin of each step.
-    Steps,
-    Nothing,
+    /// The legs of each altitude.
+    Altitudes(Vec<Range<usize>>),
 }
 
 #[expect(
@@ -64,15 +51,10 @@ impl Ways {
         if span.quantity != Quantity::Altitude {
             let (lines, step_s) = steps(settings, ownship, span, at_once);
             let until_s = Some(f64::INFINITY);
-            let legs = lines
-                .into_iter()
-                .map(|line| Leg { line, until_s })
-                .collect();
-            let now = span.steps_down;
-            return Self {
-                legs,
-                kind: Kind::Steps { now, step_s },
-            };
+            let legs = lines.into_iter().map(|line| Leg { line, until_s });
+            let (legs, now) = (legs.collect(), span.steps_down);
+            let kind = Kind::Steps { now, step_s };
+            return Self { legs, kind };
         }
         let (mut legs, mut ways) = (Vec::new(), Vec::<Range<usize>>::new());
         let mut last = None;
@@ -98,12 +80,8 @@ impl Ways {
             ways.push(way.unwrap_or(from..legs.len()));
             last = Some(change);
         }
-        let height_m = ownship.position_m.z;
-        let is_inside = height_m >= span.min && height_m <= span.max;
-        Self {
-            legs,
-            kind: Kind::Altitudes { ways, is_inside },
-        }
+        let kind = Kind::Altitudes(ways);
+        Self { legs, kind }
     }
 
     /// A volume of an intruder on all lines.
@@ -111,55 +89,60 @@ impl Ways {
         Meeting::new(met, volume, self.legs.iter().map(|leg| &leg.line))
     }
 
-    /// Whether each value, in growing order, is reached without conflict.
-    fn free_values(&self, guard: &Guard, between: Between) -> Vec<bool> {
-        let (now, step_s) = match &self.kind {
-            Kind::Steps { now, step_s } => (*now, *step_s),
-            Kind::Altitudes { ways, .. } => {
-                let is_free = |way: &Range<usize>| {
-                    let mut legs = way
-                        .clone()
-                        .zip(self.legs.get(way.clone()).unwrap_or_default());
-                    legs.all(|(index, leg)| !meets(guard, index, leg))
-                };
+    /// Whether each value, in growing order, is reached without conflict. `watched` says what counts besides the line
+    /// after a step: of the way to the next step 1 for all of it and 0 for its begin, `None` for nothing.
+    fn free_values(&self, guard: &Guard, watched: Option<f64>) -> Vec<bool> {
+        match &self.kind {
+            Kind::Altitudes(ways) => {
                 let alike = ways.chunk_by(|a, b| a == b);
                 let free = alike.flat_map(|ways| {
-                    core::iter::repeat_n(ways.first().is_some_and(is_free), ways.len())
+                    let is_free = ways.first().is_some_and(|way| self.leads_past(way, guard));
+                    core::iter::repeat_n(is_free, ways.len())
                 });
-                return free.collect();
+                free.collect()
             }
-        };
-        let watches = step_s > 0.0 && between != Between::Nothing;
-        let coast_s = if between == Between::Way { step_s } else { 0.0 };
-        let mut free = vec![false; self.legs.len()];
-        // From the current value to both sides, as far as nothing stops the manoeuvre.
-        for side in [-1, 1] {
-            for steps in 0.. {
-                let index = now.checked_add_signed(side * steps);
-                let Some((index, leg)) =
-                    index.and_then(|index| Some((index, self.legs.get(index)?)))
-                else {
-                    break;
-                };
-                let order = (steps as f64).partial_cmp(&(guard.change_s / step_s));
-                if watches && guard.stops(index, &leg.line, order, coast_s) {
-                    break;
+            Kind::Steps { now, step_s } => {
+                let coast_s = watched.filter(|_| *step_s > 0.0).map(|part| part * step_s);
+                let mut free = vec![false; self.legs.len()];
+                // From the current value to both sides, as far as nothing stops the manoeuvre.
+                for side in [-1, 1] {
+                    for steps in 0.. {
+                        let order = (steps as f64).partial_cmp(&(guard.change_s / step_s));
+                        let index = now.wrapping_add_signed(side * steps);
+                        let (Some(Leg { line, .. }), Some(free)) =
+                            (self.legs.get(index), free.get_mut(index))
+                        else {
+                            break;
+                        };
+                        if coast_s.is_some_and(|coast_s| guard.stops(index, line, order, coast_s)) {
+                            break;
+                        }
+                        *free = !guard.blocks(index, line, f64::INFINITY);
+                    }
                 }
-                if let Some(free) = free.get_mut(index) {
-                    *free = !guard.blocks(index, &leg.line, f64::INFINITY);
-                }
+                free
             }
         }
-        free
+    }
+
+    /// Whether the ownship meets nothing on the legs to an altitude.
+    fn leads_past(&self, way: &Range<usize>, guard: &Guard) -> bool {
+        let legs = self.legs.get(way.clone()).unwrap_or_default();
+        way.clone()
+            .zip(legs)
+            .all(|(index, Leg { line, until_s })| match until_s {
+                None => !guard.stops(index, line, line.since_s.partial_cmp(&guard.change_s), 0.0),
+                Some(until_s) => !guard.blocks(index, line, *until_s),
+            })
     }
 
     /// The values that are reached without conflict, where two neighbours are.
     pub(super) fn free(&self, guard: &Guard, span: &Span) -> Intervals {
         let (base, first) = match self.kind {
             Kind::Steps { now, .. } => (span.value, -(now as f64)),
-            Kind::Altitudes { .. } => (span.min, 0.0),
+            Kind::Altitudes(_) => (span.min, 0.0),
         };
-        let values = self.free_values(guard, Between::Way);
+        let values = self.free_values(guard, Some(1.0));
         let mut free = Intervals::default();
         let mut start = 0;
         for part in values.chunk_by(|a, b| a == b) {
@@ -175,26 +158,11 @@ impl Ways {
 
     /// Whether a manoeuvre to any value leads into a volume, or on the way beyond it.
     pub(super) fn any_conflict(&self, guard: &Guard) -> bool {
-        self.free_values(guard, Between::Nothing).contains(&false)
+        self.free_values(guard, None).contains(&false)
     }
 
-    /// Whether no manoeuvre leads past a volume: none does from an altitude that is not searched.
+    /// Whether no manoeuvre leads past a volume.
     pub(super) fn all_conflict(&self, guard: &Guard) -> bool {
-        matches!(
-            self.kind,
-            Kind::Altitudes {
-                is_inside: false,
-                ..
-            }
-        ) || !self.free_values(guard, Between::Steps).contains(&true)
-    }
-}
-
-/// Whether the ownship meets a volume on a leg to an altitude.
-fn meets(guard: &Guard, index: usize, leg: &Leg) -> bool {
-    let line = &leg.line;
-    match leg.until_s {
-        None => guard.stops(index, line, line.since_s.partial_cmp(&guard.change_s), 0.0),
-        Some(until_s) => guard.blocks(index, line, until_s),
+        !self.free_values(guard, Some(0.0)).contains(&true)
     }
 }
