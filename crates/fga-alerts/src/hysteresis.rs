@@ -57,21 +57,13 @@ pub struct HysteresisSettings {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Held {
     votes: MOfN<i8>,
-    rose_s: Option<f64>,
-    last: Option<(f64, i8)>,
+    /// Time of the last rise, seconds.
+    pub(crate) rose_s: Option<f64>,
+    /// Time, seconds, and level of the last step.
+    pub(crate) last: Option<(f64, i8)>,
 }
 
 impl Held {
-    /// The level of the last step, if there was one.
-    pub(crate) fn last(&self) -> Option<(f64, i8)> {
-        self.last
-    }
-
-    /// Time of the last rise.
-    pub(crate) fn rose_s(&self) -> Option<f64> {
-        self.rose_s
-    }
-
     /// Takes the raw level at a time and returns the level that holds.
     pub(crate) fn take(&mut self, raw: i8, time_s: f64, settings: &HysteresisSettings) -> i8 {
         let goes_on = self

@@ -193,7 +193,7 @@ impl Monitor {
         let alerts = alerts.map(|(index, (aircraft, alerter))| {
             let level = alerter.map(|alerter| {
                 let held = self.alert_memory.entry(aircraft.id).or_default();
-                let last = held.last().filter(|(last_s, _)| *last_s < picture.time_s);
+                let last = held.last.filter(|(last_s, _)| *last_s < picture.time_s);
                 let raw = raw_level(picture, index, alerter, last.map(|(_, level)| level));
                 held.take(raw, picture.time_s, &picture.settings.hysteresis)
             });
@@ -218,9 +218,8 @@ impl Monitor {
                     continue;
                 };
                 let stays_on = self.alert_memory.get(&aircraft.id).is_some_and(|held| {
-                    let last = held.last().and_then(|(_, last)| usize::try_from(last).ok());
-                    held.rose_s().is_some_and(|rose_s| rose_s < picture.time_s)
-                        && last == Some(level)
+                    let last = held.last.and_then(|(_, last)| usize::try_from(last).ok());
+                    held.rose_s.is_some_and(|rose_s| rose_s < picture.time_s) && last == Some(level)
                 });
                 let alert = picture.level(intruder, level);
                 let time_s = alert.map_or(0.0, |alert| alert.time_s(stays_on));
@@ -264,11 +263,8 @@ impl Monitor {
 
     /// The highest level of any aircraft.
     pub fn highest_level(&self) -> usize {
-        self.alerts
-            .iter()
-            .filter_map(|alert| alert.level)
-            .max()
-            .unwrap_or(0)
+        let levels = self.alerts.iter().filter_map(|alert| alert.level);
+        levels.max().unwrap_or(0)
     }
 
     /// Whether an aircraft of the traffic, or the ownship, is in the terminal area and whether its

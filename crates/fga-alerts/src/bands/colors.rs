@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 /// A value and the colors on both sides; `None` is out of reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Edge2 {
+pub(crate) struct Border {
     pub(crate) left: Option<Region>,
     pub(crate) at: f64,
     pub(crate) right: Option<Region>,
@@ -17,7 +17,7 @@ pub(crate) struct Edge2 {
 
 /// A line of edges in increasing order; the color right of an edge is the color left of the next.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Colors(pub(crate) Vec<Edge2>);
+pub(crate) struct Colors(pub(crate) Vec<Border>);
 
 /// The side of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,46 +32,32 @@ pub enum Way {
 impl Colors {
     /// The line of a span, free of conflicts.
     pub(crate) fn of(span: &Span) -> Self {
-        let (free, (least, greatest)) = (Some(Region::None), span.bounds);
-        let turn = span.modulus;
+        let (free, min, max) = (Some(Region::None), span.min, span.max);
+        let ((least, greatest), turn) = (span.bounds, span.modulus);
+        let is_whole = turn > 0.0 && Edge.same(wrapped(max - min, turn), 0.0);
         // What lies beyond the ends, and the values from which on a color holds.
-        let (outside, parts): (_, &[_]) =
-            if turn > 0.0 && Edge.same(wrapped(span.max - span.min, turn), 0.0) {
-                (free, &[(0.0, free), (turn, free)])
-            } else if turn > 0.0 && Edge.same(span.min, span.max) {
-                (None, &[(0.0, free), (turn, None)])
-            } else if turn > 0.0 && span.min >= span.max {
-                (
-                    free,
-                    &[
-                        (0.0, free),
-                        (span.max, None),
-                        (span.min, free),
-                        (turn, free),
-                    ],
-                )
-            } else {
-                (
-                    None,
-                    &[
-                        (least, None),
-                        (span.min, free),
-                        (span.max, None),
-                        (greatest, None),
-                    ],
-                )
-            };
+        let (outside, parts) = if is_whole {
+            (free, [(least, free), (greatest, free)].to_vec())
+        } else if turn > 0.0 && Edge.same(min, max) {
+            (None, [(least, free), (greatest, None)].to_vec())
+        } else if turn > 0.0 && min >= max {
+            let (first, last) = ((least, free), (greatest, free));
+            (free, [first, (max, None), (min, free), last].to_vec())
+        } else {
+            let (first, last) = ((least, None), (greatest, None));
+            (None, [first, (min, free), (max, None), last].to_vec())
+        };
         let mut edges = Vec::new();
         let mut left = outside;
         for (index, &(at, right)) in parts.iter().enumerate() {
-            let is_shown = left.is_some()
-                || right.is_some()
-                || match index {
-                    0 => Edge.less(at, span.min),
-                    _ => Edge.less(span.max, at),
-                };
-            if is_shown {
-                edges.push(Edge2 { left, at, right });
+            // An end of the scale that counts as the reachable one is no edge of its own.
+            let is_beyond = if index == 0 {
+                Edge.less(at, min)
+            } else {
+                Edge.less(max, at)
+            };
+            if left.is_some() || right.is_some() || is_beyond {
+                edges.push(Border { left, at, right });
             }
             left = right;
         }
@@ -90,20 +76,15 @@ impl Colors {
 
     /// Splits the part at a value where it is paintable and no edge lies there; returns the edge there or below.
     fn split(&mut self, at: f64, color: Region) -> usize {
-        let below = self
-            .0
-            .iter()
-            .take_while(|edge| Edge.at_most(edge.at, at))
-            .count();
+        let edges = self.0.iter();
+        let below = edges.take_while(|edge| Edge.at_most(edge.at, at)).count();
         let index = below.saturating_sub(1);
-        let Some(edge) = self.0.get(index).filter(|edge| !Edge.same(edge.at, at)) else {
+        let edge = self.0.get(index).filter(|edge| !Edge.same(edge.at, at));
+        let Some(edge) = edge.filter(|_| self.yields(index, color)) else {
             return index;
         };
-        if !self.yields(index, color) {
-            return index;
-        }
         let (left, right) = (edge.right, edge.right);
-        self.0.insert(index + 1, Edge2 { left, at, right });
+        self.0.insert(index + 1, Border { left, at, right });
         index + 1
     }
 

@@ -5,7 +5,6 @@ use crate::almost::Closeness::Rounding;
 use crate::bands::path::{Line, way_m};
 use crate::plane::{Crossing, root};
 use crate::settings::Settings;
-use glam::DVec3;
 
 /// A climb or descent to an altitude: accelerate, hold the rate, level out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,12 +41,12 @@ impl LevelChange {
         }
         // First the climb stops; then the change starts from rest.
         let stopping = if same_way { against } else { -against };
-        let rest_m = height_m + braking_way_m(climb_mps, stopping);
+        let (rest_m, rest_s) = (braking_way_m(climb_mps, stopping), -climb_mps / stopping);
         Self::from(
             target_m,
             settings,
             ownship,
-            (rest_m, 0.0, -climb_mps / stopping),
+            (height_m + rest_m, 0.0, rest_s),
         )
     }
 
@@ -163,18 +162,14 @@ impl LevelChange {
                 )
             }
         };
-        let position_m = DVec3::new(s.x + v.x * time_s, s.y + v.y * time_s, height_m);
-        Line::at(time_s, position_m, DVec3::new(v.x, v.y, climb_mps))
+        let position_m = (s + v * time_s).with_z(height_m);
+        Line::at(time_s, position_m, v.with_z(climb_mps))
     }
 
     /// The line of an altitude reached at once.
     pub(super) fn instantly(target_m: f64, ownship: &State) -> Line {
         let (s, v) = (ownship.position_m, ownship.velocity_mps);
-        Line::at(
-            0.0,
-            DVec3::new(s.x, s.y, target_m),
-            DVec3::new(v.x, v.y, 0.0),
-        )
+        Line::at(0.0, s.with_z(target_m), v.with_z(0.0))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
-use crate::bands::colors::{Band, Colors, Edge2, Way, band_at, beside, is_left_of};
+use crate::bands::colors::{Band, Border, Colors, Way, band_at, beside, is_left_of};
 use crate::hysteresis::MOfN;
 use crate::settings::{Region, Settings};
 use alloc::vec::Vec;
@@ -167,7 +167,7 @@ impl Memory {
                 c += 1;
             } else if votes.at < edge.at {
                 let (at, left, right) = (votes.at, edge.left, edge.left);
-                colors.0.insert(c, Edge2 { left, at, right });
+                colors.0.insert(c, Border { left, at, right });
             } else {
                 let between = Votes {
                     at: edge.at,

@@ -70,16 +70,12 @@ pub(super) fn steps(
         if count == 0 {
             return Line::at(0.0, start.position_m, start.velocity_mps);
         }
+        let along_mps2 = side * settings.horizontal_acceleration_mps2;
+        let up_mps2 = side * settings.vertical_acceleration_mps2;
         let (position_m, velocity_mps) = match span.quantity {
             Quantity::Direction => turned(&start, change, time_s, side),
-            Quantity::HorizontalSpeed => {
-                let acceleration_mps2 = side * settings.horizontal_acceleration_mps2;
-                accelerated(&start, side * change, time_s, acceleration_mps2)
-            }
-            Quantity::VerticalSpeed | Quantity::Altitude => {
-                let acceleration_mps2 = side * settings.vertical_acceleration_mps2;
-                climbing(&start, side * change, time_s, acceleration_mps2)
-            }
+            Quantity::HorizontalSpeed => accelerated(&start, side * change, time_s, along_mps2),
+            _ => climbing(&start, side * change, time_s, up_mps2),
         };
         if at_once {
             return Line::at(0.0, start.position_m, velocity_mps);
@@ -148,11 +144,7 @@ fn accelerated(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3
     }
     let ahead = if now_mps > 0.0 { v / now_mps } else { DVec3::Y };
     let along_m = way_m(now_mps, mps2, time_s);
-    let position_m = DVec3::new(
-        s.x + ahead.x * along_m,
-        s.y + ahead.y * along_m,
-        s.z + v.z * time_s,
-    );
+    let position_m = (s + ahead * along_m).with_z(s.z + v.z * time_s);
     (position_m, with_speed(start, now_mps + change_mps))
 }
 
@@ -160,8 +152,8 @@ fn accelerated(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3
 fn climbing(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3, DVec3) {
     let (s, v) = (start.position_m, start.velocity_mps);
     let climbed_m = way_m(v.z, mps2, time_s);
-    let position_m = DVec3::new(s.x + v.x * time_s, s.y + v.y * time_s, s.z + climbed_m);
-    (position_m, DVec3::new(v.x, v.y, v.z + change_mps))
+    let position_m = (s + v * time_s).with_z(s.z + climbed_m);
+    (position_m, v.with_z(v.z + change_mps))
 }
 
 /// Distance during an acceleration, metres.
