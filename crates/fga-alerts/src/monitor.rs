@@ -9,7 +9,7 @@ use crate::bands::span::Quantity;
 use crate::bands::{Contribution, Picture, QuantityBands, Terminal, meets_within_spread};
 use crate::hysteresis::Held;
 use crate::loss::Loss;
-use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
+use crate::settings::{Region, Settings, TerminalGuidance};
 use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -352,26 +352,22 @@ impl Monitor {
     }
 }
 
-/// The highest level of an alerter that alerts of an aircraft; `last` is the level before.
+/// The highest level of an alerter that alerts of an aircraft, on straight lines or after a manoeuvre within the
+/// level's spread; `last` is the level before.
 fn raw_level(picture: &Picture, index: usize, alerter: usize, last: Option<i8>) -> i8 {
     let alerter = picture.settings.alerters.get(alerter);
-    let levels = alerter.into_iter().flat_map(|alerter| &alerter.levels);
-    let alerted = (1_i8..).zip(levels).filter(|(number, level)| {
-        picture
-            .met(index)
-            .is_some_and(|met| is_alerted(picture, &met, level, last == Some(*number)))
+    let (Some(alerter), Some(met)) = (alerter, picture.met(index)) else {
+        return 0;
+    };
+    let pair = met.pair(&picture.ownship.state);
+    let alerted = (1_i8..).zip(&alerter.levels).filter(|(number, level)| {
+        let (volume, time_s) = (&level.volume, level.time_s(last == Some(*number)));
+        let loss = volume.violation(&pair, 0.0, picture.settings.lookahead_s);
+        let leads_into = |quantity| {
+            let spread = level.spread.get(quantity);
+            spread > 0.0 && meets_within_spread(picture, quantity, spread, &met, volume, time_s)
+        };
+        loss.begins_before(time_s) || Quantity::ALL.into_iter().any(leads_into)
     });
     alerted.last().map_or(0, |(number, _)| number)
-}
-
-/// Whether a level alerts of an aircraft: on straight lines, or after a manoeuvre within its spread.
-fn is_alerted(picture: &Picture, met: &Met, level: &AlertLevel, is_on: bool) -> bool {
-    let (volume, time_s) = (&level.volume, level.time_s(is_on));
-    let pair = met.pair(&picture.ownship.state);
-    let loss = volume.violation(&pair, 0.0, picture.settings.lookahead_s);
-    loss.begins_before(time_s)
-        || Quantity::ALL.into_iter().any(|quantity| {
-            let spread = level.spread.get(quantity);
-            spread > 0.0 && meets_within_spread(picture, quantity, spread, met, volume, time_s)
-        })
 }

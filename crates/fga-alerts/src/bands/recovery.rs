@@ -176,3 +176,48 @@ fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
         or_table(settings.recovery_height_m, |level| level.height_m),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aircraft::{Aircraft, AircraftId};
+    use crate::bands::span::Quantity;
+    use crate::monitor::Monitor;
+    use crate::schemes::{do_365b, f3442};
+    use crate::settings::Region;
+    use glam::DVec3;
+
+    #[test]
+    fn recovery_begins_with_directions_behind_that_two_steps_share() {
+        let at = |id, x, y, z, vx, vy, vz| {
+            let state = State {
+                position_m: DVec3::new(x, y, z),
+                velocity_mps: DVec3::new(vx, vy, vz),
+            };
+            Aircraft::new(AircraftId(id), state)
+        };
+        let ownship = at(0, 0.0, 0.0, 2330.34, -13.8835, -48.0338, 0.0);
+        let traffic = [
+            at(1, -700.7271, -1484.7791, 2320.941, -16.0021, 16.5884, 0.0),
+            at(
+                2, 1361.4174, 2512.1054, 2161.9515, -0.8488, -118.2535, 7.8859,
+            ),
+        ];
+        // 333 steps to either side pass half a turn by 0.007 degrees, less than two edges are told apart by.
+        let settings = Settings {
+            direction_step_rad: 0.540_561_756_f64.to_radians(),
+            shrinks_recovery: false,
+            alerters: do_365b().alerters,
+            ..f3442()
+        };
+        let mut monitor = Monitor::new(settings);
+        monitor.step(0.0, &ownship, &traffic).unwrap();
+        let bands = monitor.bands(Quantity::Direction);
+        let Recovery::Found { time_s, .. } = bands.recovery() else {
+            panic!("{:?}", bands.recovery());
+        };
+        let behind_rad = ownship.state.direction_rad() - core::f64::consts::PI;
+        assert_eq!(bands.region_at(behind_rad), Some(Region::Recovery));
+        assert!((time_s - 21.6).abs() < 0.5, "{time_s}");
+    }
+}
