@@ -112,6 +112,9 @@ impl WellClear {
     fn plane_window(&self, s: DVec2, v: DVec2) -> Loss {
         let reach_m2 = self.distance_m * self.distance_m;
         let (square_m2, closing, speed2) = (s.length_squared(), s.dot(v), v.length_squared());
+        if square_m2 > reach_m2 && (closing > 0.0 || speed2 == 0.0) {
+            return Loss::NEVER;
+        }
         let at_rest = Closeness::Rounding.same(speed2, 0.0);
         let crossings = circle_crossings(s, v, self.distance_m);
         let exit_s = crossings.map_or(f64::NEG_INFINITY, |loss| loss.exit_s);
@@ -121,9 +124,6 @@ impl WellClear {
             } else {
                 Loss::new(f64::NEG_INFINITY, exit_s)
             };
-        }
-        if closing > 0.0 || speed2 == 0.0 {
-            return Loss::NEVER;
         }
         let crosses = room(s, v, self.distance_m) >= 0.0;
         let entry_s = match self.horizontal_time {
