@@ -113,7 +113,7 @@ pub(crate) struct Span {
 }
 
 /// Most steps; a finer step only costs time.
-const MOST_STEPS: f64 = 1e5;
+pub(super) const MOST_STEPS: f64 = 1e5;
 
 impl Span {
     /// The span around an aircraft's value; `None` for a value outside of the scale.

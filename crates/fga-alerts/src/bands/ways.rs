@@ -6,7 +6,7 @@ use crate::bands::level::LevelChange;
 use crate::bands::meeting::{Guard, Meeting, Met};
 use crate::bands::path::{Line, steps};
 use crate::bands::picture::Picture;
-use crate::bands::span::{Quantity, Span};
+use crate::bands::span::{MOST_STEPS, Quantity, Span};
 use crate::volume::Volume;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -33,10 +33,7 @@ enum Kind {
     Altitudes(Vec<Range<usize>>),
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "casts of floats saturate, and more steps than i32 holds are never asked for"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "between 0 and 100,000")]
 const fn int(value: f64) -> i32 {
     value as i32
 }
@@ -58,7 +55,8 @@ impl Ways {
         }
         let (mut legs, mut ways) = (Vec::new(), Vec::<Range<usize>>::new());
         let mut last = None;
-        for step in 0..=int(libm::floor((span.max - span.min) / span.step)) + 1 {
+        let steps = libm::floor((span.max - span.min) / span.step);
+        for step in 0..=int(steps.min(MOST_STEPS)) + 1 {
             let target_m = span.min + f64::from(step) * span.step;
             let change = LevelChange::to(target_m, settings, ownship);
             let from = legs.len();
@@ -164,5 +162,27 @@ impl Ways {
     /// Whether no manoeuvre leads past a volume.
     pub(super) fn all_conflict(&self, guard: &Guard) -> bool {
         !self.free_values(guard, Some(0.0)).contains(&true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aircraft::{Aircraft, AircraftId};
+    use crate::monitor::Monitor;
+    use crate::schemes::f3442;
+
+    #[test]
+    fn altitude_steps_of_a_micrometre_are_searched_as_far_as_there_is_room() {
+        let mut settings = f3442();
+        settings.altitude.step = 1e-6;
+        let mut monitor = Monitor::new(settings);
+        let at = |id, height_m| {
+            let mut state = State::default();
+            state.position_m.z = height_m;
+            Aircraft::new(AircraftId(id), state)
+        };
+        monitor.step(0.0, &at(0, 500.0), &[at(1, 510.0)]).unwrap();
+        assert!(!monitor.bands(Quantity::Altitude).bands().is_empty());
     }
 }
