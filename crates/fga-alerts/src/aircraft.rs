@@ -13,16 +13,6 @@ pub struct State {
 }
 
 impl State {
-    /// Horizontal position, metres.
-    pub(crate) fn place_m(&self) -> DVec2 {
-        self.position_m.truncate()
-    }
-
-    /// Horizontal velocity, metres per second.
-    pub(crate) fn horizontal_mps(&self) -> DVec2 {
-        self.velocity_mps.truncate()
-    }
-
     /// Horizontal speed, metres per second.
     pub fn speed_mps(&self) -> f64 {
         let v = self.velocity_mps;
@@ -127,18 +117,7 @@ impl Deviation {
 
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
-        [
-            self.east_m,
-            self.north_m,
-            self.east_north_m,
-            self.up_m,
-            self.east_mps,
-            self.north_mps,
-            self.east_north_mps,
-            self.up_mps,
-        ]
-        .iter()
-        .all(|value| value.is_finite())
+        self.to_array().iter().all(|value| value.is_finite())
     }
 }
 
@@ -182,16 +161,7 @@ impl Aircraft {
             id,
             state,
             alerter: Some(0),
-            deviation: Deviation {
-                east_m: 0.0,
-                north_m: 0.0,
-                east_north_m: 0.0,
-                up_m: 0.0,
-                east_mps: 0.0,
-                north_mps: 0.0,
-                east_north_mps: 0.0,
-                up_mps: 0.0,
-            },
+            deviation: Deviation::from_array([0.0; 8]),
             terminal_distance_m: None,
         }
     }
@@ -251,8 +221,8 @@ impl Pair {
     /// Ownship relative to intruder in the plane: position, metres, and velocity, m/s.
     pub(crate) fn plane(&self) -> (DVec2, DVec2) {
         (
-            self.ownship.place_m() - self.intruder.place_m(),
-            self.ownship.horizontal_mps() - self.intruder.horizontal_mps(),
+            (self.ownship.position_m - self.intruder.position_m).truncate(),
+            (self.ownship.velocity_mps - self.intruder.velocity_mps).truncate(),
         )
     }
 

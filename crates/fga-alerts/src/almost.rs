@@ -30,45 +30,23 @@ impl Closeness {
         }
     }
 
-    /// A part of two numbers' sizes by which numbers that count as one never differ.
-    const fn far_part(self) -> f64 {
-        match self {
-            Self::Rounding => 1e-11,
-            Self::Edge => 1e-3,
-        }
-    }
-
-    /// Whether two finite numbers surely do not count as one; most do not, and this is quick.
-    #[inline]
-    pub(crate) fn is_far(self, a: f64, b: f64) -> bool {
-        let apart = (a - b).abs();
-        apart > self.far_part() * (a.abs() + b.abs()) && apart > 4.0 * self.beside_zero()
-    }
-
     /// Whether `a` and `b` count as one.
-    #[inline]
     pub(crate) fn same(self, a: f64, b: f64) -> bool {
-        a == b || (!self.is_far(a, b) && self.is_same_place(a, b))
-    }
-
-    fn is_same_place(self, a: f64, b: f64) -> bool {
-        if !a.is_finite() || !b.is_finite() {
-            return false;
+        if a == b || !a.is_finite() || !b.is_finite() {
+            return a == b;
         }
-        if (a == 0.0 || b == 0.0) && a.abs() < self.beside_zero() && b.abs() < self.beside_zero() {
+        if (a == 0.0 || b == 0.0) && a.abs().max(b.abs()) < self.beside_zero() {
             return true;
         }
         place(a).abs_diff(place(b)) <= self.units_in_last_place()
     }
 
     /// Whether `a` is below `b` by more than the resolution.
-    #[inline]
     pub(crate) fn less(self, a: f64, b: f64) -> bool {
         a < b && !self.same(a, b)
     }
 
     /// Whether `a` is below `b` or counts as the same.
-    #[inline]
     pub(crate) fn at_most(self, a: f64, b: f64) -> bool {
         a <= b || self.same(a, b)
     }

@@ -3,16 +3,11 @@
 use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::plane::{modified_tau_s, time_to_closest_s};
-use glam::DVec2;
-
-fn length(v: DVec2) -> f64 {
-    libm::sqrt(v.length_squared())
-}
 
 impl Pair {
     /// Horizontal distance now, metres.
     pub fn horizontal_separation_m(&self) -> f64 {
-        length(self.plane().0)
+        self.plane().0.length()
     }
 
     /// Vertical distance now, metres.
@@ -22,7 +17,7 @@ impl Pair {
 
     /// Horizontal relative speed, metres per second.
     pub fn horizontal_relative_speed_mps(&self) -> f64 {
-        length(self.plane().1)
+        self.plane().1.length()
     }
 
     /// Vertical relative speed, metres per second.
@@ -41,13 +36,7 @@ impl Pair {
     /// relative motion.
     pub fn distance_at_closest_m(&self) -> Option<f64> {
         let (s, v) = self.plane();
-        time_to_closest_s(s, v).map(|time_s| {
-            if time_s <= 0.0 {
-                length(s)
-            } else {
-                length(s + v * time_s)
-            }
-        })
+        time_to_closest_s(s, v).map(|time_s| (s + v * time_s.max(0.0)).length())
     }
 
     /// Least horizontal distance within a time, metres.
@@ -58,7 +47,7 @@ impl Pair {
         } else {
             0.0
         };
-        length(s + v * time_s)
+        (s + v * time_s).length()
     }
 
     /// Least vertical distance within a time, metres.

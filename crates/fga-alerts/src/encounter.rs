@@ -60,7 +60,6 @@ pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
     let nmac = Volume::Cylinder(Cylinder::NMAC);
     let well_clear = volume.well_clear();
     let mut last: Option<&Sample> = None;
-    let mut was_lost = false;
     for sample in samples {
         if !(sample.time_s.is_finite()
             && sample.ownship_m.is_finite()
@@ -70,7 +69,7 @@ pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
         }
         let Some(from) = last else {
             last = Some(sample);
-            outcome.see(&still(sample), sample.time_s, 0.0);
+            outcome.see(&piece(sample, sample, 1.0), sample.time_s, 0.0);
             continue;
         };
         let lasts_s = sample.time_s - from.time_s;
@@ -87,25 +86,13 @@ pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
         if loss.is_conflict() {
             outcome.loss_s.get_or_insert(from.time_s + loss.entry_s);
             outcome.lost_for_s += loss.exit_s - loss.entry_s;
-            was_lost = true;
             if let Some(well_clear) = well_clear {
                 outcome.look_at_severity(well_clear, &pair, loss.entry_s, loss.exit_s);
             }
         }
         last = Some(sample);
     }
-    if !was_lost {
-        outcome.severity = None;
-    }
     outcome
-}
-
-fn still(sample: &Sample) -> Pair {
-    let at = |position_m| State {
-        position_m,
-        velocity_mps: DVec3::ZERO,
-    };
-    Pair::exact(at(sample.ownship_m), at(sample.intruder_m))
 }
 
 fn piece(from: &Sample, to: &Sample, lasts_s: f64) -> Pair {
@@ -140,25 +127,27 @@ impl Outcome {
                 0.0
             }
         };
+        let sees = |least: &mut Option<Least>, value_m: f64, time_s: f64| {
+            let is_less = least.is_none_or(|least| value_m < least.value_m);
+            if is_less {
+                let time_s = begin_s + time_s;
+                *least = Some(Least { value_m, time_s });
+            }
+            is_less
+        };
         let (s, v) = (offset_m.truncate(), relative_mps.truncate());
         let time_s = nearest_s(s.dot(v), v.length_squared());
         let there = after(pair, time_s);
-        let value_m = there.horizontal_separation_m();
-        if self.horizontal.is_none_or(|least| value_m < least.value_m) {
-            self.horizontal = Some(Least {
-                value_m,
-                time_s: begin_s + time_s,
-            });
+        if sees(
+            &mut self.horizontal,
+            there.horizontal_separation_m(),
+            time_s,
+        ) {
             self.vertical_then_m = Some(there.vertical_separation_m());
         }
         let time_s = nearest_s(offset_m.dot(relative_mps), relative_mps.length_squared());
-        let value_m = libm::sqrt((offset_m + relative_mps * time_s).length_squared());
-        if self.slant.is_none_or(|least| value_m < least.value_m) {
-            self.slant = Some(Least {
-                value_m,
-                time_s: begin_s + time_s,
-            });
-        }
+        let value_m = (offset_m + relative_mps * time_s).length();
+        sees(&mut self.slant, value_m, time_s);
     }
 
     fn look_at_severity(&mut self, volume: &WellClear, pair: &Pair, from_s: f64, to_s: f64) {

@@ -1,48 +1,37 @@
 //! Keeps a level from flickering: M of N, persistence, and a memory that ends with a gap.
 
 use alloc::collections::VecDeque;
+use alloc::vec::Vec;
 
 /// The highest value that at least M of the last N values reach.
 ///
-/// A value below zero is no value. Without M and N every value passes unchanged.
+/// Without M and N every value passes unchanged.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct MOfN {
+pub(crate) struct MOfN<T> {
     m: usize,
-    last: VecDeque<i8>,
+    last: VecDeque<T>,
 }
 
-impl MOfN {
-    /// A memory that starts as if it had seen `value` M times.
-    pub(crate) fn new(m: usize, n: usize, value: i8) -> Self {
-        let mut memory = Self::default();
+impl<T: Copy + Ord> MOfN<T> {
+    /// A memory that starts as if it had seen `value` M times, and the least value otherwise.
+    pub(crate) fn new(m: usize, n: usize, value: T, least: T) -> Self {
+        let mut last = VecDeque::new();
         if m > 0 && m <= n {
-            memory.m = m;
-            memory.last.resize(m, value);
-            memory.last.resize(n, -1);
+            last.resize(m, value);
+            last.resize(n, least);
         }
-        memory
+        Self { m, last }
     }
 
     /// Takes a value and returns the one that counts.
-    pub(crate) fn take(&mut self, value: i8) -> i8 {
-        if self.last.is_empty() {
-            return value;
+    pub(crate) fn take(&mut self, value: T) -> T {
+        if self.last.pop_front().is_some() {
+            self.last.push_back(value);
         }
-        self.last.pop_front();
-        self.last.push_back(value);
-        // Most values stay as they are.
-        if self.last.iter().all(|seen| *seen == value) {
-            return value.max(-1);
-        }
-        // The M-th largest of the last N.
-        let mut best = -1;
-        for &candidate in &self.last {
-            let reached = self.last.iter().filter(|seen| **seen >= candidate).count();
-            if reached >= self.m {
-                best = best.max(candidate);
-            }
-        }
-        best
+        let mut sorted: Vec<T> = self.last.iter().copied().collect();
+        sorted.sort_unstable();
+        let highest = sorted.iter().rev().nth(self.m.saturating_sub(1));
+        highest.copied().unwrap_or(value)
     }
 
     /// Whether both have seen the same values.
@@ -65,39 +54,23 @@ pub struct HysteresisSettings {
 }
 
 /// A level over time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Held {
-    votes: MOfN,
-    rose_s: Option<f64>,
-    last: Option<(f64, i8)>,
+    votes: MOfN<i8>,
+    /// Time of the last rise, seconds.
+    pub(crate) rose_s: Option<f64>,
+    /// Time, seconds, and level of the last step.
+    pub(crate) last: Option<(f64, i8)>,
 }
 
 impl Held {
-    pub(crate) fn new() -> Self {
-        Self {
-            votes: MOfN::default(),
-            rose_s: None,
-            last: None,
-        }
-    }
-
-    /// The level of the last step, if there was one.
-    pub(crate) fn last(&self) -> Option<(f64, i8)> {
-        self.last
-    }
-
-    /// Time of the last rise.
-    pub(crate) fn rose_s(&self) -> Option<f64> {
-        self.rose_s
-    }
-
     /// Takes the raw level at a time and returns the level that holds.
     pub(crate) fn take(&mut self, raw: i8, time_s: f64, settings: &HysteresisSettings) -> i8 {
         let goes_on = self
             .last
             .is_some_and(|(last_s, _)| time_s > last_s && time_s - last_s <= settings.memory_s);
         if !goes_on {
-            self.votes = MOfN::new(settings.agreeing, settings.remembered, raw);
+            self.votes = MOfN::new(settings.agreeing, settings.remembered, raw, -1);
             self.rose_s = None;
             self.last = None;
         }
@@ -128,7 +101,7 @@ mod tests {
 
     #[test]
     fn two_of_four_ignores_a_single_value() {
-        let mut votes = MOfN::new(2, 4, 0);
+        let mut votes = MOfN::new(2, 4, 0, -1);
         assert_eq!(votes.take(3), 0);
         assert_eq!(votes.take(0), 0);
         assert_eq!(votes.take(2), 2, "3 and 2 of the last four reach 2");
@@ -144,7 +117,7 @@ mod tests {
             agreeing: 0,
             remembered: 0,
         };
-        let mut held = Held::new();
+        let mut held = Held::default();
         let levels: alloc::vec::Vec<i8> = [0, 3, 0, 0, 0, 0, 0]
             .into_iter()
             .zip(0_u8..)

@@ -3,7 +3,7 @@
 //! The core `fga` decides; this crate speaks the language in which standards, displays and
 //! regulators judge: how near is a volume, which level does that alert, which directions, speeds
 //! and altitudes lead into a conflict, which resolution is preferred? It reads no clock and no file, and
-//! cannot panic on any input; it reuses its buffers from step to step.
+//! cannot panic on any input.
 //!
 //! # Which item answers which question
 //!
@@ -76,13 +76,14 @@ mod plane;
 pub mod schemes;
 mod settings;
 pub mod severity;
+mod units;
 pub mod volume;
 
 pub use aircraft::{Aircraft, AircraftId, Deviation, Pair, PairDeviation, State};
 pub use bands::QuantityBands;
-pub use bands::colors::Band;
-pub use bands::memory::{Resolution, Way};
-pub use bands::recovered::Recovery;
+pub use bands::colors::{Band, Way};
+pub use bands::memory::Resolution;
+pub use bands::recovery::Recovery;
 pub use bands::span::Quantity;
 pub use hysteresis::HysteresisSettings;
 pub use loss::Loss;

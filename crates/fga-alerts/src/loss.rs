@@ -2,18 +2,6 @@
 
 use crate::almost::Closeness;
 
-/// The later of two times, in one instruction; the second one where either is not a number.
-#[inline]
-pub(crate) fn later_of(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The earlier of two times, in one instruction; the second one where either is not a number.
-#[inline]
-pub(crate) fn earlier_of(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
 /// Start and end of a violation along straight lines, seconds from now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loss {
@@ -48,12 +36,6 @@ impl Loss {
         }
     }
 
-    /// Whether the end lies after the begin at all, be it within rounding.
-    #[inline]
-    pub(crate) fn lasts(self) -> bool {
-        self.entry_s < self.exit_s
-    }
-
     /// Whether the violation has a duration.
     pub fn is_conflict(self) -> bool {
         Closeness::Rounding.less(self.entry_s, self.exit_s)
@@ -65,29 +47,26 @@ impl Loss {
             && self.is_conflict()
     }
 
+    /// From the first begin to the last end of both, as far as they have a duration.
+    pub(crate) fn hull(self, other: Self) -> Self {
+        if !other.is_conflict() {
+            self.if_lasting()
+        } else if !self.is_conflict() {
+            other
+        } else {
+            Self::new(
+                self.entry_s.min(other.entry_s),
+                self.exit_s.max(other.exit_s),
+            )
+        }
+    }
+
     /// The intersection.
     pub(crate) fn and(self, other: Self) -> Self {
         Self::new(
             self.entry_s.max(other.entry_s),
             self.exit_s.min(other.exit_s),
         )
-    }
-
-    /// Whether rounding has no say in whether a part between two times, far apart, lasts; this one
-    /// lasts.
-    #[inline]
-    pub(crate) fn is_clear(self, from_s: f64, to_s: f64) -> bool {
-        let begin_s = if from_s > self.entry_s {
-            from_s
-        } else {
-            self.entry_s
-        };
-        let end_s = if to_s < self.exit_s {
-            to_s
-        } else {
-            self.exit_s
-        };
-        begin_s >= end_s || Closeness::Rounding.is_far(begin_s, end_s)
     }
 
     /// Whether the part between two times has a duration.

@@ -2,16 +2,18 @@
 
 mod input;
 
-use crate::aircraft::{Aircraft, AircraftId, Pair, State};
+use crate::aircraft::{Aircraft, AircraftId, State};
 use crate::almost::Closeness::Rounding;
-use crate::bands::met::Met;
+use crate::bands::meeting::Met;
 use crate::bands::span::Quantity;
 use crate::bands::{Contribution, Picture, QuantityBands, Terminal, meets_within_spread};
-use crate::hysteresis::{Held, HysteresisSettings};
+use crate::hysteresis::Held;
 use crate::loss::Loss;
-use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
+use crate::settings::{Region, Settings, TerminalGuidance};
+use alloc::collections::BTreeMap;
+use alloc::vec;
 use alloc::vec::Vec;
-use input::{check, pair_of};
+use input::check;
 
 pub use input::StepError;
 
@@ -48,63 +50,41 @@ pub enum LastTime {
 /// Alert levels and bands over time.
 #[derive(Debug, Clone)]
 pub struct Monitor {
-    settings: Settings,
-    time_s: f64,
-    ownship: Option<Aircraft>,
-    traffic: Vec<Aircraft>,
-    alert_memory: Vec<(AircraftId, Held)>,
-    terminal_memory: Vec<(AircraftId, Held)>,
+    picture: Picture,
+    /// Levels over time, by aircraft.
+    alert_memory: BTreeMap<AircraftId, Held>,
+    terminal_memory: BTreeMap<AircraftId, Held>,
     slow_memory: Held,
-    alerters: Vec<Option<usize>>,
     alerts: Vec<Alert>,
-    conflicts: [Vec<Contribution>; 3],
-    times: [Loss; 3],
-    terminal: Terminal,
-    is_slow: bool,
     bands: [QuantityBands; 4],
-}
-
-/// Adds a raw level to the memory of an aircraft, new or known; returns the level that holds.
-fn remember(
-    memories: &mut Vec<(AircraftId, Held)>,
-    id: AircraftId,
-    raw: i8,
-    time_s: f64,
-    settings: &HysteresisSettings,
-) -> i8 {
-    if let Some((_, held)) = memories.iter_mut().find(|(known, _)| *known == id) {
-        return held.take(raw, time_s, settings);
-    }
-    let mut held = Held::new();
-    let level = held.take(raw, time_s, settings);
-    memories.push((id, held));
-    level
 }
 
 impl Monitor {
     /// A monitor without memory.
     pub fn new(settings: Settings) -> Self {
         Self {
-            settings,
-            time_s: 0.0,
-            ownship: None,
-            traffic: Vec::new(),
-            alert_memory: Vec::new(),
-            terminal_memory: Vec::new(),
-            slow_memory: Held::new(),
-            alerters: Vec::new(),
+            picture: Picture {
+                settings,
+                time_s: 0.0,
+                ownship: Aircraft::new(AircraftId(0), State::default()),
+                traffic: Vec::new(),
+                alerters: Vec::new(),
+                conflicts: Default::default(),
+                times: [Loss::NEVER; 3],
+                terminal: Terminal::Outside,
+                is_slow: false,
+            },
+            alert_memory: BTreeMap::new(),
+            terminal_memory: BTreeMap::new(),
+            slow_memory: Held::default(),
             alerts: Vec::new(),
-            conflicts: Default::default(),
-            times: [Loss::NEVER; 3],
-            terminal: Terminal::Outside,
-            is_slow: false,
             bands: Quantity::ALL.map(QuantityBands::new),
         }
     }
 
     /// The settings.
     pub const fn settings(&self) -> &Settings {
-        &self.settings
+        &self.picture.settings
     }
 
     /// Takes the aircraft of one time; afterwards alerts and bands describe this time.
@@ -121,15 +101,11 @@ impl Monitor {
         traffic: &[Aircraft],
     ) -> Result<(), StepError> {
         self.find_levels(time_s, ownship, traffic)?;
-        self.find_conflicts(ownship);
+        self.find_conflicts();
         self.watch_terminal();
-        let mut bands = core::mem::replace(&mut self.bands, Quantity::ALL.map(QuantityBands::new));
-        if let Some(picture) = self.picture() {
-            for quantity in &mut bands {
-                quantity.update(&picture);
-            }
+        for quantity in &mut self.bands {
+            quantity.update(&self.picture);
         }
-        self.bands = bands;
         Ok(())
     }
 
@@ -156,263 +132,124 @@ impl Monitor {
         traffic: &[Aircraft],
     ) -> Result<(), StepError> {
         check(time_s, ownship, traffic)?;
-        let goes_on = self.ownship.is_some_and(|before| {
-            before.id == ownship.id
-                && time_s >= self.time_s
-                && time_s - self.time_s <= self.settings.hysteresis.memory_s
-        });
+        let picture = &mut self.picture;
+        let goes_on = picture.ownship.id == ownship.id
+            && time_s >= picture.time_s
+            && time_s - picture.time_s <= picture.settings.hysteresis.memory_s;
         if !goes_on {
-            self.forget();
+            self.alert_memory.clear();
+            self.terminal_memory.clear();
+            self.slow_memory = Held::default();
+            for quantity in &mut self.bands {
+                quantity.forget();
+            }
         }
-        self.time_s = time_s;
-        self.ownship = Some(*ownship);
-        self.traffic.clear();
-        self.traffic.extend_from_slice(traffic);
-        self.choose_alerters(ownship);
-        self.slow(ownship);
-        self.alert(ownship);
+        picture.time_s = time_s;
+        picture.ownship = *ownship;
+        picture.traffic.clear();
+        picture.traffic.extend_from_slice(traffic);
+        let raw = i8::from(ownship.state.speed_mps() < picture.settings.least_airspeed_mps);
+        let hysteresis = &picture.settings.hysteresis;
+        picture.is_slow = self.slow_memory.take(raw, time_s, hysteresis) > 0;
+        self.picture.alerters = if self.picture.settings.ownship_centric {
+            vec![self.alerter_of(ownship); traffic.len()]
+        } else {
+            traffic
+                .iter()
+                .map(|aircraft| self.alerter_of(aircraft))
+                .collect()
+        };
+        self.alert();
         Ok(())
     }
 
-    /// Forgets everything.
-    fn forget(&mut self) {
-        self.alert_memory.clear();
-        self.terminal_memory.clear();
-        self.slow_memory = Held::new();
-        for quantity in &mut self.bands {
-            quantity.forget();
-        }
-    }
-
-    fn picture(&self) -> Option<Picture<'_>> {
-        Some(Picture {
-            settings: &self.settings,
-            time_s: self.time_s,
-            ownship: self.ownship.as_ref()?,
-            traffic: &self.traffic,
-            alerters: &self.alerters,
-            conflicts: &self.conflicts,
-            times: &self.times,
-            terminal: self.terminal,
-            is_slow: self.is_slow,
-        })
-    }
-
-    /// Whether an aircraft is in the terminal area, with memory.
-    fn is_in_terminal(&mut self, aircraft: &Aircraft) -> bool {
-        let area = &self.settings.terminal;
-        let on = area.guidance != TerminalGuidance::Off
+    /// The alerter that holds where an aircraft is: in the terminal area, with memory, or elsewhere.
+    fn alerter_of(&mut self, aircraft: &Aircraft) -> Option<usize> {
+        let settings = &self.picture.settings;
+        let area = &settings.terminal;
+        let mut alerter = aircraft.alerter;
+        if area.guidance != TerminalGuidance::Off
             && area.alerter.is_some()
             && area.radius_m > 0.0
-            && area.height_m > 0.0;
-        if !on {
-            return false;
+            && area.height_m > 0.0
+        {
+            let distance_m = aircraft.terminal_distance_m;
+            let inside = distance_m.is_some_and(|m| Rounding.at_most(m, area.radius_m))
+                && Rounding.at_most(aircraft.state.position_m.z, area.height_m);
+            let held = self.terminal_memory.entry(aircraft.id).or_default();
+            if held.take(i8::from(inside), self.picture.time_s, &settings.hysteresis) == 1 {
+                alerter = area.alerter;
+            }
         }
-        let inside = aircraft
-            .terminal_distance_m
-            .is_some_and(|distance_m| Rounding.at_most(distance_m, area.radius_m))
-            && Rounding.at_most(aircraft.state.position_m.z, area.height_m);
-        let (time_s, hysteresis) = (self.time_s, self.settings.hysteresis);
-        let memories = &mut self.terminal_memory;
-        remember(memories, aircraft.id, i8::from(inside), time_s, &hysteresis) == 1
-    }
-
-    /// Chooses the alerter that judges each aircraft.
-    fn choose_alerters(&mut self, ownship: &Aircraft) {
-        let count = self.settings.alerters.len();
-        let known = |alerter: Option<usize>| alerter.filter(|index| *index < count);
-        let terminal = known(self.settings.terminal.alerter);
-        self.alerters.clear();
-        if self.settings.ownship_centric {
-            let inside = self.is_in_terminal(ownship);
-            let alerter = if inside {
-                terminal
-            } else {
-                known(ownship.alerter)
-            };
-            self.alerters.resize(self.traffic.len(), alerter);
-            return;
-        }
-        for index in 0..self.traffic.len() {
-            let Some(aircraft) = self.traffic.get(index).copied() else {
-                continue;
-            };
-            let inside = self.is_in_terminal(&aircraft);
-            self.alerters.push(if inside {
-                terminal
-            } else {
-                known(aircraft.alerter)
-            });
-        }
-    }
-
-    fn slow(&mut self, ownship: &Aircraft) {
-        let raw = i8::from(ownship.state.speed_mps() < self.settings.least_airspeed_mps);
-        let hysteresis = self.settings.hysteresis;
-        self.is_slow = self.slow_memory.take(raw, self.time_s, &hysteresis) > 0;
+        alerter.filter(|index| *index < settings.alerters.len())
     }
 
     /// Finds the alert level of every aircraft.
-    fn alert(&mut self, ownship: &Aircraft) {
-        self.alerts.clear();
+    fn alert(&mut self) {
         // Manoeuvres within a spread count as outside of the terminal area.
-        self.terminal = Terminal::Outside;
-        for index in 0..self.traffic.len() {
-            let Some(aircraft) = self.traffic.get(index).copied() else {
-                continue;
-            };
-            let alerter = self.alerters.get(index).copied().flatten();
+        self.picture.terminal = Terminal::Outside;
+        let picture = &self.picture;
+        let alerts = picture.traffic.iter().zip(&picture.alerters).enumerate();
+        let alerts = alerts.map(|(index, (aircraft, alerter))| {
             let level = alerter.map(|alerter| {
-                let raw = self.raw_level(ownship, index, &aircraft, alerter);
-                let hysteresis = self.settings.hysteresis;
-                let time_s = self.time_s;
-                remember(
-                    &mut self.alert_memory,
-                    aircraft.id,
-                    raw,
-                    time_s,
-                    &hysteresis,
-                )
+                let held = self.alert_memory.entry(aircraft.id).or_default();
+                let last = held.last.filter(|(last_s, _)| *last_s < picture.time_s);
+                let raw = raw_level(picture, index, alerter, last.map(|(_, level)| level));
+                held.take(raw, picture.time_s, &picture.settings.hysteresis)
             });
-            self.alerts.push(Alert {
+            Alert {
                 id: aircraft.id,
-                alerter,
+                alerter: *alerter,
                 level: level.and_then(|level| usize::try_from(level).ok()),
-            });
-        }
-    }
-
-    fn raw_level(
-        &self,
-        ownship: &Aircraft,
-        index: usize,
-        aircraft: &Aircraft,
-        alerter: usize,
-    ) -> i8 {
-        let before = self
-            .alert_memory
-            .iter()
-            .find(|(id, _)| *id == aircraft.id)
-            .and_then(|(_, held)| held.last())
-            .filter(|(last_s, _)| *last_s < self.time_s);
-        let Some(alerter) = self.settings.alerters.get(alerter) else {
-            return 0;
-        };
-        let pair = pair_of(ownship, aircraft);
-        (1_i8..)
-            .zip(&alerter.levels)
-            .filter(|(number, level)| {
-                let is_on = before.is_some_and(|(_, last)| last == *number);
-                self.is_alerted(&pair, index, level, is_on)
-            })
-            .map(|(number, _)| number)
-            .last()
-            .unwrap_or(0)
-    }
-
-    fn is_alerted(&self, pair: &Pair, index: usize, level: &AlertLevel, is_on: bool) -> bool {
-        let time_s = if is_on {
-            level.early_alerting_s
-        } else {
-            level.alerting_s
-        };
-        let loss = level.volume.violation(pair, 0.0, self.settings.lookahead_s);
-        if loss.begins_before(time_s) {
-            return true;
-        }
-        Quantity::ALL.into_iter().any(|quantity| {
-            let spread = level.spread.get(quantity);
-            if spread <= 0.0 {
-                return false;
             }
-            let Some(picture) = self.picture() else {
-                return false;
-            };
-            picture.met(index).is_some_and(|met| {
-                let spread = (spread, spread);
-                meets_within_spread(&picture, quantity, spread, &met, &level.volume, time_s)
-            })
-        })
+        });
+        self.alerts = alerts.collect();
     }
 
     /// Finds the aircraft in conflict, region by region.
-    fn find_conflicts(&mut self, ownship: &Aircraft) {
-        let lookahead_s = self.settings.lookahead_s;
-        for (place, region) in Region::CONFLICTS.into_iter().enumerate() {
-            let (Some(list), Some(times)) =
-                (self.conflicts.get_mut(place), self.times.get_mut(place))
-            else {
-                continue;
-            };
-            list.clear();
-            *times = Loss::NEVER;
-            for (intruder, (aircraft, alerter)) in
-                self.traffic.iter().zip(&self.alerters).enumerate()
-            {
-                let found = alerter.and_then(|index| {
-                    let alerter = self.settings.alerters.get(index)?;
-                    let number = alerter.level_for(region)?;
-                    Some((index, number, alerter.level(number)?))
-                });
-                let Some((alerter, number, level)) = found else {
+    fn find_conflicts(&mut self) {
+        let picture = &self.picture;
+        let mut conflicts: [Vec<Contribution>; 3] = Default::default();
+        let mut times = [Loss::NEVER; 3];
+        let lists = conflicts.iter_mut().zip(&mut times);
+        for (region, (list, times)) in Region::CONFLICTS.into_iter().zip(lists) {
+            for (intruder, aircraft) in picture.traffic.iter().enumerate() {
+                let Some(level) = picture.level_for(intruder, region) else {
                     continue;
                 };
-                let held = self
-                    .alert_memory
-                    .iter()
-                    .find(|(id, _)| *id == aircraft.id)
-                    .map(|(_, held)| held);
-                let stays_on = held.is_some_and(|held| {
-                    held.rose_s().is_some_and(|rose_s| rose_s < self.time_s)
-                        && held
-                            .last()
-                            .is_some_and(|(_, last)| usize::try_from(last) == Ok(number))
+                let stays_on = self.alert_memory.get(&aircraft.id).is_some_and(|held| {
+                    let last = held.last.and_then(|(_, last)| usize::try_from(last).ok());
+                    held.rose_s.is_some_and(|rose_s| rose_s < picture.time_s) && last == Some(level)
                 });
-                let time_s = if stays_on {
-                    level.early_alerting_s
-                } else {
-                    level.alerting_s
-                };
-                let loss = level
-                    .volume
-                    .violation(&pair_of(ownship, aircraft), 0.0, lookahead_s);
-                if !loss.is_conflict() {
-                    continue;
-                }
+                let alert = picture.level(intruder, level);
+                let time_s = alert.map_or(0.0, |alert| alert.time_s(stays_on));
+                let loss = picture.violation(intruder, level).unwrap_or(Loss::NEVER);
                 if loss.begins_before(time_s) {
                     list.push(Contribution {
                         intruder,
-                        alerter,
-                        level: number,
-                        horizon_s: lookahead_s,
+                        level,
+                        horizon_s: picture.settings.lookahead_s,
                     });
                 }
-                times.entry_s = times.entry_s.min(loss.entry_s);
-                times.exit_s = times.exit_s.max(loss.exit_s);
+                *times = times.hull(loss);
             }
         }
+        (self.picture.conflicts, self.picture.times) = (conflicts, times);
     }
 
     /// Updates the state of the terminal area.
     fn watch_terminal(&mut self) {
-        let area = &self.settings.terminal;
-        self.terminal = Terminal::Outside;
-        let (TerminalGuidance::Departing | TerminalGuidance::Landing, Some(alerter)) =
-            (area.guidance, area.alerter)
-        else {
-            return;
-        };
-        if !self.alerters.contains(&Some(alerter)) {
-            return;
-        }
+        let picture = &mut self.picture;
+        let area = &picture.settings.terminal;
+        let is_inside = area.guidance != TerminalGuidance::Off
+            && area.alerter.is_some()
+            && picture.alerters.contains(&area.alerter);
         // Special guidance begins with a conflict above the corrective region.
-        let corrective = self
-            .settings
-            .corrective_region
-            .conflict_index()
-            .unwrap_or(0);
-        let above = self.conflicts.iter().take(corrective);
-        self.terminal = if above.into_iter().any(|list| !list.is_empty()) {
+        let corrective = picture.settings.corrective_region.conflict_index();
+        let mut above = picture.conflicts.iter().take(corrective.unwrap_or(0));
+        picture.terminal = if !is_inside {
+            Terminal::Outside
+        } else if above.any(|list| !list.is_empty()) {
             Terminal::Guided
         } else {
             Terminal::Inside
@@ -426,51 +263,34 @@ impl Monitor {
 
     /// The highest level of any aircraft.
     pub fn highest_level(&self) -> usize {
-        self.alerts
-            .iter()
-            .filter_map(|alert| alert.level)
-            .max()
-            .unwrap_or(0)
+        let levels = self.alerts.iter().filter_map(|alert| alert.level);
+        levels.max().unwrap_or(0)
     }
 
     /// Whether an aircraft of the traffic, or the ownship, is in the terminal area and whether its
     /// guidance is on.
     pub fn terminal(&self) -> (bool, bool) {
-        (
-            self.terminal != Terminal::Outside,
-            self.terminal == Terminal::Guided,
-        )
+        let terminal = self.picture.terminal;
+        (terminal != Terminal::Outside, terminal == Terminal::Guided)
     }
 
     /// Aircraft (indices in the traffic) whose predicted violation alerts in a region.
     pub fn conflicts(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
-        region
-            .conflict_index()
-            .and_then(|index| self.conflicts.get(index))
-            .into_iter()
-            .flatten()
-            .map(|contribution| contribution.intruder)
+        let conflicts = region.of(&self.picture.conflicts).into_iter().flatten();
+        conflicts.map(|contribution| contribution.intruder)
     }
 
     /// From the first entry into a region's volume to the last exit, over all aircraft.
     pub fn conflict_times(&self, region: Region) -> Loss {
         region
-            .conflict_index()
-            .and_then(|index| self.times.get(index))
+            .of(&self.picture.times)
             .copied()
             .unwrap_or(Loss::NEVER)
     }
 
     /// The violation of a level's volume by an aircraft of the traffic; `None` for an unknown level.
     pub fn violation(&self, index: usize, level: usize) -> Option<Loss> {
-        let alerter = self.alerters.get(index).copied().flatten()?;
-        let level = self.settings.alerters.get(alerter)?.level(level)?;
-        let pair = pair_of(self.ownship.as_ref()?, self.traffic.get(index)?);
-        Some(
-            level
-                .volume
-                .violation(&pair, 0.0, self.settings.lookahead_s),
-        )
+        self.picture.violation(index, level)
     }
 
     /// The bands of a quantity.
@@ -486,66 +306,38 @@ impl Monitor {
 
     /// The last time at which a maneuver of a quantity stays out of the corrective volume of an
     /// aircraft, to half a second.
-    pub fn last_time(&mut self, quantity: Quantity, index: usize, ahead: &impl Ahead) -> LastTime {
-        let fresh = QuantityBands::new(quantity);
-        let mut bands = core::mem::replace(self.bands_mut(quantity), fresh);
-        let last = self
-            .search_last_time(&mut bands, index, ahead)
-            .unwrap_or(LastTime::NoConflict);
-        *self.bands_mut(quantity) = bands;
-        last
-    }
-
-    fn bands_mut(&mut self, quantity: Quantity) -> &mut QuantityBands {
-        let [direction, horizontal_speed, vertical_speed, altitude] = &mut self.bands;
-        match quantity {
-            Quantity::Direction => direction,
-            Quantity::HorizontalSpeed => horizontal_speed,
-            Quantity::VerticalSpeed => vertical_speed,
-            Quantity::Altitude => altitude,
-        }
+    pub fn last_time(&self, quantity: Quantity, index: usize, ahead: &impl Ahead) -> LastTime {
+        self.search_last_time(quantity, index, ahead)
+            .unwrap_or(LastTime::NoConflict)
     }
 
     fn search_last_time(
         &self,
-        bands: &mut QuantityBands,
+        quantity: Quantity,
         index: usize,
         ahead: &impl Ahead,
     ) -> Option<LastTime> {
-        let picture = self.picture()?;
-        let alerter = self.alerters.get(index).copied().flatten()?;
-        let number = self.settings.corrective_level(alerter)?;
-        let volume = &self.settings.alerters.get(alerter)?.level(number)?.volume;
-        if !bands.is_computed() {
-            return None;
-        }
-        let loss = self.violation(index, number)?;
-        if !loss.is_conflict() {
+        let (picture, bands) = (&self.picture, self.bands(quantity));
+        let number = picture.level_for(index, picture.settings.corrective_region)?;
+        let volume = &picture.level(index, number)?.volume;
+        let loss = picture.violation(index, number)?;
+        if !bands.is_computed() || !loss.is_conflict() {
             return None;
         }
         if loss.entry_s == 0.0 {
             return Some(LastTime::Passed);
         }
-        let deviation = picture.met(index)?.deviation;
+        let met = picture.met(index)?;
         let (mut possible_s, mut too_late_s) = (0.0, loss.entry_s);
         let mut tried_s = possible_s;
         while too_late_s - possible_s > 0.5 {
             let ownship = ahead.ownship(tried_s);
-            let intruder = ahead.intruder(index, tried_s);
             let met = Met {
-                settings: &self.settings,
-                intruder: &intruder,
-                deviation,
-                asked_s: self.settings.lookahead_s,
+                intruder: ahead.intruder(index, tried_s),
+                ..met
             };
-            let pair = Pair {
-                ownship,
-                intruder,
-                deviation,
-            };
-            let is_late = volume.conflicts(&pair, 0.0, 0.0)
-                || bands.is_blocked(&picture, &ownship, &met, volume);
-            if is_late {
+            let is_lost = volume.conflicts(&met.pair(&ownship), 0.0, 0.0);
+            if is_lost || bands.is_blocked(picture, &ownship, &met, volume) {
                 too_late_s = tried_s;
             } else {
                 possible_s = tried_s;
@@ -558,4 +350,24 @@ impl Monitor {
             LastTime::In(possible_s)
         })
     }
+}
+
+/// The highest level of an alerter that alerts of an aircraft, on straight lines or after a manoeuvre within the
+/// level's spread; `last` is the level before.
+fn raw_level(picture: &Picture, index: usize, alerter: usize, last: Option<i8>) -> i8 {
+    let alerter = picture.settings.alerters.get(alerter);
+    let (Some(alerter), Some(met)) = (alerter, picture.met(index)) else {
+        return 0;
+    };
+    let pair = met.pair(&picture.ownship.state);
+    let alerted = (1_i8..).zip(&alerter.levels).filter(|(number, level)| {
+        let (volume, time_s) = (&level.volume, level.time_s(last == Some(*number)));
+        let loss = volume.violation(&pair, 0.0, picture.settings.lookahead_s);
+        let leads_into = |quantity| {
+            let spread = level.spread.get(quantity);
+            spread > 0.0 && meets_within_spread(picture, quantity, spread, &met, volume, time_s)
+        };
+        loss.begins_before(time_s) || Quantity::ALL.into_iter().any(leads_into)
+    });
+    alerted.last().map_or(0, |(number, _)| number)
 }

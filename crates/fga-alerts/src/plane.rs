@@ -4,6 +4,7 @@
 //! constant-velocity, x east and y north, metres and metres per second.
 
 use crate::almost::Closeness;
+use crate::loss::Loss;
 use glam::DVec2;
 
 /// A crossing of a boundary.
@@ -58,6 +59,12 @@ pub(crate) fn circle_crossing_s(
     )
 }
 
+/// Between which times the straight line is inside the circle, seconds; `None` if it never is.
+pub(crate) fn circle_crossings(s: DVec2, v: DVec2, radius_m: f64) -> Option<Loss> {
+    let at = |crossing| circle_crossing_s(s, v, radius_m, crossing);
+    Some(Loss::new(at(Crossing::Entry)?, at(Crossing::Exit)?))
+}
+
 /// Root of `a t² + 2 b t + c`.
 pub(crate) fn half_root(a: f64, b: f64, c: f64, crossing: Crossing) -> Option<f64> {
     if a == 0.0 {
@@ -66,19 +73,6 @@ pub(crate) fn half_root(a: f64, b: f64, c: f64, crossing: Crossing) -> Option<f6
     let (square, product) = (b * b, a * c);
     (Closeness::Rounding.same(square, product) || square > product)
         .then(|| (-b + crossing.sign() * libm::sqrt((square - product).max(0.0))) / a)
-}
-
-/// Both roots of `a t² + 2 b t + c`, the earlier one first where `a` is positive.
-#[inline]
-pub(crate) fn half_roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
-    if a == 0.0 {
-        return (b != 0.0).then(|| (-c / (2.0 * b), -c / (2.0 * b)));
-    }
-    let (square, product) = (b * b, a * c);
-    (square > product || Closeness::Rounding.same(square, product)).then(|| {
-        let root = libm::sqrt((square - product).max(0.0));
-        ((-b - root) / a, (-b + root) / a)
-    })
 }
 
 /// Root of `a t² + b t + c`.

@@ -2,15 +2,11 @@
 
 use crate::hysteresis::HysteresisSettings;
 use crate::settings::{AlertLevel, Alerter, PerManeuver, Region, Settings};
+use crate::units::{DEGREE_RAD, FOOT_M, KNOT_MPS, NAUTICAL_MILE_M};
 use crate::volume::{Cylinder, Volume, WellClear};
 use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
-
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
-const KNOT_MPS: f64 = NAUTICAL_MILE_M / 3600.0;
-const DEGREE_RAD: f64 = core::f64::consts::PI / 180.0;
 
 fn level(volume: Volume, alerting_s: f64, early_alerting_s: f64, region: Region) -> AlertLevel {
     AlertLevel {

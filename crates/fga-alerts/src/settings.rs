@@ -1,11 +1,12 @@
 //! The settings: horizons, dynamics, regions, memories, alerters.
 
 use crate::hysteresis::HysteresisSettings;
+use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// The urgency of a band's conflict.
+/// The urgency of a band's conflict, in the order in which regions cover each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Region {
     /// No conflict.
@@ -42,44 +43,17 @@ impl Region {
 
     /// Severity of the conflict: 1 to 3, 0 without a conflict.
     pub(crate) const fn severity(self) -> u8 {
-        match self {
-            Self::None | Self::Recovery => 0,
-            Self::Far => 1,
-            Self::Mid => 2,
-            Self::Near => 3,
-        }
+        if self.is_conflict() { self as u8 } else { 0 }
     }
 
-    /// Order in which colors cover each other, recovery on top.
-    pub(crate) const fn order(self) -> i8 {
-        match self {
-            Self::None => 0,
-            Self::Far => 1,
-            Self::Mid => 2,
-            Self::Near => 3,
-            Self::Recovery => 4,
-        }
-    }
-
-    pub(crate) const fn from_order(order: i8) -> Option<Self> {
-        match order {
-            0 => Some(Self::None),
-            1 => Some(Self::Far),
-            2 => Some(Self::Mid),
-            3 => Some(Self::Near),
-            4 => Some(Self::Recovery),
-            _ => None,
-        }
+    /// What belongs to this region, of what is in the order of [`Region::CONFLICTS`].
+    pub(crate) fn of<T>(self, by_region: &[T; 3]) -> Option<&T> {
+        by_region.get(self.conflict_index()?)
     }
 
     /// Index in [`Region::CONFLICTS`].
-    pub(crate) const fn conflict_index(self) -> Option<usize> {
-        match self {
-            Self::Near => Some(0),
-            Self::Mid => Some(1),
-            Self::Far => Some(2),
-            Self::None | Self::Recovery => None,
-        }
+    pub(crate) fn conflict_index(self) -> Option<usize> {
+        Self::CONFLICTS.iter().position(|region| *region == self)
     }
 }
 
@@ -164,6 +138,17 @@ pub struct AlertLevel {
     pub region: Region,
     /// Manoeuvres of the ownship that also raise the alert, in SI units; 0 for none.
     pub spread: PerManeuver<f64>,
+}
+
+impl AlertLevel {
+    /// Time before the violation within which the alert is on, if it is on already or not, seconds.
+    pub(crate) const fn time_s(&self, is_on: bool) -> f64 {
+        if is_on {
+            self.early_alerting_s
+        } else {
+            self.alerting_s
+        }
+    }
 }
 
 /// Alert levels in the order of severity.
@@ -267,11 +252,6 @@ pub struct Settings {
     /// The alerters.
     pub alerters: Vec<Alerter>,
 }
-
-const FOOT_M: f64 = 0.3048;
-const KNOT_MPS: f64 = 1852.0 / 3600.0;
-const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
-const DEGREE_RAD: f64 = core::f64::consts::PI / 180.0;
 
 impl Default for Settings {
     /// The defaults of a file.

@@ -21,7 +21,7 @@ pub fn severity(volume: &WellClear, pair: &Pair) -> Option<f64> {
     }
     let (s, v) = pair.plane();
     let (height_m, _) = pair.vertical();
-    let range_m = libm::sqrt(s.length_squared());
+    let range_m = s.length();
     let reach_m = volume.distance_m;
     let closing_mps = if range_m > 0.0 {
         (-s.dot(v) / range_m).max(0.0)
@@ -30,13 +30,8 @@ pub fn severity(volume: &WellClear, pair: &Pair) -> Option<f64> {
     };
     let tau_m = closing_mps * volume.tau_s;
     let edge_m = 0.5 * (libm::sqrt(tau_m * tau_m + 4.0 * reach_m * reach_m) + tau_m);
-    let miss_m = match time_to_closest_s(s, v) {
-        Some(time_s) if time_s > 0.0 => {
-            let closest = s + v * time_s;
-            libm::sqrt(closest.length_squared())
-        }
-        _ => range_m,
-    };
+    let closest_s = time_to_closest_s(s, v).map_or(0.0, |time_s| time_s.max(0.0));
+    let miss_m = (s + v * closest_s).length();
     let part = |value: f64, of: f64| if of > 0.0 { (value / of).min(1.0) } else { 1.0 };
     let range = part(range_m, edge_m.max(reach_m));
     let miss = part(miss_m, reach_m);

@@ -8,7 +8,6 @@
 //! | [`Advisory`] | TCAS II thresholds by altitude | RTCA DO-185B, tables of sensitivity levels |
 
 mod advisory;
-mod approach;
 mod cylinder;
 mod uncertain;
 mod well_clear;
@@ -17,8 +16,6 @@ pub use advisory::{Advisory, Sensitivity};
 pub use cylinder::Cylinder;
 pub use uncertain::{DeviationFactors, UncertainWellClear};
 pub use well_clear::{HorizontalTime, VerticalTime, WellClear};
-
-pub(crate) use approach::{Approach, Surroundings};
 
 use crate::aircraft::Pair;
 use crate::loss::Loss;
@@ -50,34 +47,14 @@ impl Volume {
         .if_lasting()
     }
 
-    /// Whether the violation depends on the part of the line that is asked for.
-    pub(crate) const fn depends_on_time(&self) -> bool {
-        matches!(self, Self::Advisory(_))
-    }
-
-    /// A line that passes by the reach, or leaves it, meets nothing afterwards; `None` where that is not known.
-    pub(crate) fn reach(&self) -> Option<Surroundings> {
+    /// The whole violation along straight lines within `[0, horizon_s]`, to be cut to any part of it;
+    /// `None` where the violation depends on the part that is asked for.
+    pub(crate) fn window(&self, pair: &Pair, horizon_s: f64) -> Option<Loss> {
         match self {
-            Self::Cylinder(cylinder) => Some(cylinder.reach()),
-            Self::WellClear(volume) => volume.reach(),
-            Self::Uncertain(_) | Self::Advisory(_) => None,
-        }
-    }
-
-    /// The whole violation along straight lines from now on, to be cut to any part of `[0,
-    /// horizon_s]`, where it does not depend on which; `pair` for what the approach does not say.
-    #[inline]
-    pub(crate) fn window(
-        &self,
-        approach: &Approach,
-        pair: impl FnOnce() -> Pair,
-        horizon_s: f64,
-    ) -> Loss {
-        match self {
-            Self::Cylinder(cylinder) => cylinder.window(approach, pair),
-            Self::WellClear(volume) => volume.window(approach, pair),
-            Self::Uncertain(volume) => volume.window(approach, &pair(), horizon_s),
-            Self::Advisory(advisory) => advisory.violation(&pair(), 0.0, horizon_s),
+            Self::Cylinder(cylinder) => Some(cylinder.window(pair)),
+            Self::WellClear(volume) => Some(volume.window(pair)),
+            Self::Uncertain(volume) => Some(volume.window(pair, horizon_s)),
+            Self::Advisory(_) => None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! A line of values painted with regions.
 
 use crate::almost::Closeness::Edge;
-use crate::almost::{Closeness, wrapped};
+use crate::almost::wrapped;
 use crate::bands::intervals::Intervals;
 use crate::bands::span::Span;
 use crate::settings::Region;
@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 /// A value and the colors on both sides; `None` is out of reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Edge2 {
+pub(crate) struct Border {
     pub(crate) left: Option<Region>,
     pub(crate) at: f64,
     pub(crate) right: Option<Region>,
@@ -17,54 +17,49 @@ pub(crate) struct Edge2 {
 
 /// A line of edges in increasing order; the color right of an edge is the color left of the next.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Colors(pub(crate) Vec<Edge2>);
+pub(crate) struct Colors(pub(crate) Vec<Border>);
 
-fn order(color: Option<Region>) -> i8 {
-    color.map_or(-1, Region::order)
-}
-
-fn edge(left: Option<Region>, at: f64, right: Option<Region>) -> Edge2 {
-    Edge2 { left, at, right }
+/// The side of a manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Way {
+    /// Left or down.
+    #[default]
+    Low,
+    /// Right or up.
+    High,
 }
 
 impl Colors {
     /// The line of a span, free of conflicts.
     pub(crate) fn of(span: &Span) -> Self {
-        let free = Some(Region::None);
-        let (least, greatest) = span.bounds;
-        let mut edges = Vec::new();
-        if span.modulus == 0.0 {
-            if Edge.less(least, span.min) {
-                edges.push(edge(None, least, None));
-            }
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, span.max, None));
-            if Edge.less(span.max, greatest) {
-                edges.push(edge(None, greatest, None));
-            }
-            return Self(edges);
-        }
-        let turn = span.modulus;
-        if Edge.same(wrapped(span.max - span.min, turn), 0.0) {
-            edges.push(edge(free, 0.0, free));
-            edges.push(edge(free, turn, free));
-        } else if Edge.same(span.min, span.max) {
-            edges.push(edge(None, 0.0, free));
-            edges.push(edge(free, turn, None));
-        } else if span.min < span.max {
-            if !Edge.same(0.0, span.min) {
-                edges.push(edge(None, 0.0, None));
-            }
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, span.max, None));
-            if !Edge.same(span.max, turn) {
-                edges.push(edge(None, turn, None));
-            }
+        let (free, min, max) = (Some(Region::None), span.min, span.max);
+        let ((least, greatest), turn) = (span.bounds, span.modulus);
+        let is_whole = turn > 0.0 && Edge.same(wrapped(max - min, turn), 0.0);
+        // What lies beyond the ends, and the values from which on a color holds.
+        let (outside, parts) = if is_whole {
+            (free, [(least, free), (greatest, free)].to_vec())
+        } else if turn > 0.0 && Edge.same(min, max) {
+            (None, [(least, free), (greatest, None)].to_vec())
+        } else if turn > 0.0 && min >= max {
+            let (first, last) = ((least, free), (greatest, free));
+            (free, [first, (max, None), (min, free), last].to_vec())
         } else {
-            edges.push(edge(free, 0.0, free));
-            edges.push(edge(free, span.max, None));
-            edges.push(edge(None, span.min, free));
-            edges.push(edge(free, turn, free));
+            let (first, last) = ((least, None), (greatest, None));
+            (None, [first, (min, free), (max, None), last].to_vec())
+        };
+        let mut edges = Vec::new();
+        let mut left = outside;
+        for (index, &(at, right)) in parts.iter().enumerate() {
+            // An end of the scale that counts as the reachable one is no edge of its own.
+            let is_beyond = if index == 0 {
+                Edge.less(at, min)
+            } else {
+                Edge.less(max, at)
+            };
+            if left.is_some() || right.is_some() || is_beyond {
+                edges.push(Border { left, at, right });
+            }
+            left = right;
         }
         Self(edges)
     }
@@ -75,32 +70,22 @@ impl Colors {
 
     /// Whether the part right of edge `index` is paintable.
     fn yields(&self, index: usize, color: Region) -> bool {
-        self.0
-            .get(index)
-            .is_some_and(|edge| edge.right.is_some() && order(edge.right) < color.order())
+        let right = self.0.get(index).and_then(|edge| edge.right);
+        right.is_some_and(|right| right < color)
     }
 
-    /// Splits the part right of edge `index` at a value, unless it lies on the edge.
-    fn split(&mut self, index: usize, at: f64) -> bool {
-        let Some(before) = self.0.get(index).copied() else {
-            return false;
+    /// Splits the part at a value where it is paintable and no edge lies there; returns the edge there or below.
+    fn split(&mut self, at: f64, color: Region) -> usize {
+        let edges = self.0.iter();
+        let below = edges.take_while(|edge| Edge.at_most(edge.at, at)).count();
+        let index = below.saturating_sub(1);
+        let edge = self.0.get(index).filter(|edge| !Edge.same(edge.at, at));
+        let Some(edge) = edge.filter(|_| self.yields(index, color)) else {
+            return index;
         };
-        if Edge.same(before.at, at) {
-            return false;
-        }
-        self.0
-            .insert(index + 1, edge(before.right, at, before.right));
-        true
-    }
-
-    /// Paints the part right of edge `index`.
-    fn color(&mut self, index: usize, color: Region) {
-        if let Some(left) = self.0.get_mut(index) {
-            left.right = Some(color);
-        }
-        if let Some(right) = self.0.get_mut(index + 1) {
-            right.left = Some(color);
-        }
+        let (left, right) = (edge.right, edge.right);
+        self.0.insert(index + 1, Border { left, at, right });
+        index + 1
     }
 
     /// Paints the paintable parts between two values.
@@ -111,49 +96,23 @@ impl Colors {
         if Edge.at_most(high, low) || Edge.at_most(high, first) || Edge.at_most(last, low) {
             return;
         }
-        let (low, high) = (low.max(first), high.min(last));
-        let final_edge = self.0.len() - 1;
-        // The edge at the lower end or the last one below it.
-        let mut index = self
-            .0
-            .get(..final_edge)
-            .unwrap_or_default()
-            .iter()
-            .rposition(|edge| Edge.at_most(edge.at, low))
-            .unwrap_or(0);
-        if self.yields(index, color) && self.split(index, low) {
-            index += 1;
-        }
-        while self
-            .0
-            .get(index + 1)
-            .is_some_and(|next| Edge.at_most(next.at, high))
-        {
-            if self.yields(index, color) {
-                self.color(index, color);
+        let from = self.split(low.max(first), color);
+        for index in from..self.split(high.min(last), color) {
+            if self.yields(index, color)
+                && let Some([left, right]) = self.0.get_mut(index..index + 2)
+            {
+                left.right = Some(color);
+                right.left = Some(color);
             }
-            index += 1;
         }
-        if index + 1 < self.0.len() && self.yields(index, color) && self.split(index, high) {
-            self.color(index, color);
-        }
-        self.close_the_circle();
-    }
-
-    /// On a circle the ends have the colors of each other.
-    fn close_the_circle(&mut self) {
-        let (Some(first), Some(last)) = (self.0.first().copied(), self.0.last().copied()) else {
-            return;
-        };
-        if first.left.is_some()
-            && let Some(edge) = self.0.first_mut()
-        {
-            edge.left = last.left;
-        }
-        if last.right.is_some()
-            && let Some(edge) = self.0.last_mut()
-        {
-            edge.right = first.right;
+        // On a circle the ends have the colors of each other.
+        if let [first, .., last] = self.0.as_mut_slice() {
+            if first.left.is_some() {
+                first.left = last.left;
+            }
+            if last.right.is_some() {
+                last.right = first.right;
+            }
         }
     }
 
@@ -192,16 +151,11 @@ impl Colors {
         if !Edge.same(edge.at, value) {
             return edge.left;
         }
-        match (edge.left, edge.right) {
-            (None, right) => right,
-            (left, None) => left,
-            (_, Some(right)) if !right.is_conflict() => Some(right),
-            (Some(left), _) if !left.is_conflict() => Some(left),
-            (Some(left), Some(right)) => Some(if left.severity() < right.severity() {
-                left
-            } else {
-                right
-            }),
+        let severity = |color: Option<Region>| color.map(Region::severity);
+        match (severity(edge.left), severity(edge.right)) {
+            (Some(left), Some(right)) if left < right => edge.left,
+            (_, Some(_)) => edge.right,
+            (_, None) => edge.left,
         }
     }
 }
@@ -244,63 +198,53 @@ impl Colors {
     }
 }
 
+/// The next of a number of bands to one side, on a circular scale around it.
+pub(crate) fn beside(index: usize, way: Way, count: usize, modulus: f64) -> Option<usize> {
+    let around = modulus > 0.0;
+    match way {
+        Way::Low if index == 0 => around.then_some(count - 1),
+        Way::Low => Some(index - 1),
+        Way::High if index + 1 == count => around.then_some(0),
+        Way::High => Some(index + 1),
+    }
+}
+
 /// The band of a value; on an edge the one with the lesser conflict.
 pub(crate) fn band_at(bands: &[Band], value: f64, modulus: f64) -> Option<usize> {
     let value = wrapped(value, modulus);
-    let last = bands.len().checked_sub(1)?;
-    let is_free = |region: Option<Region>| region.is_some_and(|region| !region.is_conflict());
+    let count = bands.len();
+    let (index, band) = bands.iter().enumerate().find(|(index, band)| {
+        let closes = index + 1 == count && Edge.same(wrapped(band.high - value, modulus), 0.0);
+        closes || Edge.at_most(band.low, value) && Edge.at_most(value, band.high)
+    })?;
+    let way = if band.region.is_some_and(|region| !region.is_conflict()) {
+        return Some(index);
+    } else if Edge.same(value, band.low) {
+        Way::Low
+    } else if Edge.less(value, band.high) {
+        return Some(index);
+    } else {
+        Way::High
+    };
+    let other = beside(index, way, count, modulus)?;
     // A neighbour below the second band is only a fallback: the tables of the reference
     // show no region there, and the tables must agree.
-    let milder = |own: usize, other: Option<usize>| -> Option<usize> {
-        let other = other?;
-        let (mine, theirs) = (bands.get(own)?.region, bands.get(other)?.region);
-        match (mine, theirs) {
-            _ if other == 0 => Some(other),
-            (Some(_), None) => Some(own),
-            (Some(mine), Some(theirs)) if mine.severity() <= theirs.severity() => Some(own),
-            _ => Some(other),
-        }
+    let is_milder = match (band.region, bands.get(other)?.region) {
+        (Some(_), None) => true,
+        (Some(mine), Some(theirs)) => mine.severity() <= theirs.severity(),
+        (None, _) => false,
     };
-    for (index, band) in bands.iter().enumerate() {
-        let within = (band.low < value || Edge.same(band.low, value))
-            && (value < band.high || Edge.same(band.high, value));
-        let closes = index == last && Edge.same(wrapped(band.high - value, modulus), 0.0);
-        if !within && !closes {
-            continue;
-        }
-        if is_free(band.region) {
-            return Some(index);
-        }
-        if Edge.same(value, band.low) {
-            let before = match index.checked_sub(1) {
-                Some(before) => Some(before),
-                None if modulus > 0.0 => Some(last),
-                None => None,
-            };
-            return milder(index, before);
-        }
-        if Edge.less(value, band.high) {
-            return Some(index);
-        }
-        let after = if index < last {
-            Some(index + 1)
-        } else if modulus > 0.0 {
-            Some(0)
-        } else {
-            None
-        };
-        return milder(index, after);
-    }
-    None
+    Some(if other != 0 && is_milder {
+        index
+    } else {
+        other
+    })
 }
 
 /// Whether `a` lies left of (below) `b` or counts as the same.
 pub(crate) fn is_left_of(a: f64, b: f64, modulus: f64) -> bool {
-    if Closeness::Edge.same(a, b) {
-        return true;
-    }
     if modulus == 0.0 {
-        return Edge.less(a, b);
+        return Edge.at_most(a, b);
     }
-    Edge.less(wrapped(b - a, modulus), modulus / 2.0)
+    Edge.same(a, b) || Edge.less(wrapped(b - a, modulus), modulus / 2.0)
 }

@@ -8,10 +8,6 @@ use alloc::vec::Vec;
 pub(crate) struct Intervals(Vec<[f64; 2]>);
 
 impl Intervals {
-    pub(crate) fn clear(&mut self) {
-        self.0.clear();
-    }
-
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -25,30 +21,17 @@ impl Intervals {
         if !Edge.less(low, high) {
             return;
         }
-        let touches = |[other_low, other_high]: [f64; 2], low: f64, high: f64| {
-            (Edge.at_most(other_low, low) && Edge.at_most(low, other_high))
-                || (Edge.at_most(low, other_low) && Edge.at_most(other_low, high))
-        };
-        let mut place = 0;
-        let mut swallowed = 0;
-        for &[other_low, other_high] in &self.0 {
-            if touches([other_low, other_high], low, high) {
+        let mut below = 0;
+        self.0.retain(|&[other_low, other_high]| {
+            if Edge.at_most(other_low, high) && Edge.at_most(low, other_high) {
                 low = low.min(other_low);
                 high = high.max(other_high);
-                swallowed += 1;
-            } else if Edge.less(high, other_low) {
-                break;
-            } else {
-                place += 1;
+                return false;
             }
-        }
-        match self.0.get_mut(place) {
-            Some(interval) if swallowed > 0 => {
-                *interval = [low, high];
-                self.0.drain(place + 1..place + swallowed);
-            }
-            _ => self.0.insert(place, [low, high]),
-        }
+            below += usize::from(other_low < low);
+            true
+        });
+        self.0.insert(below, [low, high]);
     }
 
     /// Adds every interval of `other`.
@@ -58,30 +41,11 @@ impl Intervals {
         }
     }
 
-    /// Whether the intersection with `other` has any interval.
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        let mut found = false;
-        self.common(other, |_, _| {
-            found = true;
-            false
-        });
-        found
-    }
-
     /// Keeps the intersection with `other`.
     pub(crate) fn intersect(&mut self, other: &Self) {
         let mine = core::mem::take(self);
-        mine.common(other, |low, high| {
-            self.append(low, high);
-            true
-        });
-    }
-
-    /// Calls `take` for each part of the intersection with `other`, until it has enough.
-    fn common(&self, other: &Self, mut take: impl FnMut(f64, f64) -> bool) {
-        let (mut a, mut b) = (self.0.iter(), other.0.iter());
-        let (mut first, mut second) = (a.next(), b.next());
-        while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (first, second) {
+        let (mut a, mut b) = (mine.iter().peekable(), other.iter().peekable());
+        while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (a.peek(), b.peek()) {
             let starts_in_b = Edge.at_most(b_low, a_low) && Edge.less(a_low, b_high);
             let starts_in_a = Edge.at_most(a_low, b_low) && Edge.less(b_low, a_high);
             let a_ends_first = if starts_in_b {
@@ -92,20 +56,15 @@ impl Intervals {
                 Edge.at_most(a_high, b_low)
             };
             let end = if a_ends_first { a_high } else { b_high };
-            let goes_on = if starts_in_b {
-                take(a_low, end)
+            if starts_in_b {
+                self.append(a_low, end);
             } else if starts_in_a {
-                take(b_low, end)
-            } else {
-                true
-            };
-            if !goes_on {
-                return;
+                self.append(b_low, end);
             }
             if a_ends_first {
-                first = a.next();
+                a.next();
             } else {
-                second = b.next();
+                b.next();
             }
         }
     }

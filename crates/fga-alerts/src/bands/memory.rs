@@ -2,20 +2,10 @@
 
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
-use crate::bands::colors::{Band, Colors, Edge2, band_at, is_left_of};
+use crate::bands::colors::{Band, Border, Colors, Way, band_at, beside, is_left_of};
 use crate::hysteresis::MOfN;
 use crate::settings::{Region, Settings};
 use alloc::vec::Vec;
-
-/// The side of a manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Way {
-    /// Left or down.
-    #[default]
-    Low,
-    /// Right or up.
-    High,
-}
 
 /// The nearest resolution to one side.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,20 +28,15 @@ impl Resolution {
     }
 }
 
+/// A color on one side of a value, as it was seen; `None` out of reach.
+type Seen = MOfN<Option<Region>>;
+
 /// The colors seen on both sides of a value.
 #[derive(Debug, Clone, PartialEq)]
 struct Votes {
     at: f64,
-    left: MOfN,
-    right: MOfN,
-}
-
-/// The conflict band in which the ownship flies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Entered {
-    region: Region,
-    low: f64,
-    high: f64,
+    left: Seen,
+    right: Seen,
 }
 
 /// The memory of the bands of one quantity.
@@ -59,13 +44,14 @@ struct Entered {
 pub(crate) struct Memory {
     last_s: Option<f64>,
     votes: Vec<Votes>,
-    entered: Option<Entered>,
+    /// The conflict band in which the ownship flies.
+    entered: Option<Band>,
     /// Start of the persistence of a conflict band.
     entered_since_s: Option<f64>,
     preferred: Way,
     preferred_since_s: Option<f64>,
-    low: Side,
-    high: Side,
+    /// To the low and to the high side.
+    sides: [Side; 2],
 }
 
 /// One side's resolution, present and kept.
@@ -89,8 +75,25 @@ pub(crate) struct Step<'a> {
     pub(crate) shrinkings: i32,
 }
 
-fn order(color: Option<Region>) -> i8 {
-    color.map_or(-1, Region::order)
+impl Step<'_> {
+    /// Whether a band leads into the corrective region's conflict or a nearer one.
+    fn is_corrective(&self, band: &Band) -> bool {
+        let least = self.settings.corrective_region.severity();
+        band.region
+            .is_some_and(|region| region.is_conflict() && region.severity() >= least)
+    }
+
+    /// Whether a band leads into no conflict or a lesser one.
+    fn is_resolution(&self, band: &Band) -> bool {
+        let corrective = self.settings.corrective_region.severity();
+        band.region
+            .is_some_and(|region| region.severity() < corrective)
+    }
+
+    /// Whether something that began at a time still persists.
+    fn persists(&self, since_s: f64) -> bool {
+        self.time_s - since_s < self.settings.hysteresis.persistence_s
+    }
 }
 
 impl Memory {
@@ -99,17 +102,17 @@ impl Memory {
     }
 
     pub(crate) fn resolution(&self, way: Way) -> Resolution {
+        let [low, high] = self.sides;
         match way {
-            Way::Low => self.low.kept,
-            Way::High => self.high.kept,
+            Way::Low => low.kept,
+            Way::High => high.kept,
         }
     }
 
     /// Forgets everything but the last shown resolutions.
     pub(crate) fn forget(&mut self) {
         *self = Self {
-            low: self.low,
-            high: self.high,
+            sides: self.sides,
             ..Self::default()
         };
     }
@@ -129,9 +132,15 @@ impl Memory {
         colors.bands_into(step.recovers, bands);
         let index = band_at(bands, step.value, step.modulus);
         if self.entered_since_s.is_some() {
-            self.enter(bands, index, step.modulus);
+            self.entered = index.and_then(|index| conflict_band(bands, index, step.modulus));
+            self.entered_since_s = self.entered_since_s.filter(|_| self.entered.is_some());
         }
-        self.resolve(bands, index, step);
+        let ways = nearest_ways_out(bands, index, step);
+        for (side, (now, _)) in self.sides.iter_mut().zip(ways) {
+            side.now = now;
+        }
+        self.keep_resolutions(bands, ways.map(|(_, index)| index), step);
+        self.prefer(step);
     }
 
     /// Lets M of the last N colors decide, value by value.
@@ -142,33 +151,23 @@ impl Memory {
             return;
         }
         if self.votes.is_empty() {
-            self.votes = colors
-                .0
-                .iter()
-                .map(|edge| Votes {
-                    at: edge.at,
-                    left: MOfN::new(m, n, order(edge.left)),
-                    right: MOfN::new(m, n, order(edge.right)),
-                })
-                .collect();
+            let votes = colors.0.iter().map(|edge| Votes {
+                at: edge.at,
+                left: Seen::new(m, n, edge.left, None),
+                right: Seen::new(m, n, edge.right, None),
+            });
+            self.votes = votes.collect();
         }
         let (mut v, mut c) = (0, 0);
         while let (Some(votes), Some(edge)) = (self.votes.get_mut(v), colors.0.get_mut(c)) {
             if Edge.same(votes.at, edge.at) {
-                edge.left = Region::from_order(votes.left.take(order(edge.left)));
-                edge.right = Region::from_order(votes.right.take(order(edge.right)));
+                edge.left = votes.left.take(edge.left);
+                edge.right = votes.right.take(edge.right);
                 v += 1;
                 c += 1;
             } else if votes.at < edge.at {
-                let (at, color) = (votes.at, edge.left);
-                colors.0.insert(
-                    c,
-                    Edge2 {
-                        left: color,
-                        at,
-                        right: color,
-                    },
-                );
+                let (at, left, right) = (votes.at, edge.left, edge.left);
+                colors.0.insert(c, Border { left, at, right });
             } else {
                 let between = Votes {
                     at: edge.at,
@@ -180,11 +179,12 @@ impl Memory {
         }
         // A value is no edge when both sides saw the same.
         let last = self.votes.len().saturating_sub(1);
-        let mut index = 0;
+        let mut indices = 0..;
         self.votes.retain(|votes| {
-            let inner = index > 0 && index < last;
-            index += 1;
-            !(inner && votes.left.has_seen_the_same(&votes.right))
+            let is_end = indices
+                .next()
+                .is_some_and(|index| index == 0 || index == last);
+            is_end || !votes.left.has_seen_the_same(&votes.right)
         });
     }
 
@@ -202,52 +202,16 @@ impl Memory {
         let Some(now) = colors.at(step.value) else {
             return;
         };
-        let is_recent = self
+        let since_s = self
             .entered_since_s
-            .is_some_and(|since_s| step.time_s >= since_s && step.time_s - since_s < persistence_s);
-        if is_recent && now.order() < entered.region.order() {
-            colors.paint_around(entered.low, entered.high, step.modulus, entered.region);
-        } else if now.is_conflict() && now.order() > entered.region.order() {
+            .filter(|since_s| step.time_s >= *since_s);
+        if since_s.is_some_and(|since_s| step.persists(since_s)) && Some(now) < entered.region {
+            if let Some(region) = entered.region {
+                colors.paint_around(entered.low, entered.high, step.modulus, region);
+            }
+        } else if now.is_conflict() && Some(now) > entered.region {
             self.entered_since_s = Some(step.time_s);
         }
-    }
-
-    /// Remembers the conflict band of the value.
-    fn enter(&mut self, bands: &[Band], index: Option<usize>, modulus: f64) {
-        let here = index.and_then(|index| Some((index, bands.get(index)?)));
-        let found = here.and_then(|(index, band)| {
-            let region = band.region.filter(|region| region.is_conflict())?;
-            let (first, last) = (bands.first()?, bands.last()?);
-            let joins = modulus > 0.0 && first.region == last.region;
-            let at_start = modulus > 0.0 && index == 0;
-            let at_end = modulus > 0.0 && index + 1 == bands.len();
-            Some(Entered {
-                region,
-                low: if at_start && joins {
-                    last.low
-                } else {
-                    band.low
-                },
-                high: if at_end && !at_start && joins {
-                    first.high
-                } else {
-                    band.high
-                },
-            })
-        });
-        self.entered = found;
-        if found.is_none() {
-            self.entered_since_s = None;
-        }
-    }
-
-    fn resolve(&mut self, bands: &[Band], index: Option<usize>, step: &Step) {
-        let corrective = step.settings.corrective_region;
-        let found = nearest_ways_out(bands, index, step, corrective);
-        self.low.now = found.low;
-        self.high.now = found.high;
-        self.keep_resolutions(bands, &found, step);
-        self.prefer(step);
     }
 
     /// Whether the memory of resolutions continues, and its start.
@@ -256,53 +220,28 @@ impl Memory {
         self.preferred_since_s.filter(|_| usable)
     }
 
-    fn keep_resolutions(&mut self, bands: &[Band], found: &NearestWays, step: &Step) {
-        let since_s = self
-            .remembered_since_s(step)
-            .filter(|since_s| step.time_s > *since_s);
-        let Some(since_s) = since_s else {
-            for side in [&mut self.low, &mut self.high] {
-                side.kept = side.now;
-                side.kept_shrinkings = step.shrinkings;
-            }
+    /// Keeps the resolutions shown, while they are still ways out and the memory lasts.
+    fn keep_resolutions(&mut self, bands: &[Band], from: [Option<usize>; 2], step: &Step) {
+        let since_s = self.remembered_since_s(step);
+        let since_s = since_s.filter(|since_s| step.time_s > *since_s);
+        if since_s.is_none() {
             self.preferred_since_s = None;
-            return;
-        };
-        let is_recent = step.time_s - since_s < step.settings.hysteresis.persistence_s;
-        let goes_up = self.preferred == Way::High;
-        let corrective = step.settings.corrective_region;
-        let sides = [
-            (Way::High, &mut self.high, found.high_index),
-            (Way::Low, &mut self.low, found.low_index),
-        ];
-        for (way, side, start) in sides {
-            let kept_index = match (side.now.value(), side.kept.value()) {
-                (Some(now), Some(kept)) => {
-                    let (ordered, distance) = match way {
-                        Way::High => (
-                            is_left_of(step.value, kept, step.modulus),
-                            wrapped(kept - now, step.modulus),
-                        ),
-                        Way::Low => (
-                            is_left_of(kept, step.value, step.modulus),
-                            wrapped(now - kept, step.modulus),
-                        ),
-                    };
-                    let stays = is_recent
-                        || side.kept_shrinkings < step.shrinkings
-                        || Edge.less(distance, step.tolerance);
-                    if ordered && stays {
-                        band_at(bands, kept, step.modulus)
-                    } else {
-                        None
-                    }
-                }
-                _ => None,
+        }
+        let preferred = self.preferred;
+        let is_kept = |(side, way, from): (&Side, Way, Option<usize>)| {
+            let (now, kept) = (side.now.value()?, side.kept.value()?);
+            let (is_ordered, distance) = match way {
+                Way::High => (is_left_of(step.value, kept, step.modulus), kept - now),
+                Way::Low => (is_left_of(kept, step.value, step.modulus), now - kept),
             };
-            let still_out = kept_index.is_some_and(|kept| {
-                is_way_out_from_to(bands, corrective, goes_up, start, kept, step.modulus)
-            });
-            if !still_out {
+            let stays = step.persists(since_s?)
+                || side.kept_shrinkings < step.shrinkings
+                || Edge.less(wrapped(distance, step.modulus), step.tolerance);
+            let kept = band_at(bands, kept, step.modulus).filter(|_| is_ordered && stays)?;
+            is_way_out(bands, preferred, (from?, kept), step).then_some(())
+        };
+        for ((side, way), from) in self.sides.iter_mut().zip(WAYS).zip(from) {
+            if is_kept((side, way, from)).is_none() {
                 side.kept = side.now;
                 side.kept_shrinkings = step.shrinkings;
             }
@@ -312,172 +251,134 @@ impl Memory {
     fn switch(&mut self, way: Way, step: &Step) {
         self.preferred = way;
         self.preferred_since_s = Some(step.time_s);
-        for side in [&mut self.low, &mut self.high] {
+        for side in &mut self.sides {
             if step.shrinkings <= side.kept_shrinkings {
                 side.kept = side.now;
             }
         }
     }
 
+    /// Prefers the nearer resolution, unless the other one has been preferred for a short time or is about as near.
     fn prefer(&mut self, step: &Step) {
-        match (self.low.now.value(), self.high.now.value()) {
+        let [low, high] = self.sides;
+        let (low_value, high_value) = match (low.now.value(), high.now.value()) {
+            (Some(low), Some(high)) => (low, high),
             (None, None) => {
                 self.preferred_since_s = None;
                 self.preferred = Way::Low;
+                return;
             }
-            (Some(_), None) => {
-                if self.preferred == Way::High {
-                    self.switch(Way::Low, step);
-                }
-            }
-            (None, Some(_)) => {
-                if self.preferred == Way::Low {
-                    self.switch(Way::High, step);
-                }
-            }
-            (Some(low), Some(high)) => {
-                let up = wrapped(high - step.value, step.modulus);
-                let down = wrapped(step.value - low, step.modulus);
-                let nearer = if Edge.at_most(up, down) {
-                    Way::High
-                } else {
+            (only_low, _) => {
+                let only = if only_low.is_some() {
                     Way::Low
+                } else {
+                    Way::High
                 };
-                let since_s = self
-                    .remembered_since_s(step)
-                    .filter(|since_s| step.time_s >= *since_s);
-                let Some(since_s) = since_s else {
-                    self.preferred = nearer;
-                    self.preferred_since_s = Some(step.time_s);
-                    return;
-                };
-                let is_recent = step.time_s - since_s < step.settings.hysteresis.persistence_s;
-                let is_close = (up - down).abs() < step.tolerance;
-                let shrank_less = match self.preferred {
-                    Way::High => self.low.kept_shrinkings > self.high.kept_shrinkings,
-                    Way::Low => self.high.kept_shrinkings > self.low.kept_shrinkings,
-                };
-                if !is_recent && !is_close && !shrank_less && nearer != self.preferred {
-                    self.switch(nearer, step);
+                if self.preferred != only {
+                    self.switch(only, step);
                 }
+                return;
             }
+        };
+        let up = wrapped(high_value - step.value, step.modulus);
+        let down = wrapped(step.value - low_value, step.modulus);
+        let nearer = if Edge.at_most(up, down) {
+            Way::High
+        } else {
+            Way::Low
+        };
+        let since_s = self.remembered_since_s(step);
+        let Some(since_s) = since_s.filter(|since_s| step.time_s >= *since_s) else {
+            self.preferred = nearer;
+            self.preferred_since_s = Some(step.time_s);
+            return;
+        };
+        let is_close = (up - down).abs() < step.tolerance;
+        let shrank_less = match self.preferred {
+            Way::High => low.kept_shrinkings > high.kept_shrinkings,
+            Way::Low => high.kept_shrinkings > low.kept_shrinkings,
+        };
+        if !step.persists(since_s) && !is_close && !shrank_less && nearer != self.preferred {
+            self.switch(nearer, step);
         }
     }
 }
 
-/// The nearest resolutions and their bands.
-struct NearestWays {
-    low: Resolution,
-    high: Resolution,
-    low_index: Option<usize>,
-    high_index: Option<usize>,
+const WAYS: [Way; 2] = [Way::Low, Way::High];
+
+/// The conflict band at an index, on a circular scale with the one that it goes on in beyond north.
+fn conflict_band(bands: &[Band], index: usize, modulus: f64) -> Option<Band> {
+    let (first, last, mut band) = (bands.first()?, bands.last()?, *bands.get(index)?);
+    if modulus > 0.0 && first.region == last.region {
+        if index == 0 {
+            band.low = last.low;
+        } else if index + 1 == bands.len() {
+            band.high = first.high;
+        }
+    }
+    band.region.is_some_and(Region::is_conflict).then_some(band)
 }
 
-fn is_corrective(region: Option<Region>, corrective: Region) -> bool {
-    region.is_some_and(|region| region.is_conflict() && region.severity() >= corrective.severity())
-}
-
+/// The nearest resolution to each side, and the band at which the walk there ends.
 fn nearest_ways_out(
     bands: &[Band],
-    index: Option<usize>,
+    here: Option<usize>,
     step: &Step,
-    corrective: Region,
-) -> NearestWays {
-    let mut ways = NearestWays {
-        low: Resolution::Unneeded,
-        high: Resolution::Unneeded,
-        low_index: index,
-        high_index: index,
+) -> [(Resolution, Option<usize>); 2] {
+    let start = here.filter(|here| {
+        bands
+            .get(*here)
+            .is_some_and(|band| step.is_corrective(band))
+    });
+    let Some(start) = start else {
+        return [(Resolution::Unneeded, here); 2];
     };
-    let here = index.and_then(|index| bands.get(index));
-    let (Some(start), Some(here)) = (index, here) else {
-        return ways;
-    };
-    if !is_corrective(here.region, corrective) {
-        return ways;
-    }
-    let last = bands.len() - 1;
-    let around = step.modulus > 0.0;
-    let walk = |way: Way| -> Option<usize> {
-        let mut at = start;
-        loop {
-            let band = bands.get(at)?;
-            if !is_corrective(band.region, corrective) {
-                return Some(at);
+    WAYS.map(|way| {
+        let end = first_way_out(bands, start, way, step);
+        let band = end
+            .and_then(|end| bands.get(end))
+            .filter(|band| band.region.is_some());
+        let now = match (band, way) {
+            (None, _) => Resolution::Unavailable,
+            (Some(band), Way::High) => Resolution::Value(band.low),
+            (Some(_), Way::Low) if step.modulus > 0.0 && end == bands.len().checked_sub(1) => {
+                Resolution::Value(0.0)
             }
-            let goes_on = match way {
-                Way::Low => is_left_of(band.low, step.value, step.modulus),
-                Way::High => is_left_of(step.value, band.high, step.modulus),
-            };
-            if !goes_on {
-                return None;
-            }
-            at = match way {
-                Way::Low if at == 0 && around => last,
-                Way::Low => at.checked_sub(1)?,
-                Way::High if at == last && around => 0,
-                Way::High => at + 1,
-            };
-            if at == start {
-                return None;
-            }
+            (Some(band), Way::Low) => Resolution::Value(band.high),
+        };
+        (now, end)
+    })
+}
+
+/// The first band to one side that is not corrective; `None` where none is up to the end of the side.
+fn first_way_out(bands: &[Band], start: usize, way: Way, step: &Step) -> Option<usize> {
+    let mut at = start;
+    loop {
+        let band = bands.get(at)?;
+        if !step.is_corrective(band) {
+            return Some(at);
         }
-    };
-    ways.low_index = walk(Way::Low);
-    ways.high_index = walk(Way::High);
-    let flyable = |index: Option<usize>| {
-        let index = index?;
-        let band = bands.get(index)?;
-        band.region.map(|_| (index, *band))
-    };
-    ways.low = match flyable(ways.low_index) {
-        Some((index, _)) if index == last && around => Resolution::Value(0.0),
-        Some((_, band)) => Resolution::Value(band.high),
-        None => Resolution::Unavailable,
-    };
-    ways.high = match flyable(ways.high_index) {
-        Some((_, band)) => Resolution::Value(band.low),
-        None => Resolution::Unavailable,
-    };
-    ways
+        let goes_on = match way {
+            Way::Low => is_left_of(band.low, step.value, step.modulus),
+            Way::High => is_left_of(step.value, band.high, step.modulus),
+        };
+        at = beside(at, way, bands.len(), step.modulus).filter(|at| goes_on && *at != start)?;
+    }
 }
 
 /// Whether every band from one to another is a resolution.
-fn is_way_out_from_to(
-    bands: &[Band],
-    corrective: Region,
-    goes_up: bool,
-    from: Option<usize>,
-    to: usize,
-    modulus: f64,
-) -> bool {
-    let is_out = |band: &Band| {
-        band.region
-            .is_some_and(|region| region.severity() < corrective.severity())
-    };
-    let Some(mut at) = from else {
-        return false;
-    };
+fn is_way_out(bands: &[Band], way: Way, (from, to): (usize, usize), step: &Step) -> bool {
+    let mut at = Some(from);
     // Each step passes one band, so a walk around ends.
     for _ in 0..=bands.len() {
-        if at == to || !bands.get(at).is_some_and(is_out) {
-            break;
+        let band = at.and_then(|at| bands.get(at));
+        if !band.is_some_and(|band| step.is_resolution(band)) {
+            return false;
         }
-        at = if goes_up {
-            if at + 1 == bands.len() && modulus > 0.0 {
-                0
-            } else {
-                at + 1
-            }
-        } else if at == 0 {
-            if modulus > 0.0 {
-                bands.len() - 1
-            } else {
-                return false;
-            }
-        } else {
-            at - 1
-        };
+        if at == Some(to) {
+            return true;
+        }
+        at = at.and_then(|at| beside(at, way, bands.len(), step.modulus));
     }
-    bands.get(at).is_some_and(is_out)
+    false
 }

@@ -1,10 +1,10 @@
 //! What all bands are computed from.
 
 use crate::aircraft::{Aircraft, PairDeviation};
-use crate::bands::met::Met;
+use crate::bands::meeting::Met;
 use crate::bands::span::Quantity;
 use crate::loss::Loss;
-use crate::settings::{AlertLevel, Region, Settings};
+use crate::settings::{AlertLevel, Region, Settings, SlowDirections};
 use alloc::vec::Vec;
 
 /// An aircraft that contributes to the bands of a region.
@@ -12,19 +12,10 @@ use alloc::vec::Vec;
 pub(crate) struct Contribution {
     /// The aircraft's index in the traffic.
     pub(crate) intruder: usize,
-    /// The alerter, counted from 0.
-    pub(crate) alerter: usize,
-    /// The level, counted from 1.
+    /// The level of its alerter, counted from 1.
     pub(crate) level: usize,
     /// Horizon, seconds.
     pub(crate) horizon_s: f64,
-}
-
-impl Contribution {
-    /// The level that the aircraft contributes by.
-    pub(super) fn level<'a>(&self, settings: &'a Settings) -> Option<&'a AlertLevel> {
-        settings.alerters.get(self.alerter)?.level(self.level)
-    }
 }
 
 /// The state of the terminal area.
@@ -37,54 +28,56 @@ pub(crate) enum Terminal {
     Guided,
 }
 
-/// The input of all bands.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Picture<'a> {
-    pub(crate) settings: &'a Settings,
+/// The input of all bands: the aircraft of one time.
+#[derive(Debug, Clone)]
+pub(crate) struct Picture {
+    pub(crate) settings: Settings,
     pub(crate) time_s: f64,
-    pub(crate) ownship: &'a Aircraft,
-    pub(crate) traffic: &'a [Aircraft],
+    pub(crate) ownship: Aircraft,
+    pub(crate) traffic: Vec<Aircraft>,
     /// The alerter of each aircraft.
-    pub(crate) alerters: &'a [Option<usize>],
+    pub(crate) alerters: Vec<Option<usize>>,
     /// Aircraft in conflict, by region, nearest first.
-    pub(crate) conflicts: &'a [Vec<Contribution>; 3],
+    pub(crate) conflicts: [Vec<Contribution>; 3],
     /// Time interval with any aircraft in conflict, by region.
-    pub(crate) times: &'a [Loss; 3],
+    pub(crate) times: [Loss; 3],
     pub(crate) terminal: Terminal,
     /// Whether the ownship is slower than its least airspeed.
     pub(crate) is_slow: bool,
 }
 
-impl<'a> Picture<'a> {
-    pub(crate) fn met(&self, intruder: usize) -> Option<Met<'a>> {
+impl Picture {
+    /// An aircraft of the traffic.
+    pub(crate) fn met(&self, intruder: usize) -> Option<Met<'_>> {
         let aircraft = self.traffic.get(intruder)?;
         Some(Met {
-            settings: self.settings,
-            intruder: &aircraft.state,
+            settings: &self.settings,
+            intruder: aircraft.state,
             deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
-            asked_s: self.asked_s(intruder),
         })
     }
 
-    /// Until when a maneuver is looked at against an intruder: up to the horizon against one in conflict, else up
-    /// to the longest alerting time.
-    pub(super) fn asked_s(&self, intruder: usize) -> f64 {
-        let mut conflicts = self.conflicts.iter().flatten();
-        if conflicts.any(|contribution| contribution.intruder == intruder) {
-            return self.settings.lookahead_s;
-        }
-        let alerter = self.alerters.get(intruder).copied().flatten();
-        alerter
-            .and_then(|index| self.settings.alerters.get(index))
-            .into_iter()
-            .flat_map(|alerter| &alerter.levels)
-            .map(|level| level.alerting_s.min(self.settings.lookahead_s))
-            .fold(0.0, f64::max)
+    /// A level, counted from 1, of the alerter that judges an aircraft.
+    pub(crate) fn level(&self, intruder: usize, level: usize) -> Option<&AlertLevel> {
+        let alerter = self.alerters.get(intruder).copied().flatten()?;
+        self.settings.alerters.get(alerter)?.level(level)
+    }
+
+    /// The level, counted from 1, by which an aircraft counts for a region.
+    pub(crate) fn level_for(&self, intruder: usize, region: Region) -> Option<usize> {
+        let alerter = self.alerters.get(intruder).copied().flatten()?;
+        self.settings.alerters.get(alerter)?.level_for(region)
+    }
+
+    /// The violation of a level's volume by an aircraft.
+    pub(crate) fn violation(&self, intruder: usize, level: usize) -> Option<Loss> {
+        let pair = self.met(intruder)?.pair(&self.ownship.state);
+        let volume = &self.level(intruder, level)?.volume;
+        Some(volume.violation(&pair, 0.0, self.settings.lookahead_s))
     }
 
     pub(crate) fn turns_at_once(&self) -> bool {
-        self.is_slow
-            && self.settings.slow_directions == crate::settings::SlowDirections::Instantaneous
+        self.is_slow && self.settings.slow_directions == SlowDirections::Instantaneous
     }
 
     /// The searched range below and above the value, if the terminal area limits it.
@@ -96,9 +89,7 @@ impl<'a> Picture<'a> {
 
     /// Whether any alerter paints a region.
     pub(super) fn paints(&self, region: Region) -> bool {
-        self.settings
-            .alerters
-            .iter()
-            .any(|alerter| alerter.level_for(region).is_some())
+        let mut alerters = self.settings.alerters.iter();
+        alerters.any(|alerter| alerter.level_for(region).is_some())
     }
 }

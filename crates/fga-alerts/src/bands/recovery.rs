@@ -1,182 +1,175 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
-use crate::bands::free::Kept;
-use crate::bands::guards::{Guard, Guards};
 use crate::bands::intervals::Intervals;
-use crate::bands::met::meetings;
-use crate::bands::picture::{Contribution, Picture};
-use crate::bands::pool::{Key, level_key};
-use crate::bands::quantity::QuantityBands;
-use crate::bands::recovered::Recovery;
-use crate::bands::shrinking::{Avoided, Blocking};
-use crate::bands::span::Span;
+use crate::bands::meeting::{Guard, Meeting};
+use crate::bands::picture::Contribution;
+use crate::bands::search::Search;
 use crate::settings::Settings;
-use crate::volume::{Advisory, Cylinder, Volume};
+use crate::units::FOOT_M;
+use crate::volume::{Advisory, Cylinder, Sensitivity, Volume};
 use alloc::vec::Vec;
+
+/// The result of recovery bands, where every manoeuvre leads into the corrective volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Recovery {
+    /// A free manoeuvre exists; no search for recovery.
+    NotNeeded,
+    /// Not even the NMAC volume is avoidable.
+    Impossible {
+        /// Number of shrinkings of its distances.
+        shrinkings: i32,
+    },
+    /// Well clear again after a time, at a distance.
+    Found {
+        /// Time until well clear again, seconds.
+        time_s: f64,
+        /// Horizontal distance kept meanwhile, metres.
+        distance_m: f64,
+        /// Vertical distance kept meanwhile, metres.
+        height_m: f64,
+        /// Number of shrinkings of the distances.
+        shrinkings: i32,
+    },
+}
+
+impl Recovery {
+    /// Number of shrinkings; −1 without a search for recovery.
+    pub const fn shrinkings(self) -> i32 {
+        match self {
+            Self::NotNeeded => -1,
+            Self::Impossible { shrinkings } | Self::Found { shrinkings, .. } => shrinkings,
+        }
+    }
+}
 
 /// At the default factor this many shrinkings reach the NMAC volume from any distance.
 const MOST_SHRINKINGS: usize = 1000;
 
-impl QuantityBands {
-    /// Searches resolutions of a certain conflict.
-    pub(super) fn recover(
-        &mut self,
-        picture: &Picture,
-        span: &Span,
-        corrective: usize,
-    ) -> Intervals {
-        let settings = picture.settings;
-        let painting = self.painting(picture, corrective);
+/// An altitude in the lowest level that has resolution advisories, metres.
+const LOWEST_ADVISORY_M: f64 = 1001.0 * FOOT_M;
+
+/// An aircraft that recovery keeps away from: out of a cylinder until a change, out of its own volume from then on.
+struct Avoided<'a> {
+    own: Meeting<'a>,
+    cylinder: Meeting<'a>,
+    /// Horizon of its conflict, seconds.
+    horizon_s: f64,
+}
+
+impl Search<'_> {
+    /// Searches the resolutions of a certain conflict with these aircraft.
+    pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Intervals) {
+        let settings = &self.picture.settings;
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
-        self.recovery = Recovery::Impossible { shrinkings: 0 };
-        if self.is_blocked_at_once(picture, &painting, nmac) {
-            return Intervals::default();
+        let past_nmac = self.free(aircraft, Some(nmac));
+        let distances = distances(settings, &self.picture.ownship.state);
+        if distances.is_empty() || past_nmac.is_empty() {
+            return (Recovery::Impossible { shrinkings: 0 }, past_nmac);
         }
-        let distances = distances(settings, &picture.ownship.state);
-        if distances.is_empty() || !self.surely_frees_any(picture, span, &painting, nmac) {
-            let past_nmac = self.free_of(picture, span, &painting, Kept::Cylinder(nmac));
-            if distances.is_empty() || past_nmac.is_empty() {
-                return past_nmac;
+        for (&kept, shrinkings) in distances.iter().zip(0..) {
+            if self.free(aircraft, Some(kept)).is_empty() {
+                continue;
+            }
+            let (time_s, ways_out) = self.way_back(aircraft, kept);
+            if !ways_out.is_empty() {
+                let found = Recovery::Found {
+                    time_s,
+                    distance_m: kept.radius_m,
+                    height_m: kept.half_height_m,
+                    shrinkings,
+                };
+                return (found, ways_out);
             }
         }
-        let blocked = self.blocked(picture, span, &painting, &distances);
-        for (&kept, shrinkings) in distances.iter().zip(0..).skip(blocked) {
-            if !self.is_blocked_at_once(picture, &painting, kept)
-                && self.frees_any(picture, span, &painting, kept)
-            {
-                let (time_s, ways_out) = self.way_back(picture, span, &painting, kept);
-                if !ways_out.is_empty() {
-                    self.recovery = Recovery::Found {
-                        time_s,
-                        distance_m: kept.radius_m,
-                        height_m: kept.half_height_m,
-                        shrinkings,
-                    };
-                    return ways_out;
-                }
-            }
-        }
-        if settings.shrinks_recovery {
-            let shrinkings = i32::try_from(distances.len()).unwrap_or(i32::MAX);
-            self.recovery = Recovery::Impossible { shrinkings };
-        }
-        Intervals::default()
+        let most = i32::try_from(distances.len()).unwrap_or(i32::MAX);
+        let shrinkings = if settings.shrinks_recovery { most } else { 0 };
+        (Recovery::Impossible { shrinkings }, Intervals::default())
     }
 
-    /// How many of the distances, from the largest, surely block every maneuver.
-    fn blocked(
-        &mut self,
-        picture: &Picture,
-        span: &Span,
-        painting: &[Contribution],
-        distances: &[Cylinder],
-    ) -> usize {
-        let grows = distances.windows(2).any(|pair| match pair {
-            [a, b] => b.radius_m > a.radius_m || b.half_height_m > a.half_height_m,
-            _ => false,
-        });
-        if grows || (painting.len() > 1 && !span.tells_steps_apart()) {
-            return 0;
-        }
-        let avoided = painting.iter().filter_map(|contribution| {
-            contribution.level(picture.settings)?;
+    /// The earliest time, to half a second, after which well clear is possible again, and the values that are free
+    /// of the cylinder until then and of each aircraft's own volume afterwards.
+    fn way_back(&self, aircraft: &[Contribution], kept: Cylinder) -> (f64, Intervals) {
+        let settings = &self.picture.settings;
+        let kept = Volume::Cylinder(kept);
+        let avoided = aircraft.iter().filter_map(|contribution| {
+            let (met, own) = self.against(contribution)?;
             Some(Avoided {
-                met: picture.met(contribution.intruder)?,
+                own: self.ways.meeting(&met, own),
+                cylinder: self.ways.meeting(&met, &kept),
                 horizon_s: contribution.horizon_s,
             })
         });
-        let aircraft: Vec<Avoided> = avoided.collect();
-        Blocking {
-            settings: picture.settings,
-            aircraft: &aircraft,
-            distances,
-        }
-        .count(&self.ways)
-    }
-
-    /// The time after which well clear is possible again, and the values that are free of the cylinder until then
-    /// and of each aircraft's own volume afterwards.
-    fn way_back(
-        &mut self,
-        picture: &Picture,
-        span: &Span,
-        painting: &[Contribution],
-        kept: Cylinder,
-    ) -> (f64, Intervals) {
-        let settings = picture.settings;
-        let lines = self.ways.lines();
-        let cylinder = Volume::Cylinder(kept);
-        let mut aircraft = Vec::new();
-        for contribution in painting {
-            let intruder = contribution.intruder;
-            let level = contribution.level(settings);
-            if let (Some(level), Some(met)) = (level, picture.met(intruder)) {
-                let key = level_key(settings, contribution.alerter, contribution.level);
-                let own = self.pool.ensure(intruder, (&level.volume, key), lines);
-                let key = Key::Cylinder(kept);
-                let before = self.pool.ensure(intruder, (&cylinder, key), lines);
-                let horizon_s = contribution.horizon_s;
-                aircraft.push((met, &level.volume, own, before, horizon_s));
-            }
-        }
-        let windows = self.pool.all();
-        let known = |place: Option<usize>| windows.get(place?).copied();
-        let guards = aircraft
-            .iter()
-            .map(|(met, volume, own, before, horizon_s)| Guard {
-                own: meetings(met, volume, lines, known(*own)),
-                cylinder: meetings(met, &cylinder, lines, known(*before)),
-                horizon_s: *horizon_s,
-            });
-        let guards = Guards {
-            ways: &self.ways,
-            span,
-            aircraft: guards.collect(),
+        let avoided: Vec<Avoided> = avoided.collect();
+        let free = |change_s| {
+            let guards = avoided.iter().map(|aircraft| aircraft.guard(change_s));
+            self.common(guards.map(|guard| self.ways.free(&guard, self.span)))
         };
-        let time_s = guards.recovery_time_s(settings);
-        (time_s, guards.free(time_s))
+        let (mut blocked_s, mut open_s) = (0.0, settings.lookahead_s + 1.0);
+        let mut tried_s = open_s - 1.0;
+        while open_s - blocked_s > 0.5 {
+            if free(tried_s).is_empty() {
+                blocked_s = tried_s;
+            } else {
+                open_s = tried_s;
+            }
+            tried_s = f64::midpoint(blocked_s, open_s);
+        }
+        let time_s = if open_s <= settings.lookahead_s {
+            settings
+                .lookahead_s
+                .min(open_s + settings.recovery_stability_s)
+        } else {
+            blocked_s
+        };
+        (time_s, free(time_s))
+    }
+}
+
+impl Avoided<'_> {
+    fn guard(&self, change_s: f64) -> Guard<'_> {
+        if change_s > self.horizon_s {
+            return Guard::of(&self.cylinder, self.horizon_s);
+        }
+        Guard {
+            before: Some(&self.cylinder),
+            change_s,
+            ..Guard::of(&self.own, self.horizon_s)
+        }
     }
 }
 
 /// The distances of recovery, as they shrink down to the NMAC volume.
 fn distances(settings: &Settings, ownship: &State) -> Vec<Cylinder> {
-    let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
+    let (radius_m, half_height_m) = (settings.nmac_distance_m, settings.nmac_height_m);
     let factor = 1.0 - settings.recovery_shrinking;
-    let mut kept = least_recovery(settings, ownship);
-    let mut distances = Vec::new();
+    let shrink = |kept: &Cylinder| {
+        Some(Cylinder::new(
+            radius_m.max(kept.radius_m * factor),
+            half_height_m.max(kept.half_height_m * factor),
+        ))
+    };
     // Shrinking by a factor of zero never ends by itself.
     let most = if settings.shrinks_recovery {
         MOST_SHRINKINGS
     } else {
         1
     };
-    while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
-        && distances.len() < most
-    {
-        distances.push(kept);
-        kept = Cylinder::new(
-            nmac.radius_m.max(kept.radius_m * factor),
-            nmac.half_height_m.max(kept.half_height_m * factor),
-        );
-    }
-    distances
+    core::iter::successors(Some(least_recovery(settings, ownship)), shrink)
+        .take_while(|kept| kept.radius_m > radius_m || kept.half_height_m > half_height_m)
+        .take(most)
+        .collect()
 }
 
 /// The first distances of recovery.
 fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
-    // Below the third sensitivity level there are no resolution advisories.
-    let table = || {
-        let resolution = Advisory::resolution();
-        let altitude_m = ownship.position_m.z.max(LOWEST_ADVISORY_M);
-        resolution.at(altitude_m).copied()
-    };
-    let or_table = |value_m: f64, pick: fn(&crate::volume::Sensitivity) -> f64| {
+    let or_table = |value_m: f64, pick: fn(&Sensitivity) -> f64| {
         if value_m > 0.0 {
-            value_m
-        } else {
-            table().as_ref().map_or(0.0, pick)
+            return value_m;
         }
+        // Below the third sensitivity level there are no resolution advisories.
+        let altitude_m = ownship.position_m.z.max(LOWEST_ADVISORY_M);
+        Advisory::resolution().at(altitude_m).map_or(0.0, pick)
     };
     Cylinder::new(
         or_table(settings.recovery_distance_m, |level| level.miss_distance_m),
@@ -184,5 +177,47 @@ fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
     )
 }
 
-/// An altitude in the lowest level that has resolution advisories, metres.
-const LOWEST_ADVISORY_M: f64 = 1001.0 * 0.3048;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aircraft::{Aircraft, AircraftId};
+    use crate::bands::span::Quantity;
+    use crate::monitor::Monitor;
+    use crate::schemes::{do_365b, f3442};
+    use crate::settings::Region;
+    use glam::DVec3;
+
+    #[test]
+    fn recovery_begins_with_directions_behind_that_two_steps_share() {
+        let at = |id, x, y, z, vx, vy, vz| {
+            let state = State {
+                position_m: DVec3::new(x, y, z),
+                velocity_mps: DVec3::new(vx, vy, vz),
+            };
+            Aircraft::new(AircraftId(id), state)
+        };
+        let ownship = at(0, 0.0, 0.0, 2330.34, -13.8835, -48.0338, 0.0);
+        let traffic = [
+            at(1, -700.7271, -1484.7791, 2320.941, -16.0021, 16.5884, 0.0),
+            at(
+                2, 1361.4174, 2512.1054, 2161.9515, -0.8488, -118.2535, 7.8859,
+            ),
+        ];
+        // 333 steps to either side pass half a turn by 0.007 degrees, less than two edges are told apart by.
+        let settings = Settings {
+            direction_step_rad: 0.540_561_756_f64.to_radians(),
+            shrinks_recovery: false,
+            alerters: do_365b().alerters,
+            ..f3442()
+        };
+        let mut monitor = Monitor::new(settings);
+        monitor.step(0.0, &ownship, &traffic).unwrap();
+        let bands = monitor.bands(Quantity::Direction);
+        let Recovery::Found { time_s, .. } = bands.recovery() else {
+            panic!("{:?}", bands.recovery());
+        };
+        let behind_rad = ownship.state.direction_rad() - core::f64::consts::PI;
+        assert_eq!(bands.region_at(behind_rad), Some(Region::Recovery));
+        assert!((time_s - 21.6).abs() < 0.5, "{time_s}");
+    }
+}

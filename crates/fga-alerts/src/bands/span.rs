@@ -1,7 +1,8 @@
 //! The values of a quantity that a manoeuvre can reach.
 
 use crate::aircraft::State;
-use crate::almost::{Closeness, wrapped};
+use crate::almost::Closeness::Edge;
+use crate::almost::wrapped;
 use crate::bands::intervals::Intervals;
 use crate::settings::{PerManeuver, Reach, Settings};
 use core::f64::consts::TAU;
@@ -90,6 +91,7 @@ impl<T: Copy> PerManeuver<T> {
 /// The values in reach from the current one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Span {
+    pub(crate) quantity: Quantity,
     /// The current value.
     pub(crate) value: f64,
     /// The whole scale.
@@ -111,7 +113,7 @@ pub(crate) struct Span {
 }
 
 /// Most steps; a finer step only costs time.
-const MOST_STEPS: f64 = 1e5;
+pub(super) const MOST_STEPS: f64 = 1e5;
 
 impl Span {
     /// The span around an aircraft's value; `None` for a value outside of the scale.
@@ -146,44 +148,34 @@ impl Span {
             }
         }
         let is_circular = modulus > 0.0 && (min - max).abs() < reach.step * 0.25;
-        let (down, up) = if is_circular {
-            (modulus / 2.0, modulus / 2.0)
-        } else {
-            (
-                if below > 0.0 {
-                    below
-                } else {
-                    wrapped(value - min, modulus)
-                },
-                if above > 0.0 {
-                    above
-                } else {
-                    wrapped(max - value, modulus)
-                },
-            )
-        };
         let inside = (min <= value && value <= max && min != max)
             || (modulus > 0.0
                 && (is_circular
                     || (0.0..=max).contains(&value)
                     || (min..=modulus).contains(&value)));
-        let steps = |distance: f64| {
+        let steps = |searched: f64, to_end: f64| {
+            let distance = if is_circular {
+                modulus / 2.0
+            } else if searched > 0.0 {
+                searched
+            } else {
+                wrapped(to_end, modulus)
+            };
             let mut count = libm::ceil(distance / reach.step).clamp(0.0, MOST_STEPS);
-            if modulus > 0.0
-                && count * reach.step > modulus / 2.0
-                && !Closeness::Edge.same(count * reach.step, modulus / 2.0)
-            {
+            let passed = count * reach.step;
+            if modulus > 0.0 && Edge.less(modulus / 2.0, passed) {
                 count -= 1.0;
             }
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "between 0 and 100,000"
+                reason = "casts of floats saturate, and there are at most 100,000"
             )]
-            let count = count.max(0.0) as usize;
+            let count = count as usize;
             count
         };
         inside.then(|| Self {
+            quantity,
             value,
             bounds: (reach.least, reach.greatest),
             min,
@@ -191,27 +183,17 @@ impl Span {
             modulus,
             is_circular,
             step: reach.step,
-            steps_down: steps(down),
-            steps_up: steps(up),
+            steps_down: steps(below, value - min),
+            steps_up: steps(above, max - value),
         })
-    }
-
-    /// Whether neighbouring values differ by more than the resolution of band edges anywhere on the scale. Then
-    /// intervals have a common part only where they have two neighbouring values in common.
-    pub(crate) fn tells_steps_apart(&self) -> bool {
-        let (least, greatest) = self.bounds;
-        let farthest = self.value.abs().max(least.abs()).max(greatest.abs());
-        self.step > 1e-3 * farthest && self.step > 1e-4
     }
 
     /// The whole searched range.
     pub(crate) fn whole(&self) -> Intervals {
         let mut whole = Intervals::default();
-        if self.modulus == 0.0 {
-            whole.add(self.min, self.max);
-        } else if self.is_circular {
+        if self.is_circular {
             whole.add(0.0, self.modulus);
-        } else if self.min < self.max {
+        } else if self.modulus == 0.0 || self.min < self.max {
             whole.add(self.min, self.max);
         } else {
             whole.add(self.min, self.modulus);
@@ -222,34 +204,27 @@ impl Span {
 
     /// Adds the searched values between two, on a circular scale around it.
     pub(crate) fn add_free(&self, free: &mut Intervals, low: f64, high: f64) {
-        let edge = Closeness::Edge;
-        if edge.same(low, high) {
+        if Edge.same(low, high) {
             return;
         }
         if self.modulus == 0.0 {
-            let (low, high) = (low.max(self.min), high.min(self.max));
-            free.add(low, high);
+            free.add(low.max(self.min), high.min(self.max));
             return;
         }
         let (low, high) = (wrapped(low, self.modulus), wrapped(high, self.modulus));
         let mut part = Intervals::default();
-        if edge.same(low, high) {
-        } else if low < high {
+        if low < high {
             part.add(low, high);
-        } else {
+        } else if !Edge.same(low, high) {
             part.add(0.0, high);
             part.add(low, self.modulus);
         }
+        let whole = self.whole();
         if part.is_empty() {
             // Once around the circle.
-            free.unite(&self.whole());
-            return;
-        }
-        if !self.is_circular {
-            let whole = self.whole();
-            if !whole.is_empty() {
-                part.intersect(&whole);
-            }
+            part = whole;
+        } else if !self.is_circular && !whole.is_empty() {
+            part.intersect(&whole);
         }
         free.unite(&part);
     }

@@ -1,6 +1,6 @@
 //! What a step takes, and why it refuses it.
 
-use crate::aircraft::{Aircraft, AircraftId, Pair, PairDeviation};
+use crate::aircraft::{Aircraft, AircraftId};
 
 /// The reason for refusing a step; the monitor is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,14 +24,6 @@ impl core::fmt::Display for StepError {
 }
 
 impl core::error::Error for StepError {}
-
-pub(super) fn pair_of(ownship: &Aircraft, intruder: &Aircraft) -> Pair {
-    Pair {
-        ownship: ownship.state,
-        intruder: intruder.state,
-        deviation: PairDeviation::of(&ownship.deviation, &intruder.deviation),
-    }
-}
 
 pub(super) fn check(
     time_s: f64,

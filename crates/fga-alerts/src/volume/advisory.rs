@@ -7,6 +7,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossing_s, half_root, room, root, same_velocity};
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 use crate::volume::cylinder::slab_crossing_s;
 use alloc::vec::Vec;
 use glam::DVec2;
@@ -36,9 +37,6 @@ pub struct Advisory {
     /// Whether an approach that misses by `HMD` is no threat.
     pub filters_by_miss_distance: bool,
 }
-
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
 
 /// Altitude, ft; traffic advisory: tau s, DMOD nmi, ZTHR ft; resolution advisory: tau s, DMOD
 /// nmi, ZTHR ft, HMD ft (RTCA DO-185B).
@@ -74,36 +72,25 @@ impl Advisory {
 
     /// Traffic advisories of TCAS II.
     pub fn traffic() -> Self {
-        let level =
-            |&(up_to_ft, [tau_s, nmi, height_ft], _): &(f64, [f64; 3], [f64; 4])| Sensitivity {
-                up_to_m: up_to_ft * FOOT_M,
-                tau_s,
-                coaltitude_s: tau_s,
-                distance_m: nmi * NAUTICAL_MILE_M,
-                miss_distance_m: nmi * NAUTICAL_MILE_M,
-                height_m: height_ft * FOOT_M,
-            };
+        let levels = TABLE.map(|(up_to_ft, [tau_s, nmi, height_ft], _)| {
+            Sensitivity::of(up_to_ft, tau_s, nmi, height_ft)
+        });
         Self {
-            levels: TABLE.iter().map(level).collect(),
+            levels: levels.into(),
             filters_by_miss_distance: false,
         }
     }
 
     /// Resolution advisories of TCAS II.
     pub fn resolution() -> Self {
-        let level =
-            |&(up_to_ft, _, [tau_s, nmi, height_ft, miss_ft]): &(f64, [f64; 3], [f64; 4])| {
-                Sensitivity {
-                    up_to_m: up_to_ft * FOOT_M,
-                    tau_s,
-                    coaltitude_s: tau_s,
-                    distance_m: nmi * NAUTICAL_MILE_M,
-                    miss_distance_m: miss_ft * FOOT_M,
-                    height_m: height_ft * FOOT_M,
-                }
-            };
+        let levels = TABLE.map(
+            |(up_to_ft, _, [tau_s, nmi, height_ft, miss_ft])| Sensitivity {
+                miss_distance_m: miss_ft * FOOT_M,
+                ..Sensitivity::of(up_to_ft, tau_s, nmi, height_ft)
+            },
+        );
         Self {
-            levels: TABLE.iter().map(level).collect(),
+            levels: levels.into(),
             filters_by_miss_distance: true,
         }
     }
@@ -141,9 +128,10 @@ impl Advisory {
         }
         let mut found = Loss::NEVER;
         let mut begin_s = from_s;
+        let climbs = first < last;
         let mut index = first;
         while begin_s < to_s {
-            let bound_m = if first < last {
+            let bound_m = if climbs {
                 self.levels
                     .get(index)
                     .map_or(f64::INFINITY, |level| level.up_to_m)
@@ -155,18 +143,12 @@ impl Advisory {
             } else {
                 f64::INFINITY
             };
-            let part = self.level_violation(index, pair, begin_s, end_s.min(to_s));
-            if part.is_conflict() {
-                found = Loss::new(
-                    found.entry_s.min(part.entry_s),
-                    found.exit_s.max(part.exit_s),
-                );
-            }
+            found = found.hull(self.level_violation(index, pair, begin_s, end_s.min(to_s)));
             begin_s = end_s;
             if index == last {
                 break;
             }
-            index = if first < last {
+            index = if climbs {
                 index + 1
             } else {
                 index.saturating_sub(1)
@@ -231,6 +213,18 @@ impl Advisory {
 }
 
 impl Sensitivity {
+    /// Thresholds in the units of the table, with the distance as miss distance.
+    fn of(up_to_ft: f64, tau_s: f64, nmi: f64, height_ft: f64) -> Self {
+        Self {
+            up_to_m: up_to_ft * FOOT_M,
+            tau_s,
+            coaltitude_s: tau_s,
+            distance_m: nmi * NAUTICAL_MILE_M,
+            miss_distance_m: nmi * NAUTICAL_MILE_M,
+            height_m: height_ft * FOOT_M,
+        }
+    }
+
     /// Whether the straight line is within the miss distance at or after a time.
     fn comes_within_miss(&self, pair: &Pair, after_s: f64) -> bool {
         let (s, v) = pair.plane();

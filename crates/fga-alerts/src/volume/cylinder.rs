@@ -3,8 +3,8 @@
 use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
-use crate::plane::{Crossing, same_velocity};
-use crate::volume::approach::{Approach, Surroundings};
+use crate::plane::{Crossing, circle_crossings, room, same_velocity};
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 
 /// A cylinder, its flat sides level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,9 +14,6 @@ pub struct Cylinder {
     /// Vertical distance, metres.
     pub half_height_m: f64,
 }
-
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
 
 impl Cylinder {
     /// Near mid-air collision: 500 ft and 100 ft (RTCA SC-147).
@@ -41,35 +38,18 @@ impl Cylinder {
         s.length_squared() < self.radius_m * self.radius_m && height_m.abs() < self.half_height_m
     }
 
-    pub(super) const fn reach(&self) -> Surroundings {
-        Surroundings {
-            square_m2: self.radius_m * self.radius_m,
-            height_m: self.half_height_m,
-            tau_s: Some(0.0),
-            coaltitude_s: 0.0,
-        }
-    }
-
-    #[inline]
-    pub(super) fn window(&self, approach: &Approach, pair: impl FnOnce() -> Pair) -> Loss {
-        let reach_m2 = self.radius_m * self.radius_m;
-        let is_inside = Closeness::Rounding.less(approach.square_m2, reach_m2);
-        if !is_inside && approach.room(reach_m2) <= 0.0 {
-            return Loss::NEVER;
-        }
-        let pair = pair();
+    /// The whole violation, seconds from now.
+    pub(super) fn window(&self, pair: &Pair) -> Loss {
+        let ((s, v), (height_m, climb_mps)) = (pair.plane(), pair.vertical());
         let (own, other) = (pair.ownship.velocity_mps, pair.intruder.velocity_mps);
+        let is_inside = Closeness::Rounding.less(s.length_squared(), self.radius_m * self.radius_m);
         let stays = is_inside && same_velocity(own.truncate(), other.truncate());
-        let crosses = approach.room(reach_m2) > 0.0;
-        if !stays && !crosses {
+        if !stays && room(s, v, self.radius_m) <= 0.0 {
             return Loss::NEVER;
         }
-        let (height_m, climb_mps) = (approach.height_m, approach.climb_mps);
         let vertical = if !Closeness::Rounding.same(own.z, other.z) {
-            Loss::new(
-                slab_crossing_s(height_m, climb_mps, self.half_height_m, Crossing::Entry),
-                slab_crossing_s(height_m, climb_mps, self.half_height_m, Crossing::Exit),
-            )
+            let at = |crossing| slab_crossing_s(height_m, climb_mps, self.half_height_m, crossing);
+            Loss::new(at(Crossing::Entry), at(Crossing::Exit))
         } else if Closeness::Rounding.less(height_m.abs(), self.half_height_m) {
             Loss::ALWAYS
         } else {
@@ -78,19 +58,14 @@ impl Cylinder {
         if stays {
             return vertical;
         }
-        approach
-            .crossings_s(reach_m2)
-            .map_or(Loss::NEVER, |(entry_s, exit_s)| {
-                Loss::new(entry_s, exit_s).and(vertical)
-            })
+        circle_crossings(s, v, self.radius_m).map_or(Loss::NEVER, |plane| plane.and(vertical))
     }
 
     pub(super) fn violation(&self, pair: &Pair, from_s: f64, to_s: f64) -> Loss {
         if from_s < 0.0 || from_s >= to_s {
             return Loss::NEVER;
         }
-        self.window(&Approach::of(&pair.ownship, &pair.intruder), || *pair)
-            .and(Loss::new(from_s, to_s))
+        self.window(pair).and(Loss::new(from_s, to_s))
     }
 }
 

@@ -9,7 +9,6 @@ use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, cross, root};
 use crate::volume::WellClear;
-use crate::volume::approach::Approach;
 use glam::DVec2;
 
 /// A smaller deviation (metres, metres per second) counts as this.
@@ -67,7 +66,7 @@ impl UncertainWellClear {
         let deviation = &pair.deviation;
         let factors = &self.factors;
         let position_m = factors.horizontal_position * deviation.horizontal_m;
-        let distance_m = (libm::sqrt(s.length_squared()) - position_m).max(0.0);
+        let distance_m = (s.length() - position_m).max(0.0);
         let spread = Spread {
             position_m,
             height_m: factors.vertical_position * deviation.vertical_m,
@@ -86,9 +85,10 @@ impl UncertainWellClear {
         })
     }
 
-    pub(super) fn window(&self, approach: &Approach, pair: &Pair, horizon_s: f64) -> Loss {
+    /// The whole violation up to a time, seconds from now.
+    pub(super) fn window(&self, pair: &Pair, horizon_s: f64) -> Loss {
         match self.spread(pair) {
-            None => self.volume.window(approach, || *pair),
+            None => self.volume.window(pair),
             Some(spread) => self.spread_violation(pair, &spread, 0.0, horizon_s),
         }
     }
@@ -169,80 +169,52 @@ impl UncertainWellClear {
     /// The violation by the state that flies straight at the other aircraft.
     fn head_on(&self, s: DVec2, v: DVec2, spread: &Spread, to_s: f64) -> Loss {
         let ahead = unit(s);
-        let distance_m = length(s) - spread.position_m;
-        let speed_mps = length(v) + spread.velocity_mps;
+        let distance_m = s.length() - spread.position_m;
+        let speed_mps = v.length() + spread.velocity_mps;
         self.volume
             .plane_violation(to_s, ahead * distance_m, ahead * -speed_mps)
     }
 
     /// The vertical violation within `[0, to_s]` by any height and climb in the intervals.
     fn vertical(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
-        let [low_m, high_m] = height_m;
-        let above_only = low_m >= 0.0;
-        let below_only = !above_only && high_m <= 0.0;
-        let above = if below_only {
-            Loss::NEVER
-        } else {
-            self.vertical_above(to_s, [low_m.max(0.0), high_m], climb_mps)
-        };
-        let below = if above_only {
-            Loss::NEVER
-        } else {
+        let ([low_m, high_m], [slow_mps, fast_mps]) = (height_m, climb_mps);
+        let mut found = Loss::NEVER;
+        if low_m >= 0.0 || high_m > 0.0 {
+            found = self.vertical_above(to_s, [low_m.max(0.0), high_m], climb_mps);
+        }
+        if low_m < 0.0 {
             // Mirrored vertically.
-            let [slow_mps, fast_mps] = climb_mps;
-            self.vertical_above(to_s, [-high_m.min(0.0), -low_m], [-fast_mps, -slow_mps])
-        };
-        hull(above, below)
+            let (height_m, climb_mps) = ([-high_m.min(0.0), -low_m], [-fast_mps, -slow_mps]);
+            found = found.hull(self.vertical_above(to_s, height_m, climb_mps));
+        }
+        found.if_lasting()
     }
 
     /// The same for a height that is not negative.
     fn vertical_above(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
         let ([low_m, high_m], [slow_mps, fast_mps]) = (height_m, climb_mps);
-        let climbing_only = slow_mps >= 0.0;
-        let descending_only = !climbing_only && fast_mps <= 0.0;
         let at = |height_m, climb_mps| {
             self.volume
                 .vertical_violation(0.0, to_s, height_m, climb_mps)
         };
-        let climbing = if descending_only {
-            Loss::NEVER
-        } else {
-            at(low_m, slow_mps.max(0.0))
-        };
-        let descending = if climbing_only {
-            Loss::NEVER
-        } else {
+        let mut found = Loss::NEVER;
+        if slow_mps >= 0.0 || fast_mps > 0.0 {
+            found = at(low_m, slow_mps.max(0.0));
+        }
+        if slow_mps < 0.0 {
             let (first, last) = (at(low_m, slow_mps), at(high_m, fast_mps.min(0.0)));
-            let is_empty = |loss: Loss| loss.entry_s > loss.exit_s;
-            if is_empty(first) {
-                Loss::NEVER
-            } else if is_empty(last) {
-                Loss::new(first.entry_s, to_s)
-            } else {
-                Loss::new(first.entry_s, last.exit_s)
+            if first.entry_s <= first.exit_s {
+                let stays = last.entry_s > last.exit_s;
+                let exit_s = if stays { to_s } else { last.exit_s };
+                found = found.hull(Loss::new(first.entry_s, exit_s));
             }
-        };
-        hull(climbing, descending)
+        }
+        found.if_lasting()
     }
-}
-
-/// The interval from the first entry to the last exit.
-fn hull(a: Loss, b: Loss) -> Loss {
-    if !b.is_conflict() {
-        a.if_lasting()
-    } else if !a.is_conflict() {
-        b
-    } else {
-        Loss::new(a.entry_s.min(b.entry_s), a.exit_s.max(b.exit_s))
-    }
-}
-
-fn length(v: DVec2) -> f64 {
-    libm::sqrt(v.length_squared())
 }
 
 fn unit(v: DVec2) -> DVec2 {
-    let length = length(v);
+    let length = v.length();
     if length == 0.0 {
         DVec2::ZERO
     } else {
@@ -284,36 +256,30 @@ fn worst_pair(s: DVec2, v: DVec2, spread: &Spread) -> (DVec2, DVec2) {
     let p = [-1.0, 1.0].map(|side| tangent(s, spread.position_m, side));
     let w = [-1.0, 1.0].map(|side| tangent(-v, spread.velocity_mps, side));
     let ([p1, p2], [w1, w2]) = (p, w);
-    let between = |[a, b]: [DVec2; 2], c| is_between(a, b, c);
-    let middle = |a: DVec2, b: DVec2| {
-        let direction = unit(a + b);
-        (direction, direction)
-    };
-    let (position, velocity) = if between(p, w1) && between(p, w2) {
-        middle(w1, w2)
-    } else if between(w, p1) && between(w, p2) {
-        middle(p1, p2)
-    } else if between(w, p1) && between(p, w1) {
-        middle(p1, w1)
-    } else if between(w, p1) && between(p, w2) {
-        middle(p1, w2)
-    } else if between(w, p2) && between(p, w1) {
-        middle(p2, w1)
-    } else if between(w, p2) && between(p, w2) {
-        middle(p2, w2)
-    } else {
-        let pairs = [(p1, w1), (p1, w2), (p2, w1), (p2, w2)];
+    let within = |[a, b]: [DVec2; 2], c| is_between(a, b, c);
+    let overlaps = [
+        (within(p, w1) && within(p, w2), w1, w2),
+        (within(w, p1) && within(w, p2), p1, p2),
+        (within(w, p1) && within(p, w1), p1, w1),
+        (within(w, p1) && within(p, w2), p1, w2),
+        (within(w, p2) && within(p, w1), p2, w1),
+        (within(w, p2) && within(p, w2), p2, w2),
+    ];
+    let (position, velocity) = match overlaps.into_iter().find(|(overlaps, ..)| *overlaps) {
+        Some((_, a, b)) => (unit(a + b), unit(a + b)),
         // The first of the largest, so that ties resolve in order.
-        pairs.into_iter().fold((p1, w1), |best, pair| {
-            if pair.0.dot(pair.1) > best.0.dot(best.1) {
-                pair
-            } else {
-                best
-            }
-        })
+        None => [(p1, w2), (p2, w1), (p2, w2)]
+            .into_iter()
+            .fold((p1, w1), |best, pair| {
+                if pair.0.dot(pair.1) > best.0.dot(best.1) {
+                    pair
+                } else {
+                    best
+                }
+            }),
     };
     (
-        -position * (length(s) - spread.position_m),
-        velocity * (length(v) + spread.velocity_mps),
+        -position * (s.length() - spread.position_m),
+        velocity * (v.length() + spread.velocity_mps),
     )
 }

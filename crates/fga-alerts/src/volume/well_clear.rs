@@ -8,8 +8,10 @@
 use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
-use crate::plane::{Crossing, circle_crossing_s, modified_tau_s, time_to_closest_s};
-use crate::volume::approach::{Approach, Surroundings};
+use crate::plane::{
+    Crossing, circle_crossing_s, circle_crossings, modified_tau_s, room, time_to_closest_s,
+};
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
@@ -52,9 +54,6 @@ pub struct WellClear {
     pub vertical_time: VerticalTime,
 }
 
-const FOOT_M: f64 = 0.3048;
-const NAUTICAL_MILE_M: f64 = 1852.0;
-
 impl WellClear {
     /// En route (DO-365B phase 1): 0.66 nmi, 35 s, 450 ft.
     pub const EN_ROUTE: Self = Self::do_365(0.66 * NAUTICAL_MILE_M, 35.0, 450.0 * FOOT_M, 0.0);
@@ -86,14 +85,14 @@ impl WellClear {
     }
 
     pub(super) fn is_violated_in_plane(&self, s: DVec2, v: DVec2) -> bool {
-        if libm::sqrt(s.length_squared()) <= self.distance_m {
+        if s.length() <= self.distance_m {
             return true;
         }
         let Some(closest_s) = time_to_closest_s(s, v) else {
             return false;
         };
         let miss = s + v * closest_s;
-        if libm::sqrt(miss.length_squared()) > self.distance_m {
+        if miss.length() > self.distance_m {
             return false;
         }
         let time_s = match self.horizontal_time {
@@ -111,38 +110,50 @@ impl WellClear {
 
     /// The whole violation in the plane, seconds from now.
     fn plane_window(&self, s: DVec2, v: DVec2) -> Loss {
-        let approach = Approach::in_plane(s, v);
         let reach_m2 = self.distance_m * self.distance_m;
-        let (square_m2, closing) = (approach.square_m2, approach.closing_m2ps);
-        let speed2 = approach.speed2_m2ps2;
-        if self.horizontal_time == HorizontalTime::ModifiedTau || square_m2 <= reach_m2 {
-            return self.tau_window(&approach, reach_m2);
-        }
-        if closing > 0.0 || speed2 == 0.0 {
+        let (square_m2, closing, speed2) = (s.length_squared(), s.dot(v), v.length_squared());
+        if square_m2 > reach_m2 && (closing > 0.0 || speed2 == 0.0) {
             return Loss::NEVER;
         }
         let at_rest = Closeness::Rounding.same(speed2, 0.0);
-        let room = approach.room(reach_m2);
-        let crossings_s = approach.crossings_s(reach_m2);
-        let entry = crossings_s.map(|(entry_s, _)| entry_s);
-        let entry_s = if self.horizontal_time == HorizontalTime::Entry {
-            match entry {
-                Some(entry_s) if !at_rest && room >= 0.0 => entry_s - self.tau_s,
+        let crossings = circle_crossings(s, v, self.distance_m);
+        let exit_s = crossings.map_or(f64::NEG_INFINITY, |loss| loss.exit_s);
+        if square_m2 <= reach_m2 {
+            return if at_rest {
+                Loss::ALWAYS
+            } else {
+                Loss::new(f64::NEG_INFINITY, exit_s)
+            };
+        }
+        let crosses = room(s, v, self.distance_m) >= 0.0;
+        let entry_s = match self.horizontal_time {
+            HorizontalTime::ModifiedTau => {
+                let b = 2.0 * closing + self.tau_s * speed2;
+                let c = square_m2 + self.tau_s * closing - reach_m2;
+                let discriminant = b * b - 4.0 * speed2 * c;
+                if closing == 0.0 || discriminant < 0.0 || !crosses {
+                    return Loss::NEVER;
+                }
+                (-b - libm::sqrt(discriminant)) / (2.0 * speed2)
+            }
+            HorizontalTime::Entry => match crossings {
+                Some(loss) if !at_rest && crosses => loss.entry_s - self.tau_s,
                 _ => return Loss::NEVER,
+            },
+            HorizontalTime::ClosestApproach => {
+                let closest_s = -closing / speed2;
+                let miss = s + v * closest_s;
+                if at_rest || miss.length() > self.distance_m {
+                    return Loss::NEVER;
+                }
+                if !crosses {
+                    return Loss::new(closest_s - self.tau_s, closest_s);
+                }
+                let entry_s = crossings.map_or(closest_s, |loss| loss.entry_s);
+                entry_s.min(closest_s - self.tau_s)
             }
-        } else {
-            let closest_s = -closing / speed2;
-            let miss = s + v * closest_s;
-            if at_rest || libm::sqrt(miss.length_squared()) > self.distance_m {
-                return Loss::NEVER;
-            }
-            if room < 0.0 {
-                return Loss::new(closest_s - self.tau_s, closest_s);
-            }
-            entry.unwrap_or(closest_s).min(closest_s - self.tau_s)
         };
-        let exit_s = crossings_s.map(|(_, exit_s)| exit_s);
-        Loss::new(entry_s, exit_s.unwrap_or(f64::NEG_INFINITY))
+        Loss::new(entry_s, exit_s)
     }
 
     /// The violation in the plane within `[0, to_s]`.
@@ -191,66 +202,11 @@ impl WellClear {
             .and(Loss::new(from_s, to_s))
     }
 
-    /// What must be crossed for a violation; `None` where a near miss is one too.
-    pub(super) fn reach(&self) -> Option<Surroundings> {
-        (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Surroundings {
-            square_m2: self.distance_m * self.distance_m,
-            height_m: self.height_m,
-            tau_s: (self.horizontal_time == HorizontalTime::ModifiedTau).then_some(self.tau_s),
-            coaltitude_s: self.coaltitude_s,
-        })
-    }
-
-    /// The whole violation, seconds from now; `pair` for what the approach does not say.
-    #[inline]
-    pub(super) fn window(&self, approach: &Approach, pair: impl FnOnce() -> Pair) -> Loss {
-        let reach_m2 = self.distance_m * self.distance_m;
-        let passes_by = match self.horizontal_time {
-            HorizontalTime::ClosestApproach => {
-                approach.square_m2 > reach_m2 && approach.closing_m2ps > 0.0
-            }
-            HorizontalTime::ModifiedTau | HorizontalTime::Entry => approach.passes_by(reach_m2),
-        };
-        if passes_by {
-            return Loss::NEVER;
-        }
-        let vertical = self.vertical_window(approach.height_m, approach.climb_mps);
-        if vertical == Loss::NEVER {
-            return Loss::NEVER;
-        }
-        vertical.and(match self.horizontal_time {
-            HorizontalTime::ModifiedTau => self.tau_window(approach, reach_m2),
-            HorizontalTime::Entry | HorizontalTime::ClosestApproach => {
-                let (s, v) = pair().plane();
-                self.plane_window(s, v)
-            }
-        })
-    }
-
-    /// The whole violation in the plane with modified tau, where the lines do not pass by.
-    #[inline]
-    fn tau_window(&self, approach: &Approach, reach_m2: f64) -> Loss {
-        let (square_m2, closing) = (approach.square_m2, approach.closing_m2ps);
-        let speed2 = approach.speed2_m2ps2;
-        if square_m2 <= reach_m2 {
-            if Closeness::Rounding.same(speed2, 0.0) {
-                return Loss::ALWAYS;
-            }
-            let exit_s = approach.crossings_s(reach_m2).map(|(_, exit_s)| exit_s);
-            return Loss::new(f64::NEG_INFINITY, exit_s.unwrap_or(f64::NEG_INFINITY));
-        }
-        if closing > 0.0 || speed2 == 0.0 {
-            return Loss::NEVER;
-        }
-        let b = 2.0 * closing + self.tau_s * speed2;
-        let c = square_m2 + self.tau_s * closing - reach_m2;
-        let discriminant = b * b - 4.0 * speed2 * c;
-        if closing == 0.0 || discriminant < 0.0 || approach.room(reach_m2) < 0.0 {
-            return Loss::NEVER;
-        }
-        let entry_s = (-b - libm::sqrt(discriminant)) / (2.0 * speed2);
-        let exit_s = approach.crossings_s(reach_m2).map(|(_, exit_s)| exit_s);
-        Loss::new(entry_s, exit_s.unwrap_or(f64::NEG_INFINITY))
+    /// The whole violation, seconds from now.
+    pub(super) fn window(&self, pair: &Pair) -> Loss {
+        let ((s, v), (height_m, climb_mps)) = (pair.plane(), pair.vertical());
+        self.vertical_window(height_m, climb_mps)
+            .and(self.plane_window(s, v))
     }
 
     pub(super) fn violation(&self, pair: &Pair, from_s: f64, to_s: f64) -> Loss {
