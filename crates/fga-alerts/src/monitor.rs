@@ -100,27 +100,32 @@ impl Monitor {
         ownship: &Aircraft,
         traffic: &[Aircraft],
     ) -> Result<(), StepError> {
-        self.find_levels(time_s, ownship, traffic)?;
-        self.find_conflicts();
-        self.watch_terminal();
-        for quantity in &mut self.bands {
-            quantity.update(&self.picture);
-        }
-        Ok(())
+        self.step_for(&Quantity::ALL, time_s, ownship, traffic)
     }
 
-    /// Takes the aircraft of one time only for the alert levels; afterwards there are no bands.
+    /// The same for the bands of some quantities; afterwards the others have none. With no quantity it finds alert levels only, no conflicts.
     ///
     /// # Errors
     /// As [`Monitor::step`].
-    pub fn step_levels(
+    pub fn step_for(
         &mut self,
+        quantities: &[Quantity],
         time_s: f64,
         ownship: &Aircraft,
         traffic: &[Aircraft],
     ) -> Result<(), StepError> {
         self.find_levels(time_s, ownship, traffic)?;
-        self.bands = Quantity::ALL.map(QuantityBands::new);
+        if !quantities.is_empty() {
+            self.find_conflicts();
+            self.watch_terminal();
+        }
+        for bands in &mut self.bands {
+            if quantities.contains(&bands.quantity()) {
+                bands.update(&self.picture);
+            } else {
+                *bands = QuantityBands::new(bands.quantity());
+            }
+        }
         Ok(())
     }
 

@@ -70,7 +70,9 @@ impl Watch {
             .map(|o| aircraft(u64::from(o.id), o.position_m, o.velocity_mps, own))
             .collect();
         // A state that is not finite has no level.
-        self.monitor.step_levels(time_s, &ownship, &traffic).ok()?;
+        self.monitor
+            .step_for(&[], time_s, &ownship, &traffic)
+            .ok()?;
         let alerts = self.monitor.alerts().iter().enumerate();
         alerts
             .filter_map(|(index, alert)| {

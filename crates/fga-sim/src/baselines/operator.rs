@@ -103,7 +103,11 @@ impl Operator {
             })
             .collect();
         // Obstacles were checked: a refused state means no alert.
-        if monitor.step(time_s, &ownship, &traffic).is_err() {
+        let shown = [Quantity::Direction];
+        if monitor
+            .step_for(&shown, time_s, &ownship, &traffic)
+            .is_err()
+        {
             return;
         }
         let corrective = monitor.settings().corrective_level(0).unwrap_or(1);

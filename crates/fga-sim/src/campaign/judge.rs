@@ -258,7 +258,7 @@ impl WorldJudge {
             // Recordings were checked: a refused state has no alert.
             if self
                 .monitor
-                .step_levels(time_s, &ownship, &traffic)
+                .step_for(&[], time_s, &ownship, &traffic)
                 .is_err()
             {
                 continue;
