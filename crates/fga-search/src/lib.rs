@@ -288,11 +288,7 @@ impl<'a> Search<'a> {
     /// Certifies the path up to a moment.
     fn certify_path(&self, horizon_s: f64, marks: (f64, f64)) -> Certificate {
         let (floor_m, enough_m) = marks;
-        let asked = Asked {
-            horizon_s,
-            floor_m,
-            enough_m,
-        };
+        let asked = Asked::new(horizon_s, floor_m, enough_m);
         let Scene { flyer, around, .. } = self.scene;
         certify_set(flyer, self.path, around, &asked, &self.meter)
     }
