@@ -26,7 +26,7 @@ pub(super) const WORTH: f64 = 0.8;
 /// Obstacles count as passed after at most this long, s: the default horizon.
 pub(super) const LONGEST_PASS_S: f64 = 60.0;
 
-/// The cheapest member of a row keeps at most this much more margin than the target, turn radii (`compare`).
+/// The line of the cheapest member of a row keeps at most this much more margin than the target, turn radii (`compare`).
 pub(super) const NEAR: f64 = 0.005;
 
 /// After a turn that fails, the step is the least that may help divided by this share: only a part of a turn's displacement leads
