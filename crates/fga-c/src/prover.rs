@@ -214,11 +214,7 @@ impl Proving {
                 work: meter.done(),
             });
         }
-        let asked = Asked {
-            horizon_s,
-            floor_m: f64::MIN,
-            enough_m: target_m,
-        };
+        let asked = Asked::new(horizon_s, f64::MIN, target_m);
         let around = self.hazards.over(mission);
         let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();

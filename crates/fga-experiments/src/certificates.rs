@@ -6,8 +6,9 @@
 
 use clap::Args;
 use fga::Vec3;
-use fga::certificate::{Hazard, Status, certify_all};
+use fga::certificate::{Asked, Hazard, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
@@ -222,7 +223,13 @@ impl CertificateCase {
         let hazard = Hazard::new(0, &obstacle, self.wind_mps, 1.0);
         let start = MotionState::of(&self.own);
         path.predict(&flyer, &start, &self.maneuver, self.horizon_s);
-        let certificate = certify_all(&flyer, path, &[hazard], self.horizon_s, f64::MIN, WORK);
+        let certificate = certify_set(
+            &flyer,
+            path,
+            [hazard].as_slice(),
+            &Asked::new(self.horizon_s, f64::MIN, WORK),
+            &Meter::unlimited(),
+        );
         let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
         let (mut off_m, mut flown_m) = (0.0_f64, f64::INFINITY);
         for k in 1..=4 {

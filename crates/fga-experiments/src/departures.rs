@@ -11,13 +11,13 @@ use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::{Decision, Settings, State};
 use fga::maneuver::{Maneuver, Stage};
-use fga::pilot::MissionPilot;
 use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use fga_formats::encounters::Encounter;
 use fga_sim::encounters::{EncounterSource, Random, Range};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use fga_sim::mission_pilot::MissionPilot;
 use fga_sim::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, least_departure,
 };

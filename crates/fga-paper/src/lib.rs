@@ -13,6 +13,7 @@
 //! | [`protection`] | how large is the protected volume (Eq. 15)? |
 //! | [`surveillance`] | how far does the sensor look (§2.2)? |
 //! | [`conflict`] | will an obstacle come too close (Eq. 1–6, Algorithm 1)? |
+//! | [`turn`] | how does bank turn the aircraft (Eq. 9–12, 60)? |
 //! | [`timing`] | when must an avoiding turn begin (Eq. 16–25)? |
 //! | [`bounds`] | can the encounter be solved at all (Eq. 26–53)? |
 //! | [`grid`] | which direction is the cheapest that clears every obstacle (Algorithm 2)? |
@@ -51,4 +52,5 @@ pub mod printed;
 pub mod protection;
 pub mod surveillance;
 pub mod timing;
+pub mod turn;
 pub mod waypoint;

@@ -92,7 +92,7 @@ pub fn waypoint_accepted(bias_rad: f64) -> bool {
 }
 
 /// Eq. 60 without its units, given metres and metres per second: tan φ = V² / (11.26 ρ); corrected:
-/// [`bank_for_radius_rad`](fga::vehicle::bank_for_radius_rad).
+/// [`bank_for_radius_rad`](crate::turn::bank_for_radius_rad).
 pub fn bank_rad(airspeed_mps: f64, radius_m: f64) -> f64 {
     libm::atan(airspeed_mps * airspeed_mps / (11.26 * radius_m))
 }

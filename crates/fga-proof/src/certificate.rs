@@ -127,11 +127,7 @@ pub fn prove(
     (horizon_s, target_m, enough_m): (f64, f64, f64),
     meter: &Meter,
 ) -> Option<Certified> {
-    let asked = Asked {
-        horizon_s,
-        floor_m: target_m,
-        enough_m,
-    };
+    let asked = Asked::new(horizon_s, target_m, enough_m);
     let found = bounded(flyer, path, &around, &asked, (MOST_SPLITS, meter));
     found.holds(target_m).then_some(Certified {
         margin_m: found.margin_m,
@@ -139,25 +135,6 @@ pub fn prove(
         horizon_s,
         hazards: u32::try_from(around.rows.len()).unwrap_or(u32::MAX),
     })
-}
-
-/// Bounds the separation from every hazard along a path up to `horizon_s`, seconds.
-///
-/// Stops early below `floor_m`; margins are capped at `enough_m`.
-pub fn certify_all(
-    flyer: &Flyer,
-    path: &FlightPath,
-    hazards: &[Hazard],
-    horizon_s: f64,
-    floor_m: f64,
-    enough_m: f64,
-) -> Certificate {
-    let asked = Asked {
-        horizon_s,
-        floor_m,
-        enough_m,
-    };
-    certify_set(flyer, path, hazards, &asked, &Meter::unlimited())
 }
 
 /// The requirements on a certificate.
@@ -171,7 +148,18 @@ pub struct Asked {
     pub enough_m: f64,
 }
 
-/// [`certify_all`] for any set of obstacles, as far as a meter allows.
+impl Asked {
+    /// Up to a horizon, seconds, between a floor and a cap, metres.
+    pub const fn new(horizon_s: f64, floor_m: f64, enough_m: f64) -> Self {
+        Self {
+            horizon_s,
+            floor_m,
+            enough_m,
+        }
+    }
+}
+
+/// Bounds the separation from every obstacle of a set along a path, as far as a meter allows.
 pub fn certify_set<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
@@ -558,7 +546,13 @@ mod tests {
         // Beside the middle of the turn, and far from all chords over more than a part of it.
         for beside_m in [-10.0, -2.0, 0.0, 2.0, 10.0] {
             let apex_m = Vec3::new(RADIUS_M + RADIUS_M + beside_m, RADIUS_M, 0.0);
-            let found = certify_all(&flyer, &path, &[sphere(0, apex_m)], 60.0, f64::MIN, 50.0);
+            let found = certify_set(
+                &flyer,
+                &path,
+                [sphere(0, apex_m)].as_slice(),
+                &Asked::new(60.0, f64::MIN, 50.0),
+                &Meter::unlimited(),
+            );
             assert!((found.margin_m - (beside_m.abs() - 1.0)).abs() < 0.01);
         }
     }
@@ -567,11 +561,7 @@ mod tests {
     fn an_obstacle_far_from_a_long_turn_takes_few_looks() {
         let flyer = flyer();
         let path = turned(&flyer, 3.0);
-        let asked = Asked {
-            horizon_s: 60.0,
-            floor_m: 0.0,
-            enough_m: 50.0,
-        };
+        let asked = Asked::new(60.0, 0.0, 50.0);
         let meter = Meter::unlimited();
         let far = [sphere(0, Vec3::new(0.0, 2000.0, 0.0))];
         let found = certify_set(&flyer, &path, far.as_slice(), &asked, &meter);

@@ -3,7 +3,8 @@
 use fga::Vec3;
 use fga::avoider::SettingsError;
 use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
-use fga::vehicle::{Response, Vehicle as CoreVehicle, bank_for_radius_rad};
+use fga::vehicle::{Response, Vehicle as CoreVehicle};
+use fga_paper::turn::bank_for_radius_rad;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -3,8 +3,9 @@
 use alloc::sync::Arc;
 
 use fga::avoider::{Decision, Reason, State};
-use fga::certificate::{Hazard, Status, certify_all};
+use fga::certificate::{Asked, Hazard, Status, certify_set};
 use fga::maneuver::Maneuver;
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
@@ -387,13 +388,12 @@ impl Drawer {
         let start = MotionState::of(own);
         self.path
             .predict(&self.flyer, &start, maneuver, self.horizon_s);
-        let certificate = certify_all(
+        let certificate = certify_set(
             &self.flyer,
             &self.path,
             hazards,
-            self.horizon_s,
-            f64::MIN,
-            f64::INFINITY,
+            &Asked::new(self.horizon_s, f64::MIN, f64::INFINITY),
+            &Meter::unlimited(),
         );
         let clear = certificate.status == Status::Proven
             && certificate.margin_m >= self.margin_m

@@ -1,29 +1,23 @@
 //! The cheapest certified manoeuvre, best first over rows.
 //!
-//! The row that may cost least is next. Its lines rule out turns up to the first that may stay clear; if the row may still cost
-//! least, that turn is flown. Where the flight is certified, more flights approach the least turn of the row; where it is not, it
-//! rules out more of the row. The search ends once no row may cost less than the best manoeuvre so far.
+//! The row that may cost least is next. Its lines rule out turns up to about the first that may stay clear; if the row may still cost
+//! least, that turn is flown. Where the flight is not certified, it rules out more of the row. The search ends once no row may cost
+//! less than the best manoeuvre so far.
 
 use fga_proof::angle::Side;
 use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
-use super::lattice::{Lattice, Prefix, ROWS, Row, Way};
+use super::lattice::{Lattice, Prefix, ROWS, Row};
 use super::line::Tangent;
 use super::tuned::{ASIDE_RAD, BEYOND_RAD, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
-use super::{Departure, Found, MAX_TURN_RAD, Objective, Search, Turns};
+use super::{Departure, Found, MAX_TURN_RAD, Objective, Search};
 
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
 const IMPROVES: u32 = 32;
 
 /// The work of filling a lattice.
 const LATTICE_WORK: usize = 33;
-
-/// Flights and lines on the way to the least member of a row.
-const FLIGHTS: (u32, u32) = (4, 10);
-
-/// Members this close are the same, radians or seconds.
-const FINEST: f64 = 1e-3;
 
 /// Halvings of the latest start.
 const HALVINGS: u32 = 6;
@@ -278,7 +272,6 @@ impl Search<'_> {
                 if aim == Aim::Any {
                     return [Some(found), None];
                 }
-                let found = self.least_of(prefix, row, found, aim);
                 let best = best.get_mut(usize::from(row.first == Side::Right));
                 if let Some(best) = best.filter(|best| found.cost < least(best)) {
                     *best = Some(found);
@@ -306,15 +299,6 @@ impl Search<'_> {
         best
     }
 
-    /// The member of a row nearest to those that fail, with about its cost.
-    #[inline(never)]
-    fn least_of(&mut self, prefix: &Prefix, row: &mut Row, found: Found, aim: Aim) -> Found {
-        let mut found = self.nearer(prefix, row, found);
-        let tangent = self.line(prefix, row);
-        found.cost = tangent.map_or(row.cost, |tangent| self.cost_on(prefix, row, &tangent, aim));
-        found
-    }
-
     /// Advances a row to a turn that may stay clear, and estimates its cost.
     fn look_for(&mut self, prefix: &Prefix, row: &mut Row, aim: Aim) {
         row.cost = match self.advance(prefix, row) {
@@ -331,11 +315,10 @@ impl Search<'_> {
         let certificate = self.certify(&turns, prefix.from_rad, target_m);
         let margin_m = certificate.proven_m();
         if margin_m >= target_m {
-            let cost = 0.0;
             return Some(Found {
                 turns,
                 margin_m,
-                cost,
+                cost: row.cost,
             });
         }
         *prefix_fails = certificate.at_s < prefix.entry.time_s;
@@ -351,91 +334,6 @@ impl Search<'_> {
             row.cost = row.cost.max(self.least_cost(prefix, row));
         }
         None
-    }
-
-    /// The certified member of a row nearest to the last one that failed. A climb without a turn becomes less steep.
-    #[inline(never)]
-    fn nearer(&mut self, prefix: &Prefix, row: &mut Row, found: Found) -> Found {
-        let Row {
-            way,
-            at_rad,
-            fails_rad,
-            ..
-        } = *row;
-        let from_rad = prefix.from_rad;
-        if let Some(fails_rad) = fails_rad {
-            let near = &mut |search: &mut Self, place| search.row_turn(prefix, &way, place);
-            let (found, place) = self.closed_in((found, from_rad), (at_rad, fails_rad), near);
-            row.at_rad = place;
-            return found;
-        }
-        let level_rad = self.scene.original.1;
-        if prefix.first.is_some() {
-            return found;
-        }
-        let climb_rad = way.climb_rad;
-        if climb_rad == level_rad {
-            return found;
-        }
-        let (climbs, count) = self.scene.climbs();
-        let between = |climb: &f64| (climb - level_rad) * (climb_rad - climb) > FINEST * FINEST;
-        let nearest = climbs.iter().take(count).copied().filter(between);
-        let less_rad = nearest.fold(level_rad, |a: f64, b| {
-            if (b - level_rad).abs() > (a - level_rad).abs() {
-                b
-            } else {
-                a
-            }
-        });
-        let less = &mut |search: &mut Self, climb_rad| {
-            search.row_turn(prefix, &Way { climb_rad, ..way }, at_rad)
-        };
-        let (found, climb_rad) = self.closed_in((found, from_rad), (climb_rad, less_rad), less);
-        row.way.climb_rad = climb_rad;
-        found
-    }
-
-    /// A member of a row, if its line stays clear.
-    fn row_turn(&mut self, prefix: &Prefix, way: &Way, turn_rad: f64) -> Option<Turns> {
-        let target_m = self.scene.target_m;
-        let tangent = self.tangent(&prefix.entry, way, turn_rad)?;
-        let look = self.look(&tangent, (target_m - tangent.inexact_m, target_m))?;
-        (look.margin_m >= target_m).then(|| prefix.turns(way, turn_rad))
-    }
-
-    /// Halves the way from a place that is certified to one that fails, by lines and a few flights.
-    fn closed_in(
-        &mut self,
-        (mut best, from_rad): (Found, f64),
-        (mut does, mut fails): (f64, f64),
-        at: &mut dyn FnMut(&mut Self, f64) -> Option<Turns>,
-    ) -> (Found, f64) {
-        let target_m = self.scene.target_m;
-        let (mut flights, lines) = FLIGHTS;
-        for _ in 0..lines {
-            let is_near = best.margin_m - target_m <= self.near_m();
-            if is_near || flights == 0 || (does - fails).abs() < FINEST || self.limit_met() {
-                break;
-            }
-            let place = 0.5 * (does + fails);
-            let Some(turns) = at(self, place) else {
-                fails = place;
-                continue;
-            };
-            flights -= 1;
-            let margin_m = self.certify(&turns, from_rad, target_m).proven_m();
-            if margin_m >= target_m {
-                does = place;
-                best = Found {
-                    turns,
-                    margin_m,
-                    ..best
-                };
-            } else {
-                fails = place;
-            }
-        }
-        (best, does)
     }
 
     /// Differences of margin and departure below this do not matter, metres.

@@ -78,11 +78,7 @@ impl Search<'_> {
         (self.path).predict_within(scene.flyer, start, scene.nominal, horizon_s, &self.meter);
         let hazards = scene.around.rows;
         let close = mark_close(scene.flyer, self.path, hazards, reach, &self.meter);
-        let asked = Asked {
-            horizon_s: scene.horizon_s,
-            floor_m: f64::MIN,
-            enough_m: scene.target_m,
-        };
+        let asked = Asked::new(scene.horizon_s, f64::MIN, scene.target_m);
         let conflicts = &mut *self.conflicts;
         let rows = hazards.iter().zip(&mut conflicts.marks).zip(&close);
         for ((hazard, mark), _) in rows.filter(|(_, close)| **close) {

@@ -80,8 +80,6 @@ pub(super) struct Row {
     pub at_rad: f64,
     /// The last turn of the row, radians.
     pub to_rad: f64,
-    /// The last turn that failed, radians.
-    pub fails_rad: Option<f64>,
     /// Whether the line of the next turn stays clear.
     pub is_ready: bool,
     /// The least step after a turn that fails, radians; each flight doubles it.
@@ -100,7 +98,6 @@ impl Row {
         },
         at_rad: 0.0,
         to_rad: 0.0,
-        fails_rad: None,
         is_ready: false,
         least_step_rad: 0.0,
         cost: 0.0,
@@ -114,7 +111,6 @@ impl Row {
     /// Advances by some radians; beyond its end the row is empty.
     pub(super) fn step(&mut self, by_rad: f64) {
         let direction = self.direction();
-        self.fails_rad = Some(self.at_rad);
         self.is_ready = false;
         self.at_rad += direction * by_rad;
         if direction * (self.to_rad - self.at_rad) < 0.0 {

@@ -134,6 +134,10 @@ impl Conflicts {
 
 /// The rows of a search, or the seeds and climbs of one for the largest margin: in one place, because no search needs both at once.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "the smaller one lies in the place of the larger one"
+)]
 enum Board {
     Lattice(Lattice),
     Climbs(Climbs),
@@ -288,11 +292,7 @@ impl<'a> Search<'a> {
     /// Certifies the path up to a moment.
     fn certify_path(&self, horizon_s: f64, marks: (f64, f64)) -> Certificate {
         let (floor_m, enough_m) = marks;
-        let asked = Asked {
-            horizon_s,
-            floor_m,
-            enough_m,
-        };
+        let asked = Asked::new(horizon_s, floor_m, enough_m);
         let Scene { flyer, around, .. } = self.scene;
         certify_set(flyer, self.path, around, &asked, &self.meter)
     }
@@ -358,16 +358,6 @@ impl<'a> Search<'a> {
     /// An answer with its certificate; none where that does not prove it.
     pub fn proven(&mut self, found: Found) -> Option<(Found, Proof)> {
         Some((found, Proof::Certified(self.prove(&found)?)))
-    }
-
-    /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
-    pub const fn target_m(&self) -> f64 {
-        self.scene.target_m
-    }
-
-    /// The measure of the cheapest manoeuvre.
-    pub const fn objective(&self) -> Objective {
-        self.scene.objective
     }
 
     /// The cost of a manoeuvre that departs from a course, radians, by the scene's objective.

@@ -112,7 +112,6 @@ impl Search<'_> {
         }
         let (does_rad, _, tangent) = does?;
         (row.at_rad, row.is_ready) = (does_rad, true);
-        row.fails_rad = fails.map(|fails| fails.0).or(row.fails_rad);
         Some(tangent)
     }
 

@@ -26,7 +26,7 @@ pub(super) const WORTH: f64 = 0.8;
 /// Obstacles count as passed after at most this long, s: the default horizon.
 pub(super) const LONGEST_PASS_S: f64 = 60.0;
 
-/// The cheapest member of a row keeps at most this much more margin than the target, turn radii (`compare`).
+/// The line of the cheapest member of a row keeps at most this much more margin than the target, turn radii (`compare`).
 pub(super) const NEAR: f64 = 0.005;
 
 /// After a turn that fails, the step is the least that may help divided by this share: only a part of a turn's displacement leads
@@ -42,8 +42,9 @@ pub(super) const STEP_RAD: f64 = 0.2;
 /// Parts of the two-turn rows: each has every n-th first turn (`lost`).
 pub const PARTS: u32 = 4;
 
-/// Seeds that climb in each round, and the steps of each (`lost`).
-pub(super) const ROUNDS: [(usize, u32); 4] = [(16, 2), (8, 4), (3, 8), (1, 16)];
+/// Seeds that climb, and the steps of each (`lost`).
+pub(super) const CLIMBERS: usize = 3;
+pub(super) const CLIMB_STEPS: u32 = 16;
 
 /// Most seeds: they are flown before the best of them climb, as lines do not show the arc of a last turn (`lost`).
 pub(super) const SEEDS: usize = 48;

@@ -141,8 +141,8 @@ impl<P: Pilot> Pilot for Ahead<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mission_pilot::MissionPilot;
     use fga::Vec3;
-    use fga::pilot::MissionPilot;
     use fga::situation::{Mission, ProtectedVolume};
 
     /// A pilot that remembers the obstacle it was asked about.

@@ -19,6 +19,7 @@
 //! | [`progress`] | how far along the mission, and how far beside it? |
 //! | [`settings`] | which settings for decisions does a vehicle file give? |
 //! | [`policy`] | which policy has this name? |
+//! | [`mission_pilot`] | what flies the mission, whatever comes? |
 //! | [`way_round`] | can the policy `circle` keep the obstacles of a scenario? |
 //! | [`ahead`] | how does a pilot decide when a command takes effect later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
@@ -50,6 +51,7 @@ pub mod fine;
 mod fingerprint;
 pub mod ground;
 pub mod identification;
+pub mod mission_pilot;
 pub mod obstacle;
 pub mod oracle;
 pub mod own;

@@ -1,10 +1,11 @@
 //! The pilot of a policy.
 
 use fga::avoider::Avoider;
-use fga::pilot::{MissionPilot, Pilot};
+use fga::pilot::Pilot;
 use fga_paper::pilot::PaperPilot;
 
 use crate::ahead::Ahead;
+use crate::mission_pilot::MissionPilot;
 use crate::own::FailureKind;
 
 /// A pilot of a policy.

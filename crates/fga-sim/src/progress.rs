@@ -4,10 +4,11 @@
 //! corners as it plans them. A mission of one leg is that leg, and the mission of a recording is the
 //! recorded track.
 
+use crate::mission_pilot::MissionPilot;
 use fga::Vec3;
 use fga::avoider::Reason;
 use fga::meter::Meter;
-use fga::pilot::{MissionPilot, Pilot as _};
+use fga::pilot::Pilot as _;
 use fga::prediction::{Flyer, MotionState, flown};
 use fga::situation::{Mission, Obstacles, Ownship, Situation};
 

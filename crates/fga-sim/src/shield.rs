@@ -7,8 +7,9 @@
 //! move as expected.
 
 use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};
-use fga::certificate::{Hazard, certify_all};
+use fga::certificate::{Asked, Hazard, certify_set};
 use fga::maneuver::Maneuver;
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, Situation};
 use fga::vehicle::Vehicle;
@@ -105,13 +106,12 @@ impl Shield {
             }));
         let margin_m = self.settings.margin_m;
         // The aircraft flies to the next decision whatever follows then.
-        if !certify_all(
+        if !certify_set(
             &self.flyer,
             &self.path,
-            &self.hazards,
-            period_s,
-            margin_m,
-            margin_m,
+            self.hazards.as_slice(),
+            &Asked::new(period_s, margin_m, margin_m),
+            &Meter::unlimited(),
         )
         .holds(margin_m)
         {

@@ -448,11 +448,7 @@ impl Avoider<dyn Places + '_> {
         hazard: &Hazard,
         (horizon_s, floor_m, enough_m): (f64, f64, f64),
     ) -> Certificate {
-        let asked = Asked {
-            horizon_s,
-            floor_m,
-            enough_m,
-        };
+        let asked = Asked::new(horizon_s, floor_m, enough_m);
         let one = core::slice::from_ref(hazard);
         certify_set(&self.flyer, &self.path, one, &asked, &self.meter)
     }

@@ -12,8 +12,9 @@
 mod random;
 
 use fga::Vec3;
-use fga::certificate::{ALWAYS, Hazard, NO_DEPTH, Status, certify_all};
+use fga::certificate::{ALWAYS, Asked, Hazard, NO_DEPTH, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
@@ -222,7 +223,13 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
         let state = path.state_at(&flyer, time_s).expect("a path has nodes");
         margin_m(&hazard, state.position_m, time_s)
     };
-    let certificate = certify_all(&flyer, path, &[hazard], horizon_s, f64::MIN, enough_m);
+    let certificate = certify_set(
+        &flyer,
+        path,
+        [hazard].as_slice(),
+        &Asked::new(horizon_s, f64::MIN, enough_m),
+        &Meter::unlimited(),
+    );
     if certificate.status != Status::Proven {
         assert!(!path.is_complete(), "{case}: {certificate:?}");
         assert!(!certificate.holds(-1e9));
@@ -235,18 +242,23 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
         "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
     );
     // With a floor the certificate reports it, and only if the margin is below; all hazards together give the worst one.
-    let floored = certify_all(&flyer, path, &[hazard], horizon_s, claimed + 0.5, enough_m);
+    let floored = certify_set(
+        &flyer,
+        path,
+        [hazard].as_slice(),
+        &Asked::new(horizon_s, claimed + 0.5, enough_m),
+        &Meter::unlimited(),
+    );
     assert!(
         floored.status == Status::BelowFloor || floored.margin_m >= claimed + 0.5,
         "case {case}: {floored:?}"
     );
-    let both = certify_all(
+    let both = certify_set(
         &flyer,
         path,
-        &[hazard, hazard],
-        horizon_s,
-        f64::MIN,
-        enough_m,
+        [hazard, hazard].as_slice(),
+        &Asked::new(horizon_s, f64::MIN, enough_m),
+        &Meter::unlimited(),
     );
     assert!(
         both.margin_m <= truth.min(enough_m) + ROUNDING_M,
@@ -329,7 +341,13 @@ fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
     );
     let hazard = Hazard::new(0, &far, Vec3::ZERO, 0.0);
     for asked_m in [0.025, 0.05, 3.0] {
-        let certificate = certify_all(&flyer, &path, &[hazard], 60.0, asked_m, asked_m);
+        let certificate = certify_set(
+            &flyer,
+            &path,
+            [hazard].as_slice(),
+            &Asked::new(60.0, asked_m, asked_m),
+            &Meter::unlimited(),
+        );
         assert!(certificate.holds(asked_m), "{certificate:?}");
     }
 }

@@ -107,7 +107,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga::avoider::Tracks,
         fga::avoider::Verdict,
         fga::avoider::Work,
-        fga::pilot::MissionPilot,
     }
     .into_iter()
 }

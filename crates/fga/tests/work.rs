@@ -11,7 +11,8 @@ mod random;
 use cycles::{BenchAircraft, BenchEncounter, StepKind};
 use fga::Vec3;
 use fga::avoider::{Avoider, Block, Decision, Kept, LEAST_WORK, Settings, Start, State, Verdict};
-use fga::certificate::{Hazard, certify_all};
+use fga::certificate::{Asked, Hazard, certify_set};
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::search::Objective;
 use fga::situation::{
@@ -338,7 +339,13 @@ fn margin_m(situation: &Situation<'_>, decision: &Decision, avoider: &Avoider) -
     let horizon_s = settings.horizon_s;
     path.predict(&flyer, &MotionState::of(own), &decision.command, horizon_s);
     let is_outside = |hazard: &Hazard| hazard.margin_m(own.position_m, 0.0) >= 0.0;
-    let all = certify_all(&flyer, &path, &hazards, horizon_s, f64::MIN, 1.0);
+    let all = certify_set(
+        &flyer,
+        &path,
+        hazards.as_slice(),
+        &Asked::new(horizon_s, f64::MIN, 1.0),
+        &Meter::unlimited(),
+    );
     hazards.iter().all(is_outside).then_some(all.margin_m)
 }
 

@@ -1,7 +1,7 @@
 use super::*;
+use crate::turn::{bank_for_radius_rad, course_rate_radps, turned};
 use core::f64::consts::FRAC_PI_2;
 use fga::angle::direction;
-use fga::vehicle::{bank_for_radius_rad, course_rate_radps, turned};
 use proptest::prelude::*;
 
 fn ownship(course_rad: f64) -> Ownship {

@@ -1,9 +1,10 @@
 use super::*;
+use crate::turn::turned;
 use alloc::vec::Vec;
 use fga::Vec3;
 use fga::angle::Side;
 use fga::situation::Ownship;
-use fga::vehicle::{Vehicle, turned};
+use fga::vehicle::Vehicle;
 use proptest::prelude::*;
 
 /// Flies the three arcs from (−before, s), the obstacle at the origin, in fine steps.

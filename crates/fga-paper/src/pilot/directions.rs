@@ -8,9 +8,10 @@
 use fga::Vec3;
 use fga::angle::direction;
 use fga::avoider::{Against, Decision, Reason, Start, State, Threat};
-use fga::certificate::{Hazard, certify_all};
+use fga::certificate::{Asked, Hazard, certify_set};
 use fga::limit::Limit as _;
 use fga::maneuver::{Maneuver, Stage};
+use fga::meter::Meter;
 use fga::prediction::MotionState;
 use fga::situation::{ObstacleKind, Situation};
 
@@ -356,7 +357,13 @@ impl PaperPilot {
                 .predict(&self.flyer, now, &plan.remaining(time_s), left_s);
             self.load_tracks(situation);
             let hazards = self.tracks.rows();
-            let ahead = certify_all(&self.flyer, &self.path, hazards, left_s, 0.0, 0.0);
+            let ahead = certify_set(
+                &self.flyer,
+                &self.path,
+                hazards,
+                &Asked::new(left_s, 0.0, 0.0),
+                &Meter::unlimited(),
+            );
             if ahead.margin_m >= 0.0 {
                 return self.report(&plan, time_s, Reason::RejoinKept);
             }

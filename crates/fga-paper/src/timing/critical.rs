@@ -95,9 +95,9 @@ impl Times {
 mod tests {
     use super::*;
     use crate::conflict::Relative;
+    use crate::turn::turned;
     use fga::Vec3;
     use fga::situation::Ownship;
-    use fga::vehicle::turned;
     use proptest::prelude::*;
 
     fn geometry(along_m: f64, across_m: f64, radius_m: f64, closing_mps: f64) -> Geometry {

@@ -4,9 +4,10 @@ use crate::{flown_separation, ownship};
 use core::f64::consts::FRAC_PI_2;
 use fga::Vec3;
 use fga::angle::{Side, wrap_pi};
-use fga::vehicle::{bank_for_radius_rad, turn_radius_m};
+use fga::vehicle::turn_radius_m;
 use fga_paper::algorithm_4::{Execution, Phase, Plan, pwm_us};
 use fga_paper::printed;
+use fga_paper::turn::bank_for_radius_rad;
 
 /// Bank angle for 30 m at 15 m/s.
 fn bank() -> f64 {

@@ -3,11 +3,12 @@
 use crate::flown_separation;
 use core::f64::consts::FRAC_PI_2;
 use fga::Vec3;
-use fga::vehicle::{bank_for_radius_rad, turn_radius_m};
+use fga::vehicle::turn_radius_m;
 use fga_paper::conflict::Relative;
 use fga_paper::paths;
 use fga_paper::printed;
 use fga_paper::timing::{Geometry, ThreatLevel, Times, avoidance_time_s, scored_start_s};
+use fga_paper::turn::bank_for_radius_rad;
 use proptest::prelude::*;
 
 fn encounter(along_m: f64, across_m: f64, radius_m: f64) -> Geometry {

@@ -196,7 +196,7 @@ fn d8_in_calm_air_the_way_is_that_of_algorithm_4() {
         let mut flight = Rule::Circle.flight(planar(), 1.0, 900.0);
         let disc = sphere(1, Vec3::new(500.0, aside_m, 0.0), Vec3::ZERO, radius_m);
         let plan = Plan::of(&flight.own, disc.position_m, radius_m, {
-            fga::vehicle::bank_for_radius_rad(15.0, 30.0).unwrap()
+            fga_paper::turn::bank_for_radius_rad(15.0, 30.0).unwrap()
         })
         .unwrap();
         let (mut begin_m, mut widest_m, mut most_rad, mut least_rad) =

@@ -1,10 +1,11 @@
 //! The pilot that all methods share: guidance, limits, states, records.
 
+use crate::mission_pilot::MissionPilot;
 use fga::Vec3;
 use fga::angle::{climb_of, course_of, direction, wrap_pi};
 use fga::avoider::{Decision, Reason, Settings, SettingsError, State, Threat};
 use fga::maneuver::Maneuver;
-use fga::pilot::{MissionPilot, Pilot};
+use fga::pilot::Pilot;
 use fga::situation::Obstacle;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;

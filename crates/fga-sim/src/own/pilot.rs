@@ -4,10 +4,11 @@ use alloc::sync::Arc;
 use core::fmt;
 use std::sync::{Mutex, PoisonError};
 
+use crate::mission_pilot::MissionPilot;
 use fga::angle::wrap_pi;
 use fga::avoider::{Decision, Reason, SettingsError, State};
 use fga::maneuver::Maneuver;
-use fga::pilot::{MissionPilot, Pilot};
+use fga::pilot::Pilot;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 use fga_formats::words::counted;

@@ -6,7 +6,8 @@
 
 use fga::Vec3;
 use fga::avoider::{Reason, Start, State, Verdict};
-use fga::certificate::{Hazard, certify_all};
+use fga::certificate::{Asked, Hazard, certify_set};
+use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Obstacles;
 use fga::vehicle::Vehicle;
@@ -72,7 +73,13 @@ impl Observer for Watch {
         let now = MotionState::of(&situation.ownship);
         let command = &moment.decision.command;
         self.path.predict(&self.flyer, &now, command, HORIZON_S);
-        let certificate = certify_all(&self.flyer, &self.path, &hazards, HORIZON_S, f64::MIN, 1.0);
+        let certificate = certify_set(
+            &self.flyer,
+            &self.path,
+            hazards.as_slice(),
+            &Asked::new(HORIZON_S, f64::MIN, 1.0),
+            &Meter::unlimited(),
+        );
         assert!(
             certificate.holds(0.0),
             "{}, {:.1} s: waits for {certificate:?}",

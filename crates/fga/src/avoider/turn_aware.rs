@@ -422,11 +422,7 @@ impl Avoider<dyn Places + '_> {
     fn margin_of(&mut self, maneuver: &Maneuver, now: &Now<'_>, asked: (f64, f64, f64)) -> f64 {
         self.predict(maneuver, now, asked.0);
         let (horizon_s, floor_m, enough_m) = asked;
-        let asked = Asked {
-            horizon_s,
-            floor_m,
-            enough_m,
-        };
+        let asked = Asked::new(horizon_s, floor_m, enough_m);
         let around = self.tracks.around(now.mission);
         certify_set(&self.flyer, &self.path, &around, &asked, &self.meter).proven_m()
     }

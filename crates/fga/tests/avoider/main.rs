@@ -8,6 +8,9 @@ mod inside;
 mod kept;
 mod lane_change;
 mod lent;
+#[path = "../../../fga-sim/src/mission_pilot.rs"]
+#[expect(dead_code, unreachable_pub, reason = "the simulator uses the rest")]
+mod mission_pilot;
 mod need;
 mod objectives;
 mod policies;

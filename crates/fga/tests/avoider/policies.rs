@@ -1,10 +1,10 @@
 //! The policies of the core, for the tests.
 
 use fga::avoider::{Avoider, Settings, Start};
-use fga::pilot::MissionPilot;
 use fga::vehicle::Vehicle;
 
 use crate::flight::{Flies, Flight};
+use crate::mission_pilot::MissionPilot;
 
 /// A policy of the core.
 #[derive(Debug, Clone, Copy, PartialEq)]

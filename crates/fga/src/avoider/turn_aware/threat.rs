@@ -88,11 +88,7 @@ impl Avoider<dyn Places + '_> {
 
     /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
     fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
-        let asked = Asked {
-            horizon_s,
-            floor_m: f64::MIN,
-            enough_m: 0.0,
-        };
+        let asked = Asked::new(horizon_s, f64::MIN, 0.0);
         let fixed = self.tracks.around(now.mission).fixed;
         let found = certify_set(&self.flyer, &self.path, &fixed, &asked, &self.meter);
         (found.margin_m < 0.0).then_some(Threat {

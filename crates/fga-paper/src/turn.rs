@@ -1,32 +1,16 @@
-//! The coordinated turn (Eq. 7–9) and the bank angle that flies a radius (Eq. 60).
+//! The coordinated turn: its course rate (Eq. 9), where it leads (Eq. 10–12), and the bank angle that flies a radius (Eq. 60).
 //!
 //! Lengths in metres, speeds in metres per second, angles in radians, unless a name says otherwise.
 //! The bank angle here is a magnitude in [0, π/2).
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::situation::Ownship;
-
-/// Standard acceleration of gravity, metres per second squared.
-pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
+use fga::Vec3;
+use fga::situation::Ownship;
+use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 fn positive(value: f64) -> Option<f64> {
     (value.is_finite() && value > 0.0).then_some(value)
-}
-
-/// Radius of a coordinated turn, metres: ρ = V² / (g tan φ) (Eq. 7, with `φ_max` Eq. 8).
-///
-/// `None` unless the airspeed is positive and the bank angle lies strictly between 0 and π/2.
-///
-/// ```
-/// // 15 m/s at 30° of bank: 39.7 m, not the 30 m of Table 4, which take 37.4°.
-/// let radius_m = fga_proof::vehicle::turn_radius_m(15.0, 30f64.to_radians()).unwrap();
-/// assert!((radius_m - 39.74).abs() < 0.01);
-/// ```
-pub fn turn_radius_m(airspeed_mps: f64, bank_rad: f64) -> Option<f64> {
-    let airspeed_mps = positive(airspeed_mps)?;
-    let bank_rad = positive(bank_rad).filter(|bank| *bank < FRAC_PI_2)?;
-    positive(airspeed_mps * airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad)))
 }
 
 /// Bank angle that flies a radius, radians: tan φ = V² / (g ρ) (Eq. 60 in SI units).
@@ -72,7 +56,7 @@ pub fn turned(ownship: &Ownship, course_rate_radps: f64, after_s: f64) -> Ownshi
         level_m * libm::sin(half_rad) / half_rad
     };
     let (sin_mean, cos_mean) = libm::sincos(ownship.course_rad + half_rad);
-    let moved_m = crate::Vec3::new(
+    let moved_m = Vec3::new(
         chord_m * cos_mean,
         chord_m * sin_mean,
         ownship.airspeed_mps * sin_climb * after_s,
@@ -87,7 +71,7 @@ pub fn turned(ownship: &Ownship, course_rate_radps: f64, after_s: f64) -> Ownshi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
+    use fga::vehicle::turn_radius_m;
     use proptest::prelude::*;
 
     fn ownship(course_rad: f64, climb_rad: f64) -> Ownship {
