@@ -2,6 +2,9 @@
 //!
 //! Source: the message set `common` of MAVLink; frames of both versions. Signatures are not checked: a log says
 //! what was received.
+//!
+//! The eight messages that are read are framed here: the crate `mavlink`, on which the link builds, would bring its whole dialect into
+//! every program that reads a file.
 
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
