@@ -7,7 +7,7 @@ use fga::situation::{Obstacle, ObstacleKind};
 use serde_json::json;
 
 use super::lists::Lists;
-use super::rally::SAME_TARGET_M;
+use super::rally::{RallyPoints, SAME_TARGET_M};
 use super::voice::Voice;
 use crate::mission::{Way, way_ahead};
 use crate::mode::Mode;
@@ -110,16 +110,17 @@ impl Route {
     ) -> bool {
         let now_s = voice.now_s();
         let is_laid = self.mode == Some(at.mode);
-        let return_place_m = || {
-            let (home_m, frame) = (lists.home_m(ownship, at.own_m.z), ownship.frame());
-            let rally = lists.rally();
-            rally.return_place_m(at.own_m, home_m, frame, parameters)
+        let rally = RallyPoints {
+            items: lists.rally(),
+            own_m: at.own_m,
+            frame: ownship.frame(),
         };
+        let home_m = lists.home_m(ownship, at.own_m.z);
+        let return_place_m = || rally.return_place_m(home_m, parameters);
         let lays = match at.mode {
             Mode::RTL if at.is_engaged && is_laid => {
-                let (rally, laid_m) = (lists.rally(), self.way.waypoints_m.last().copied());
-                let to_m = return_place_m();
-                let other_m = rally.other_return_place_m(at.own_m, to_m, laid_m, ownship.frame());
+                let laid_m = self.way.waypoints_m.last().copied();
+                let other_m = rally.other_return_place_m(return_place_m(), laid_m);
                 other_m.is_some() && self.lay_line(at.own_m, other_m)
             }
             Mode::AUTO => {

@@ -85,11 +85,6 @@ impl Download {
         }
     }
 
-    /// The kind of list.
-    pub const fn kind(&self) -> MavMissionType {
-        self.kind
-    }
-
     /// Number of downloads that differed from the previous one.
     pub const fn changes(&self) -> u32 {
         self.changes
