@@ -262,26 +262,13 @@ impl Companion {
             UNNUMBERED => Key::Unnamed(sender),
             number => Key::Seen(sender, number),
         };
+        let sigma_m = libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m);
+        let quality = Quality::of_position(sigma_m, AltitudeReference::MeanSeaLevel);
         Some(Report {
-            source: sender.source,
-            sender,
-            icao: 0,
             key: Some(key),
-            callsign: String::new(),
-            place,
-            velocity_mps: None,
-            valid_s: now_s,
             // It may be any flying object.
             movement: Movement::SMALL_UAS,
-            class: Class::Crewed,
-            quality: Quality {
-                position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
-                velocity_mps: 0.0,
-                velocity_sigma_is_known: false,
-                climb_is_known: false,
-                height_m: 0.0,
-                altitude: AltitudeReference::MeanSeaLevel,
-            },
+            ..Report::of_position(sender, place, now_s, quality)
         })
     }
 

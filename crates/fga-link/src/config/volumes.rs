@@ -4,8 +4,8 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
 
-use super::{CommandMode, Config, ConfigError, NMAC, VolumeConfig, VolumesConfig};
-use crate::traffic::{Class, Volumes};
+use super::{CommandMode, Config, ConfigError, NMAC, VolumesConfig};
+use crate::traffic::class::{Class, Volumes, volume_of};
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
 const CRUISE_MPS: f64 = 22.0;
@@ -46,25 +46,15 @@ impl Config {
     /// The protected volume about an aircraft of a class.
     pub fn volume(&self, class: Class) -> ProtectedVolume {
         let protection = &self.protection;
-        let VolumeConfig {
-            radius_m,
-            half_height_m,
-        } = match (protection.radius_m, class) {
-            (Some(radius_m), _) => match protection.half_height_m {
-                Some(half_height_m) => VolumeConfig {
-                    radius_m,
-                    half_height_m,
-                },
-                None => return ProtectedVolume::Sphere { radius_m },
-            },
-            (None, Class::Crewed) => self.volumes.crewed,
-            (None, Class::SmallUnmanned) => self.volumes.small_unmanned,
-            (None, Class::GliderBalloon) => self.volumes.glider_balloon,
-        };
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
+        if let Some(radius_m) = protection.radius_m {
+            return volume_of(radius_m, protection.half_height_m);
         }
+        let volume = match class {
+            Class::Crewed => self.volumes.crewed,
+            Class::SmallUnmanned => self.volumes.small_unmanned,
+            Class::GliderBalloon => self.volumes.glider_balloon,
+        };
+        volume_of(volume.radius_m, Some(volume.half_height_m))
     }
 
     /// The distance beyond which obstacles are not considered at an airspeed, metres.

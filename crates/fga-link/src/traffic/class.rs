@@ -57,3 +57,14 @@ impl Volumes {
         }
     }
 }
+
+/// A cylinder, or a sphere without a half height; metres.
+pub(crate) const fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedVolume {
+    match half_height_m {
+        Some(half_height_m) => ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        },
+        None => ProtectedVolume::Sphere { radius_m },
+    }
+}

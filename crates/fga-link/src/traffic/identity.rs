@@ -15,8 +15,6 @@ pub enum Source {
     Sensor,
     /// A receiver of Remote ID.
     RemoteId,
-    /// The configuration.
-    Virtual,
 }
 
 impl Source {
@@ -29,7 +27,6 @@ impl Source {
             Self::Beast => "beast",
             Self::Sensor => "sensor",
             Self::RemoteId => "remote-id",
-            Self::Virtual => "virtual",
         }
     }
 }

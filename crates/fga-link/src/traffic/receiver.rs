@@ -5,15 +5,13 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
 use fga::Vec3;
-use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use fga_formats::tally::{LeftOut, Tally};
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
-use super::class::Class;
-use super::report::{AltitudeReference, Quality, Report, Sender, Source};
+use super::report::{AltitudeReference, Quality, Report, Sender, Source, tidy_callsign};
 use crate::endpoint::{Endpoint, Received, open};
 
 /// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
@@ -92,9 +90,8 @@ struct Parts {
 }
 
 /// A part that is still valid.
-fn valid<T: Copy>(part: Option<(T, f64)>, now_s: f64) -> Option<T> {
+fn fresh<T>(part: Option<(T, f64)>, now_s: f64) -> Option<(T, f64)> {
     part.filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
-        .map(|(value, _)| value)
 }
 
 impl Parts {
@@ -167,50 +164,37 @@ impl Joiner {
         parts.integrity = message.source_integrity.or(parts.integrity);
         parts.velocity_error_mps = message.velocity_error_mps.or(parts.velocity_error_mps);
         parts.callsign = message.callsign.or(parts.callsign);
-        if valid(parts.on_ground, now_s) == Some(true) {
+        if fresh(parts.on_ground, now_s).is_some_and(|(is_so, _)| is_so) {
             return None;
         }
         let [latitude_deg, longitude_deg] = message.place_deg?;
-        let known_mps = valid(parts.climb_mps, now_s);
+        let known_mps = fresh(parts.climb_mps, now_s).map(|(climb_mps, _)| climb_mps);
         let climb_mps = known_mps.unwrap_or(0.0);
-        let altitude = parts
-            .altitude
-            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S);
-        let velocity = parts
-            .velocity_mps
-            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
-            .map(|([east, north], heard_s)| (Vec3::new(east, north, climb_mps), heard_s));
-        let velocity_sigma_is_known = parts.velocity_error_mps.is_some();
+        let altitude = fresh(parts.altitude, now_s);
+        let velocity = fresh(parts.velocity_mps, now_s);
         let altitude_m = altitude.map_or(0.0, |(altitude, altitude_s)| {
             altitude.metres() + climb_mps * (now_s - altitude_s).max(0.0)
         });
-        Some(Report {
-            source: self.sender.source,
-            sender: self.sender,
-            icao: message.address,
-            key: None,
-            callsign: parts.callsign.map_or_else(String::new, |callsign| {
-                super::report::tidy_callsign(callsign.as_str())
+        let reference = match altitude {
+            Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,
+            Some((Altitude::Ellipsoid(_), _)) => AltitudeReference::Ellipsoid,
+            None => AltitudeReference::Unknown,
+        };
+        let quality = Quality {
+            velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
+                parts.velocity_sigma_mps(now_s - heard_s)
             }),
-            place: Geodetic::new(latitude_deg, longitude_deg, altitude_m)?,
-            velocity_mps: velocity.map(|(velocity_mps, _)| velocity_mps),
-            valid_s: now_s,
-            movement: Movement::CREWED,
-            class: Class::Crewed,
-            quality: Quality {
-                position_m: parts.sigma_m(),
-                velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
-                    parts.velocity_sigma_mps(now_s - heard_s)
-                }),
-                velocity_sigma_is_known: velocity_sigma_is_known && velocity.is_some(),
-                climb_is_known: known_mps.is_some(),
-                height_m: 0.0,
-                altitude: match altitude {
-                    Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,
-                    Some((Altitude::Ellipsoid(_), _)) => AltitudeReference::Ellipsoid,
-                    None => AltitudeReference::Unknown,
-                },
-            },
+            velocity_sigma_is_known: parts.velocity_error_mps.is_some() && velocity.is_some(),
+            climb_is_known: known_mps.is_some(),
+            ..Quality::of_position(parts.sigma_m(), reference)
+        };
+        let callsign = parts.callsign;
+        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m)?;
+        Some(Report {
+            icao: message.address,
+            callsign: callsign.map_or_else(String::new, |name| tidy_callsign(name.as_str())),
+            velocity_mps: velocity.map(|([east, north], _)| Vec3::new(east, north, climb_mps)),
+            ..Report::of_position(self.sender, place, now_s, quality)
         })
     }
 }

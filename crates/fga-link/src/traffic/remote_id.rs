@@ -4,7 +4,6 @@
 use alloc::collections::BTreeMap;
 
 use fga::Vec3;
-use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{
     MavOdidStatus, OPEN_DRONE_ID_BASIC_ID_DATA, OPEN_DRONE_ID_LOCATION_DATA,
@@ -211,28 +210,25 @@ impl RemoteId {
             location
                 .altitude(levels, now_s)
                 .unwrap_or((0.0, AltitudeReference::Unknown, 0));
+        let place = Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m);
+        let sigma = |bound: f64| bound / SIGMAS_IN_95;
+        let sigma_m =
+            bound(&HORIZONTAL_M, location.horizontal_accuracy).map_or(UNKNOWN_SIGMA_M, sigma);
+        let sigma_mps = bound(&SPEED_MPS, location.speed_accuracy).map(sigma);
+        let quality = Quality {
+            velocity_mps: sigma_mps.unwrap_or(UNKNOWN_VELOCITY_MPS),
+            velocity_sigma_is_known: sigma_mps.is_some(),
+            climb_is_known: location.climb_mps.is_some(),
+            height_m: bound(&VERTICAL_M, accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
+            ..Quality::of_position(sigma_m, altitude)
+        };
+        let class = Class::SmallUnmanned;
         let mut report = Report {
-            source: sender.source,
-            sender,
-            icao: 0,
             key: Some(key),
-            callsign: String::new(),
-            place: Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m)
-                .ok_or(key)?,
             velocity_mps: location.velocity_mps(),
-            valid_s: now_s,
-            movement: Movement::SMALL_UAS,
-            class: Class::SmallUnmanned,
-            quality: Quality {
-                position_m: horizontal_m(location.horizontal_accuracy)
-                    .map_or(UNKNOWN_SIGMA_M, |m| m / SIGMAS_IN_95),
-                velocity_mps: speed_mps(location.speed_accuracy)
-                    .map_or(UNKNOWN_VELOCITY_MPS, |mps| mps / SIGMAS_IN_95),
-                velocity_sigma_is_known: speed_mps(location.speed_accuracy).is_some(),
-                climb_is_known: location.climb_mps.is_some(),
-                height_m: vertical_m(accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
-                altitude,
-            },
+            movement: class.movement(),
+            class,
+            ..Report::of_position(sender, place.ok_or(key)?, now_s, quality)
         };
         if let Some(aircraft) = self.entry(from, now_s) {
             report.callsign.clone_from(&aircraft.name);
@@ -353,47 +349,19 @@ impl Location {
     }
 }
 
-/// Radius that contains 95 of 100 positions, metres.
-const fn horizontal_m(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 18_520.0,
-        2 => 7_408.0,
-        3 => 3_704.0,
-        4 => 1_852.0,
-        5 => 926.0,
-        6 => 555.6,
-        7 => 185.2,
-        8 => 92.6,
-        9 => 30.0,
-        10 => 10.0,
-        11 => 3.0,
-        12 => 1.0,
-        _ => return None,
-    })
-}
+/// Radii that contain 95 of 100 positions, metres, for the categories from 1 on.
+const HORIZONTAL_M: [f64; 12] = [
+    18_520.0, 7_408.0, 3_704.0, 1_852.0, 926.0, 555.6, 185.2, 92.6, 30.0, 10.0, 3.0, 1.0,
+];
+/// Bounds of the altitude's error in 95 of 100 cases, metres.
+const VERTICAL_M: [f64; 6] = [150.0, 45.0, 25.0, 10.0, 3.0, 1.0];
+/// Bounds of the velocity's error in 95 of 100 cases, metres per second.
+const SPEED_MPS: [f64; 4] = [10.0, 3.0, 1.0, 0.3];
 
-/// Bound of the altitude's error in 95 of 100 cases, metres.
-const fn vertical_m(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 150.0,
-        2 => 45.0,
-        3 => 25.0,
-        4 => 10.0,
-        5 => 3.0,
-        6 => 1.0,
-        _ => return None,
-    })
-}
-
-/// Bound of the velocity's error in 95 of 100 cases, metres per second.
-const fn speed_mps(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 10.0,
-        2 => 3.0,
-        3 => 1.0,
-        4 => 0.3,
-        _ => return None,
-    })
+/// The bound of a category; `None` for an unknown one.
+fn bound(bounds: &[f64], category: u8) -> Option<f64> {
+    let index = usize::from(category).checked_sub(1)?;
+    bounds.get(index).copied()
 }
 
 #[cfg(test)]

@@ -47,8 +47,6 @@ pub struct Quality {
 /// The content of one message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Its source.
-    pub source: Source,
     /// Its sender.
     pub sender: Sender,
     /// ICAO address, or another with [`NON_ICAO`](fga_formats::traffic::NON_ICAO); 0 if unknown.
@@ -73,7 +71,43 @@ pub struct Report {
 
 /// σ of a velocity along an axis without quality figures, metres per second.
 const VELOCITY_SIGMA_MPS: f64 = 1.0;
+
+impl Quality {
+    /// The quality of a report of a position alone, with its σ along an axis, metres.
+    pub(crate) const fn of_position(sigma_m: f64, altitude: AltitudeReference) -> Self {
+        Self {
+            position_m: sigma_m,
+            velocity_mps: 0.0,
+            velocity_sigma_is_known: false,
+            climb_is_known: false,
+            height_m: 0.0,
+            altitude,
+        }
+    }
+}
+
 impl Report {
+    /// A report of nothing but the position of some aircraft at a time of the local clock, seconds.
+    pub(crate) const fn of_position(
+        sender: Sender,
+        place: Geodetic,
+        valid_s: f64,
+        quality: Quality,
+    ) -> Self {
+        Self {
+            sender,
+            icao: 0,
+            key: None,
+            callsign: String::new(),
+            place,
+            velocity_mps: None,
+            valid_s,
+            movement: Movement::CREWED,
+            class: Class::Crewed,
+            quality,
+        }
+    }
+
     /// The claimed identity.
     pub fn key(&self) -> Key {
         if let Some(key) = self.key {
@@ -129,32 +163,26 @@ impl Report {
         let age_s = f64::from(data.tslc);
         let class = Class::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
+        // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
+        let altitude = if !has_altitude {
+            AltitudeReference::Unknown
+        } else if geometric {
+            AltitudeReference::Geometric
+        } else {
+            AltitudeReference::Pressure
+        };
+        let quality = Quality {
+            velocity_mps: VELOCITY_SIGMA_MPS,
+            climb_is_known,
+            ..Quality::of_position(position_sigma_m, altitude)
+        };
         Ok(Self {
-            source: sender.source,
-            sender,
             icao: adsb_address(data),
-            key: None,
             callsign: tidy_callsign(data.callsign.to_str().unwrap_or_default()),
-            place,
             velocity_mps,
-            valid_s: now_s - age_s,
             movement: class.movement(),
             class,
-            quality: Quality {
-                position_m: position_sigma_m,
-                velocity_mps: VELOCITY_SIGMA_MPS,
-                velocity_sigma_is_known: false,
-                climb_is_known,
-                height_m: 0.0,
-                // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
-                altitude: if !has_altitude {
-                    AltitudeReference::Unknown
-                } else if geometric {
-                    AltitudeReference::Geometric
-                } else {
-                    AltitudeReference::Pressure
-                },
-            },
+            ..Self::of_position(sender, place, now_s - age_s, quality)
         })
     }
 }

@@ -192,7 +192,7 @@ impl TrackTable {
             position_m,
             velocity_mps,
             quality: report.quality,
-            source: report.source,
+            source: report.sender.source,
             slot: self.slot(report.sender, now_s),
         };
         let key = report.key();
@@ -506,8 +506,7 @@ impl TrackTable {
 }
 
 fn check_own(track: &mut Track, flown: &Flown, shift: Shift, named: Option<bool>, now_s: f64) {
-    let is_other = named == Some(false) || track.source == Source::Virtual;
-    if is_other || track.checked {
+    if named == Some(false) || track.checked {
         return;
     }
     track.checked = true;

@@ -129,7 +129,7 @@ impl Track {
             id,
             icao: report.icao,
             callsign: report.callsign.clone(),
-            source: report.source,
+            source: report.sender.source,
             movement: report.movement,
             class: report.class,
             key: report.key(),
