@@ -3,10 +3,10 @@
 mod download;
 
 use fga::Vec3;
-use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::{MISSION_ITEM_INT_DATA, MavCmd, MavFrame};
 
-use crate::number::degrees_from_e7;
+use crate::number::place_from_e7;
 
 pub use download::{Download, Item, MOST_ITEMS};
 
@@ -20,14 +20,6 @@ pub const fn is_take_off_or_landing(item: &MISSION_ITEM_INT_DATA) -> bool {
             | MavCmd::MAV_CMD_NAV_VTOL_LAND
             | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
     )
-}
-
-/// Latitude and longitude of an item, at an altitude in metres; `None` for an item without a place.
-pub fn place_of(item: &MISSION_ITEM_INT_DATA, altitude_m: f64) -> Option<Geodetic> {
-    if item.x == 0 && item.y == 0 {
-        return None;
-    }
-    Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)
 }
 
 /// The target of an item in the local frame, metres.
@@ -51,7 +43,7 @@ pub fn item_position_m(
             | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
             | MavCmd::MAV_CMD_NAV_TAKEOFF
     );
-    if !flown_to || (item.x == 0 && item.y == 0) {
+    if !flown_to {
         return None;
     }
     let altitude = f64::from(item.z);
@@ -66,8 +58,7 @@ pub fn item_position_m(
         }
         _ => return None,
     };
-    let place = Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)?;
-    let position_m = frame.to_local_m(place);
+    let position_m = frame.to_local_m(place_from_e7(item.x, item.y, altitude_m)?);
     position_m.is_finite().then_some(position_m)
 }
 
@@ -205,6 +196,7 @@ pub fn way_ahead(
 mod tests {
     use super::*;
     use fga_formats::geodesy::Earth;
+    use fga_formats::geodesy::Geodetic;
 
     pub(super) fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
         MISSION_ITEM_INT_DATA {

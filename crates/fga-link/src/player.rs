@@ -23,7 +23,7 @@ use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags, MavMessage,
 };
 
-use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16};
+use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16, velocity_mps};
 use crate::traffic::receiver::Joiner;
 use crate::traffic::report::tidy_callsign;
 use crate::traffic::{AltitudeReference, Source};
@@ -148,12 +148,7 @@ impl FromStr for Line {
         if !usable {
             return Err(error());
         }
-        let track_rad = track.to_radians();
-        let velocity_mps = Vec3::new(
-            speed * libm::sin(track_rad),
-            speed * libm::cos(track_rad),
-            climb,
-        );
+        let velocity_mps = velocity_mps(speed, track.to_radians(), climb);
         let samples = vec![Sample {
             time_s: at_s,
             place,

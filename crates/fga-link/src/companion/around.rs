@@ -1,12 +1,12 @@
 //! Who and what is around the aircraft: virtual obstacles, tracks, floor and ceiling?
 
-use fga::Vec3;
 use fga::situation::{Movement, Obstacle};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 
 use super::route::Route;
 use super::voice::Voice;
 use crate::config::{Config, ConfigError, VirtualObstacle};
+use crate::number::velocity_mps;
 use crate::ownship::State;
 use crate::traffic::class::volume_of;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
@@ -24,11 +24,7 @@ impl VirtualObstacle {
     fn at(&self, id: u32, frame: &LocalFrame, at_s: f64) -> Option<Obstacle> {
         let place = Geodetic::new(self.latitude_deg, self.longitude_deg, self.altitude_m)?;
         let track_rad = self.track_deg.to_radians();
-        let velocity_mps = Vec3::new(
-            self.speed_mps * libm::sin(track_rad),
-            self.speed_mps * libm::cos(track_rad),
-            self.climb_mps,
-        );
+        let velocity_mps = velocity_mps(self.speed_mps, track_rad, self.climb_mps);
         let velocity_mps = frame.velocity_mps(place, velocity_mps);
         let position_m = frame.to_local_m(place) + velocity_mps * at_s;
         let volume = volume_of(self.radius_m, self.half_height_m);
@@ -166,6 +162,7 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
+    use fga::Vec3;
     use fga::situation::Ownship;
 
     use super::*;

@@ -9,7 +9,8 @@ use fga::Vec3;
 use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::MavCmd;
 
-use crate::mission::{Item, place_of};
+use crate::mission::Item;
+use crate::number::place_from_e7;
 use crate::parameters::VehicleParameters;
 
 /// A rally point must be nearer than the present target by this to replace it, metres.
@@ -73,7 +74,7 @@ impl RallyPoints<'_> {
         items
             .filter(|item| item.command == MavCmd::MAV_CMD_NAV_RALLY_POINT)
             .filter_map(move |item| {
-                let place = place_of(item, height_m)?;
+                let place = place_from_e7(item.x, item.y, height_m)?;
                 Some(self.frame?.to_local_m(place).with_z(height_m))
             })
     }

@@ -15,7 +15,7 @@ pub use super::identity::Transmitter;
 use super::class::Class;
 use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
 use super::vertical::Levels;
-use crate::number::degrees_from_e7;
+use crate::number::{degrees_from_e7, velocity_mps};
 
 /// Most aircraft with a remembered name and clock.
 const MOST_AIRCRAFT: usize = 1024;
@@ -342,10 +342,12 @@ impl Location {
     }
 
     fn velocity_mps(&self) -> Option<Vec3> {
-        let (sin, cos) = libm::sincos(self.direction_deg?.to_radians());
-        let speed_mps = self.speed_mps?;
-        let climb_mps = self.climb_mps.unwrap_or(0.0);
-        Some(Vec3::new(speed_mps * sin, speed_mps * cos, climb_mps))
+        let (speed_mps, track_rad) = (self.speed_mps?, self.direction_deg?.to_radians());
+        Some(velocity_mps(
+            speed_mps,
+            track_rad,
+            self.climb_mps.unwrap_or(0.0),
+        ))
     }
 }
 

@@ -9,7 +9,7 @@ pub use super::identity::{Key, LONGEST_CALLSIGN, Sender, Source, tidy_callsign};
 
 use super::class::Class;
 use super::defect::Defect;
-use crate::number::degrees_from_e7;
+use crate::number::{place_from_e7, velocity_mps};
 
 /// The datum of an altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,13 +152,7 @@ impl Report {
         } else {
             0.0
         };
-        let velocity_mps = known.then(|| {
-            Vec3::new(
-                speed_mps * libm::sin(heading_rad),
-                speed_mps * libm::cos(heading_rad),
-                climb_mps,
-            )
-        });
+        let velocity_mps = known.then(|| velocity_mps(speed_mps, heading_rad, climb_mps));
         // "Time since last communication" counts whole seconds: 0 is fresh.
         let age_s = f64::from(data.tslc);
         let class = Class::of(data.emitter_type);
@@ -194,10 +188,6 @@ pub const fn adsb_address(data: &ADSB_VEHICLE_DATA) -> u32 {
 
 /// The position in an `ADSB_VEHICLE` message, valid or not; at altitude 0 for an altitude that no aircraft has.
 pub fn adsb_place(data: &ADSB_VEHICLE_DATA) -> Option<Geodetic> {
-    if data.lat == 0 && data.lon == 0 {
-        return None;
-    }
-    let (latitude_deg, longitude_deg) = (degrees_from_e7(data.lat), degrees_from_e7(data.lon));
-    Geodetic::new(latitude_deg, longitude_deg, f64::from(data.altitude) * 1e-3)
-        .or_else(|| Geodetic::new(latitude_deg, longitude_deg, 0.0))
+    let at = |altitude_m: f64| place_from_e7(data.lat, data.lon, altitude_m);
+    at(f64::from(data.altitude) * 1e-3).or_else(|| at(0.0))
 }
