@@ -87,7 +87,7 @@ const FIRST_SYSTEM: u8 = 1;
 
 /// When things are due again, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Due {
     heartbeat_s: f64,
     decision_s: f64,
@@ -178,7 +178,6 @@ impl Companion {
                 target.name()
             )));
         }
-        let never = f64::NEG_INFINITY;
         let mut voice = Voice::default();
         voice.speak_to(match config.vehicle.system_id {
             0 => FIRST_SYSTEM,
@@ -189,7 +188,7 @@ impl Companion {
             voice,
             session: Session::new(config.vehicle.system_id, dry_run),
             ending_s: None,
-            undecided_s: Some(never),
+            undecided_s: Some(f64::NEG_INFINITY),
             told: Told::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
@@ -216,14 +215,7 @@ impl Companion {
             passing: Passing::default(),
             decided: None,
             handover: Handover::default(),
-            due: Due {
-                heartbeat_s: never,
-                decision_s: never,
-                command_s: never,
-                tidy_s: never,
-                values_s: never,
-                collision_s: never,
-            },
+            due: Due::default(),
             last_logged: None,
             counts: Counts::default(),
             take_over,

@@ -10,12 +10,11 @@
 //! | `x` | give the channels back to the transmitter |
 //! | `q` | give them back and end |
 
-use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
+use mavlink::dialects::ardupilotmega::MavMessage;
 
+use crate::commands::Command;
 use crate::hand::sticks::override_message;
 use crate::mode::Mode;
-use crate::number::single;
-use crate::outgoing::AUTOPILOT;
 
 /// A step of a stick, microseconds.
 const STEP_US: u16 = 50;
@@ -134,16 +133,9 @@ impl Keyboard {
     }
 }
 
-/// The message that asks for a mode.
+/// The message that asks for a mode, whichever the vehicle is in.
 pub fn mode_message(mode: Mode, target_system: u8) -> MavMessage {
-    MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-        command: MavCmd::MAV_CMD_DO_SET_MODE,
-        param1: 1.0,
-        param2: single(f64::from(mode.0)),
-        target_system,
-        target_component: AUTOPILOT,
-        ..COMMAND_LONG_DATA::DEFAULT
-    })
+    Command::set_mode(mode, mode).message(target_system, 0)
 }
 
 #[cfg(test)]

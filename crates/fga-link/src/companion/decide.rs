@@ -200,15 +200,15 @@ impl Companion {
 
     /// The limits in need: only a hand that commands a bank can bank more.
     fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
-        if !self.hand.commands_bank() {
-            return None;
-        }
+        let bank_rad = self
+            .bank_in_need_rad()
+            .filter(|_| self.hand.commands_bank())?;
         let response = Response {
             dead_time_s: 0.0,
             ..self.lead.steep_response()
         };
         self.parameters
-            .vehicle_in_need(&self.config, airspeed_mps, response)
+            .vehicle(bank_rad, &self.config, airspeed_mps, response)
     }
 
     /// Makes the decider, or gives it the vehicle's present limits.
@@ -218,9 +218,10 @@ impl Companion {
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
+        let bank_rad = self.bank_limit_rad()?;
         let wanted = self
             .parameters
-            .vehicle(&self.config, airspeed_mps, response)?;
+            .vehicle(bank_rad, &self.config, airspeed_mps, response)?;
         let in_need = self.vehicle_in_need(airspeed_mps);
         if let Some(decider) = &mut self.decider {
             decider.set_vehicle_in_need(in_need);
@@ -228,7 +229,7 @@ impl Companion {
             // Worse limits count at once; better ones only between manoeuvres, or where no proof rests on the limits.
             let worse = wanted.course_rate_radps() < known.course_rate_radps();
             let idle = decider.state() == AvoiderState::Cruise;
-            if differs(&wanted, known) && (worse || idle || !decider.proves()) {
+            if differs(&wanted, known) && (worse || idle || !decider.certifies()) {
                 decider.retune(&wanted);
             }
             return Some(());
