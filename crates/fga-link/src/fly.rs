@@ -40,7 +40,7 @@ use self::status::Status;
 use crate::endpoint::{Endpoint, open};
 use crate::ground::{GroundOrder, MadeGround};
 use crate::outgoing::{OWN_COMPONENT, Outgoing};
-use crate::player::{Sample, adsb_message};
+use crate::player::{Sample, adsb_data};
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
 use crate::traffic::{AltitudeReference, Report};
 use crate::wire::{Frame, Signing, encode};
@@ -280,11 +280,14 @@ fn make_ground(shared: &Shared, orders: &Receiver<GroundOrder>, to: &SyncSender<
     }
 }
 
-/// The message with the flags and the datum of a report.
-fn with_quality(message: MavMessage, report: &Report) -> MavMessage {
-    let MavMessage::ADSB_VEHICLE(mut data) = message else {
-        return message;
+/// The message with the content of a report at a time, seconds.
+fn message_of(report: &Report, time_s: f64) -> MavMessage {
+    let sample = Sample {
+        time_s,
+        place: report.place,
+        velocity_mps: report.velocity_mps.unwrap_or_default(),
     };
+    let mut data = adsb_data(report.icao, &report.callsign, &sample);
     if report.velocity_mps.is_none() {
         data.flags.remove(
             AdsbFlags::ADSB_FLAGS_VALID_HEADING
@@ -412,12 +415,7 @@ impl Pilot<'_> {
     /// Adds a receiver's report to the telemetry log, as the message with the same content, so that
     /// the recording holds the whole input of the decisions.
     fn record_report(&mut self, report: &Report, now_s: f64) {
-        let sample = Sample {
-            time_s: now_s,
-            place: report.place,
-            velocity_mps: report.velocity_mps.unwrap_or_default(),
-        };
-        let message = with_quality(adsb_message(report.icao, &report.callsign, &sample), report);
+        let message = message_of(report, now_s);
         let header = MavHeader {
             system_id: u32::from(RECEIVER_SYSTEM),
             component_id: RECEIVER_COMPONENT,

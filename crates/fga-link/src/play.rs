@@ -8,12 +8,11 @@ use std::net::{TcpListener, TcpStream};
 use std::time::Instant;
 
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
-};
+use mavlink::dialects::ardupilotmega::{MavMessage, MavType};
 
 use crate::endpoint::{Endpoint, Writer, open};
 use crate::player::{LineTranslator, LoggedLine, Played, sbs_lines};
+use crate::telling::heartbeat;
 use crate::wire::encode;
 
 /// System and component id of the player: an ADS-B receiver (`MAV_COMP_ID_ADSB`).
@@ -99,15 +98,13 @@ impl Outputs {
         }
     }
 
-    fn heartbeat(&mut self) {
-        self.message(&MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-            custom_mode: 0,
-            mavtype: MavType::MAV_TYPE_ADSB,
-            autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-            base_mode: MavModeFlag::empty(),
-            system_status: MavState::MAV_STATE_ACTIVE,
-            mavlink_version: 3,
-        }));
+    /// Takes new readers, and sends the heartbeat when it is due, at a time since the start in seconds.
+    fn turn(&mut self, real_s: f64, beat_s: &mut f64) {
+        self.accept();
+        if real_s >= *beat_s {
+            *beat_s = real_s + 1.0;
+            self.message(&heartbeat(MavType::MAV_TYPE_ADSB));
+        }
     }
 }
 
@@ -170,15 +167,11 @@ fn play_aircraft(
         if stop.load(Ordering::Relaxed) {
             return false;
         }
-        outputs.accept();
         let real_s = start.elapsed().as_secs_f64();
+        outputs.turn(real_s, &mut beat_s);
         let time_s = real_s * options.speed;
         if time_s > end_s {
             return true;
-        }
-        if real_s >= beat_s {
-            beat_s = real_s + 1.0;
-            outputs.heartbeat();
         }
         if real_s >= next_s {
             next_s = real_s + 1.0 / options.rate_hz;
@@ -212,12 +205,8 @@ fn play_log(
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            outputs.accept();
             let real_s = start.elapsed().as_secs_f64();
-            if real_s >= beat_s {
-                beat_s = real_s + 1.0;
-                outputs.heartbeat();
-            }
+            outputs.turn(real_s, &mut beat_s);
             let wait_s = (line.time_s - begin_s) / options.speed - real_s;
             if wait_s <= 0.0 {
                 break;

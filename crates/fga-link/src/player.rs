@@ -58,9 +58,8 @@ const LONGEST_GAP_S: f64 = 30.0;
 impl Played {
     /// Its `ADSB_VEHICLE` message at a time; `None` as for [`Played::at`].
     pub fn message_at(&self, time_s: f64) -> Option<MavMessage> {
-        let sample = self.at(time_s)?;
-        let message = adsb_message(self.icao, &self.callsign, &sample);
-        Some(with_datum(message, self.is_by_pressure))
+        let data = adsb_data(self.icao, &self.callsign, &self.at(time_s)?);
+        Some(with_datum(data, self.is_by_pressure))
     }
 
     /// Its state at a time; `None` before, after, and in long gaps.
@@ -241,11 +240,16 @@ pub fn read_log(log: impl Read) -> (Vec<LoggedLine>, Tally) {
 
 /// The `ADSB_VEHICLE` message of an aircraft at a moment.
 pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
+    MavMessage::ADSB_VEHICLE(adsb_data(icao, callsign, sample))
+}
+
+/// Its content; the altitude counts as geometric.
+pub(crate) fn adsb_data(icao: u32, callsign: &str, sample: &Sample) -> ADSB_VEHICLE_DATA {
     let velocity = sample.velocity_mps;
     let heading_deg = libm::atan2(velocity.x, velocity.y)
         .to_degrees()
         .rem_euclid(360.0);
-    MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+    ADSB_VEHICLE_DATA {
         ICAO_address: icao,
         lat: degrees_to_e7(sample.place.latitude_deg),
         lon: degrees_to_e7(sample.place.longitude_deg),
@@ -265,20 +269,15 @@ pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
         callsign: callsign.chars().take(8).collect::<String>().as_str().into(),
         emitter_type: AdsbEmitterType::ADSB_EMITTER_TYPE_LIGHT,
         tslc: 0,
-    })
+    }
 }
 
-/// A message with the datum of its altitude.
-fn with_datum(message: MavMessage, is_by_pressure: bool) -> MavMessage {
-    match message {
-        MavMessage::ADSB_VEHICLE(data) if is_by_pressure => {
-            MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
-                altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH,
-                ..data
-            })
-        }
-        other => other,
+/// The message with the datum of its altitude.
+fn with_datum(mut data: ADSB_VEHICLE_DATA, is_by_pressure: bool) -> MavMessage {
+    if is_by_pressure {
+        data.altitude_type = AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH;
     }
+    MavMessage::ADSB_VEHICLE(data)
 }
 
 /// The BaseStation lines of an aircraft at a moment: position and velocity.
@@ -320,8 +319,8 @@ impl LineTranslator {
             velocity_mps: report.velocity_mps?,
         };
         let is_by_pressure = report.quality.altitude == AltitudeReference::Pressure;
-        let message = adsb_message(report.icao, &report.callsign, &sample);
-        Some(with_datum(message, is_by_pressure))
+        let data = adsb_data(report.icao, &report.callsign, &sample);
+        Some(with_datum(data, is_by_pressure))
     }
 }
 

@@ -4,8 +4,9 @@ use fga::avoider::Decision;
 use fga::situation::Obstacle;
 use fga_formats::decision;
 use mavlink::dialects::ardupilotmega::{
-    COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
-    MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
+    COLLISION_DATA, HEARTBEAT_DATA, MavAutopilot, MavCollisionAction, MavCollisionSrc,
+    MavCollisionThreatLevel, MavMessage, MavModeFlag, MavSeverity, MavState, MavType,
+    NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
 };
 use serde_json::Value;
 
@@ -33,6 +34,18 @@ pub fn text(severity: Severity, words: &str) -> MavMessage {
         severity,
         text: fitting.as_str().into(),
         ..STATUSTEXT_DATA::DEFAULT
+    })
+}
+
+/// The heartbeat of a component that is no autopilot.
+pub fn heartbeat(mavtype: MavType) -> MavMessage {
+    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+        mavtype,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+        base_mode: MavModeFlag::empty(),
+        system_status: MavState::MAV_STATE_ACTIVE,
+        mavlink_version: 3,
+        ..HEARTBEAT_DATA::DEFAULT
     })
 }
 

@@ -1,9 +1,7 @@
 //! The outgoing messages: heartbeat, requests, targets, values.
 
 use fga::situation::Obstacle;
-use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
-};
+use mavlink::dialects::ardupilotmega::MavType;
 
 use super::Companion;
 use crate::authority::{Authority, Fault};
@@ -19,14 +17,8 @@ impl Companion {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
             // From the beginning: a peer that waits on a UDP port answers only to a first message.
-            self.voice.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-                custom_mode: 0,
-                mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
-                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-                base_mode: MavModeFlag::empty(),
-                system_status: MavState::MAV_STATE_ACTIVE,
-                mavlink_version: 3,
-            }));
+            let kind = MavType::MAV_TYPE_ONBOARD_CONTROLLER;
+            self.voice.send(telling::heartbeat(kind));
         }
         let Some(system) = self.vehicle_system() else {
             return;

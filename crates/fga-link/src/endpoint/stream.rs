@@ -1,6 +1,7 @@
 //! A stream of bytes that is opened again when it is lost, shared by its two halves.
 
 use alloc::sync::Arc;
+use core::fmt::Debug;
 use core::time::Duration;
 use std::io::{self, Read};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -19,6 +20,35 @@ pub enum Received {
     Nothing,
     /// The connection is new: a begun frame is lost.
     NewConnection,
+}
+
+/// The reading half of a socket or a port.
+pub(super) trait ReadingHalf: Debug + Send {
+    /// Reads once; what `is_silent` may be connected again.
+    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> Received;
+
+    /// Sets the time-out of a read; `false` if there is nothing more to read from.
+    fn wait_for(&self, time: Duration) -> bool;
+
+    /// Reads what is discarded; `false` if nothing came.
+    fn discard(&mut self, buffer: &mut [u8]) -> bool;
+
+    /// From now on it answers only senders named by [`Self::answer_sender`].
+    fn be_wary(&mut self) {}
+
+    /// From now on it answers the sender of the last datagram.
+    fn answer_sender(&self) {}
+
+    /// Whether each read is a separate datagram.
+    fn is_datagrams(&self) -> bool {
+        false
+    }
+}
+
+/// The writing half of a socket or a port.
+pub(super) trait WritingHalf: Debug + Send + Sync {
+    /// Sends; `false` without a peer or after a failure.
+    fn write(&self, bytes: &[u8]) -> bool;
 }
 
 /// What both halves have of a stream.

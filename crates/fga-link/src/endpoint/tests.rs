@@ -43,16 +43,13 @@ fn endpoints_are_read() {
 
 #[test]
 fn a_waiting_port_answers_its_senders() {
-    let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
-    let ReaderKind::Udp(udp) = &waiting.kind else {
-        panic!("not a UDP port")
-    };
-    let port = udp.socket.local_addr().unwrap();
+    let (mut waiting, answer) = udp::open("127.0.0.1:0".parse().unwrap(), None).unwrap();
+    let port = waiting.socket.local_addr().unwrap();
     assert!(!answer.write(b"nobody"));
     let (mut calling, call) = open(&Endpoint::UdpOut(port.to_string())).unwrap();
     assert!(call.write(b"here"));
     let mut buffer = [0; 64];
-    while waiting.read(&mut buffer) == Received::Nothing {}
+    while waiting.read(&mut buffer, false) == Received::Nothing {}
     assert!(answer.write(b"there"));
     while calling.read(&mut buffer) == Received::Nothing {}
     assert_eq!(&buffer[..5], b"there");
