@@ -45,6 +45,16 @@ impl Command {
         }
     }
 
+    /// A command sent as `COMMAND_INT`, in the global frame.
+    pub const fn int(command: MavCmd, parameters: [f32; 7]) -> Self {
+        Self {
+            command,
+            parameters,
+            frame: Some(MavFrame::MAV_FRAME_GLOBAL),
+            change: None,
+        }
+    }
+
     /// The command that takes the vehicle from one mode to another.
     pub fn set_mode(to: Mode, from: Mode) -> Self {
         let number = single(f64::from(to.0));

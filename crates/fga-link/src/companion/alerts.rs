@@ -3,17 +3,15 @@
 use fga::avoider::{Start, Threat};
 use fga::situation::Obstacle;
 use fga_alerts::{Aircraft, AircraftId, Monitor, Pair, schemes};
-use mavlink::dialects::ardupilotmega::{
-    COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
-};
+use mavlink::dialects::ardupilotmega::{MavCollisionAction, MavMessage};
 use serde_json::json;
 
 use super::around::Around;
 use super::voice::Voice;
 use crate::authority::Severity;
 use crate::config::{AlertScheme, AlertsConfig};
-use crate::number::single;
 use crate::ownship::State;
+use crate::telling;
 
 /// Time between the messages about alerting aircraft, seconds.
 const REPORT_EVERY_S: f64 = 0.5;
@@ -199,17 +197,6 @@ fn collision(id: u32, pair: &Pair, asks_for_maneuver: bool) -> MavMessage {
     let relative_m = pair.ownship.position_m - pair.intruder.position_m;
     let relative_mps = pair.ownship.velocity_mps - pair.intruder.velocity_mps;
     let then_m = relative_m + relative_mps * closest_s;
-    MavMessage::COLLISION(COLLISION_DATA {
-        id,
-        time_to_minimum_delta: single(closest_s),
-        altitude_minimum_delta: single(then_m.z.abs()),
-        horizontal_minimum_delta: single(libm::hypot(then_m.x, then_m.y)),
-        src: MavCollisionSrc::MAV_COLLISION_SRC_ADSB,
-        action: MavCollisionAction::MAV_COLLISION_ACTION_REPORT,
-        threat_level: if asks_for_maneuver {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_HIGH
-        } else {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_LOW
-        },
-    })
+    let action = MavCollisionAction::MAV_COLLISION_ACTION_REPORT;
+    telling::collision(id, (closest_s, then_m), action, asks_for_maneuver)
 }

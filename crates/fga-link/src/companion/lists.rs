@@ -7,12 +7,11 @@
 
 use fga::Vec3;
 use mavlink::dialects::ardupilotmega::{
-    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_INT_DATA,
-    MavMissionResult, MavMissionType, NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA,
-    STATUSTEXT_DATA,
+    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_INT_DATA, MavMessage,
+    MavMissionResult, MavMissionType, STATUSTEXT_DATA,
 };
 
-use super::target::{OwnTarget, Reported};
+use super::target::OwnTarget;
 use super::voice::Voice;
 use super::watched::Watched;
 use crate::mission::{Item, item_position_m};
@@ -162,49 +161,33 @@ impl Lists {
         self.target.mode_changed(now_s);
     }
 
-    /// Takes a number of items; `true` if the fence has been read.
-    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) -> bool {
-        let [_, has_fence, _] = self.all().map(|list| list.take_count(data, voice));
-        has_fence
+    /// Takes a number of items.
+    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) {
+        for list in self.all() {
+            list.take_count(data, voice);
+        }
     }
 
-    /// Takes an item; `true` if the fence has been read.
-    pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) -> bool {
-        let [_, has_fence, _] = self.all().map(|list| list.take_item(data, voice));
-        has_fence
+    /// Takes an item.
+    pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) {
+        for list in self.all() {
+            list.take_item(data, voice);
+        }
     }
 
-    /// Takes a target that the vehicle reports by its place; `in_auto` while it flies its mission.
-    pub(super) fn take_position_target(
+    /// Takes a target that the vehicle reports by its place, or by distance and bearing; `in_auto` while it flies its mission.
+    pub(super) fn take_target(
         &mut self,
-        data: &POSITION_TARGET_GLOBAL_INT_DATA,
+        message: &MavMessage,
         ownship: &OwnshipEstimate,
         in_auto: bool,
         now_s: f64,
     ) {
-        let reported = OwnTarget::of_place(data, ownship);
-        self.take_target(reported, ownship, in_auto, now_s);
-    }
-
-    /// The same for one that it reports by distance and bearing.
-    pub(super) fn take_nav(
-        &mut self,
-        data: &NAV_CONTROLLER_OUTPUT_DATA,
-        ownship: &OwnshipEstimate,
-        in_auto: bool,
-        now_s: f64,
-    ) {
-        let reported = self.target.of_bearing(data, ownship, now_s);
-        self.take_target(reported, ownship, in_auto, now_s);
-    }
-
-    fn take_target(
-        &mut self,
-        reported: Option<Reported>,
-        ownship: &OwnshipEstimate,
-        in_auto: bool,
-        now_s: f64,
-    ) {
+        let reported = match message {
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => OwnTarget::of_place(data, ownship),
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.target.of_bearing(data, ownship, now_s),
+            _ => None,
+        };
         let item_m = self.item_place_m(ownship).filter(|_| in_auto);
         if self.target.take(reported, item_m, now_s) {
             self.hinted = true;
@@ -270,12 +253,13 @@ impl Lists {
         }
     }
 
-    /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre. `true` if the fence has been
-    /// read.
-    pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) -> bool {
+    /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre.
+    pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) {
         let now_s = voice.now_s();
         self.mission.tick(voice);
-        let has_fence = !self.mission.is_busy() && self.fence.tick(voice);
+        if !self.mission.is_busy() {
+            self.fence.tick(voice);
+        }
         self.probe_mission(voice);
         let is_read = !self.mission.is_busy();
         self.fence.look(is_read, voice);
@@ -288,7 +272,6 @@ impl Lists {
         } else if now_s >= self.fence_due_s && self.fence.items().is_some() && !engaged {
             self.fence.read_again();
         }
-        has_fence
     }
 
     /// Requests the present item, and those ahead in turn.

@@ -181,28 +181,20 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                let has_fence = self.lists.take_count(data, &mut self.voice);
-                if has_fence {
-                    self.lay_fence();
-                }
+                self.lists.take_count(data, &mut self.voice);
+                self.lay_fence();
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                let has_fence = self.lists.take_item(data, &mut self.voice);
-                if has_fence {
-                    self.lay_fence();
-                }
+                self.lists.take_item(data, &mut self.voice);
+                self.lay_fence();
             }
             MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
             MavMessage::MISSION_ACK(data) => self.lists.take_ack(data),
             MavMessage::STATUSTEXT(data) => self.lists.take_text(data),
-            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => {
+            MavMessage::POSITION_TARGET_GLOBAL_INT(_) | MavMessage::NAV_CONTROLLER_OUTPUT(_) => {
                 let in_auto = self.session.mode() == Some(Mode::AUTO);
                 self.lists
-                    .take_position_target(data, &self.ownship, in_auto, now_s);
-            }
-            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
-                let in_auto = self.session.mode() == Some(Mode::AUTO);
-                self.lists.take_nav(data, &self.ownship, in_auto, now_s);
+                    .take_target(message, &self.ownship, in_auto, now_s);
             }
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
             MavMessage::COMMAND_ACK(data) => {

@@ -29,9 +29,8 @@ impl Companion {
             .tick(attitude_s, now_s, system, self.voice.outbox());
         self.parameters.tick(now_s, system, self.voice.outbox());
         let engaged = self.keeper.is_engaged();
-        if self.lists.tick(engaged, &mut self.voice) {
-            self.lay_fence();
-        }
+        self.lists.tick(engaged, &mut self.voice);
+        self.lay_fence();
         let age_s = self.telemetry_age_s(now_s);
         if let Some(request) = self.lead.request(age_s, system, now_s) {
             self.voice.send(request);
@@ -120,7 +119,7 @@ impl Companion {
         self.due.collision_s = now_s + 0.5;
         let id = self.around.number(threat.id);
         let engaged = self.keeper.is_engaged();
-        let message = telling::collision(
+        let message = telling::collision_of(
             &decided.decision,
             self.around.obstacles(),
             &decided.own,

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime};
 
 use super::recorder::reason;
-use super::shared::{Shared, spawn};
+use super::shared::{Shared, await_end, spawn};
 use crate::restart::Note;
 use crate::wire::{Signing, Timestamps};
 
@@ -175,10 +175,7 @@ impl Notebook {
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
-        let since = Instant::now();
-        while !thread.is_finished() && since.elapsed() < LAST_WORDS {
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        await_end(&thread, LAST_WORDS);
     }
 }
 

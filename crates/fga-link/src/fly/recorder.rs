@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use super::shared::{Shared, spawn};
+use super::shared::{Shared, await_end, spawn};
 use crate::number::to_u64;
 use crate::tlog::TlogWriter;
 
@@ -46,7 +46,7 @@ pub(super) fn reason(error: &io::Error) -> String {
 /// The flight's side of its logs.
 pub(super) struct Recorder {
     to: SyncSender<Entry>,
-    thread: Option<JoinHandle<()>>,
+    thread: JoinHandle<()>,
     begin_us: u64,
     behind: bool,
 }
@@ -68,7 +68,7 @@ impl Recorder {
         })?;
         Ok(Self {
             to,
-            thread: Some(thread),
+            thread,
             begin_us,
             behind: false,
         })
@@ -100,12 +100,7 @@ impl Recorder {
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
-        let since = Instant::now();
-        if let Some(thread) = thread {
-            while !thread.is_finished() && since.elapsed() < LAST_WORDS {
-                std::thread::sleep(Duration::from_millis(10));
-            }
-        }
+        await_end(&thread, LAST_WORDS);
     }
 }
 

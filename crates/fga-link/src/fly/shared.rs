@@ -2,7 +2,9 @@
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use core::time::Duration;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Instant;
 
 use mavlink::MavHeader;
@@ -140,12 +142,20 @@ impl Shared {
     }
 }
 
+/// Waits until a thread has ended, for a while at most.
+pub(super) fn await_end(thread: &JoinHandle<()>, most: Duration) {
+    let since = Instant::now();
+    while !thread.is_finished() && since.elapsed() < most {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// Starts a thread; a panic of a needed one ends the flight and restores the mode.
 pub(super) fn spawn(
     shared: &Arc<Shared>,
     name: &'static str,
     run: impl FnOnce(&Shared) + Send + 'static,
-) -> std::io::Result<std::thread::JoinHandle<()>> {
+) -> std::io::Result<JoinHandle<()>> {
     let shared = Arc::clone(shared);
     std::thread::Builder::new()
         .name(name.to_owned())

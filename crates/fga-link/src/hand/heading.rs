@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use fga::angle::wrap_pi;
 use fga::maneuver::Stage;
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use mavlink::dialects::ardupilotmega::{MavCmd, MavFrame};
+use mavlink::dialects::ardupilotmega::MavCmd;
 
 use super::{Hand, Reach, Target};
 use crate::commands::Command;
@@ -52,24 +52,10 @@ impl HeadingHand {
         let compass_deg = (FRAC_PI_2 - heading_rad).rem_euclid(2.0 * PI).to_degrees();
         let acceleration_mps2 = STANDARD_GRAVITY_MPS2 * libm::tan(target.bank_limit_rad);
         // The heading of the nose (1), not the course over the ground: the plan is in the air mass.
-        let parameters = [
-            1.0,
-            single(compass_deg),
-            single(acceleration_mps2),
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        ];
-        reach.commands.send(
-            Command {
-                command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
-                parameters,
-                frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                change: None,
-            },
-            true,
-        );
+        let (heading_deg, acceleration_mps2) = (single(compass_deg), single(acceleration_mps2));
+        let parameters = [1.0, heading_deg, acceleration_mps2, 0.0, 0.0, 0.0, 0.0];
+        let command = Command::int(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING, parameters);
+        reach.commands.send(command, true);
         true
     }
 }
@@ -79,15 +65,9 @@ fn climb(stage: &Stage, own: &State, reach: &mut Reach<'_>) {
     let Some(frame) = reach.frame else { return };
     let climb_m = own.ownship.airspeed_mps * libm::sin(stage.climb_rad) * CLIMB_AHEAD_S;
     let altitude_m = frame.origin().altitude_m + own.ownship.position_m.z + climb_m;
-    reach.commands.send(
-        Command {
-            command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
-            parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
-            frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-            change: None,
-        },
-        true,
-    );
+    let parameters = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)];
+    let command = Command::int(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE, parameters);
+    reach.commands.send(command, true);
 }
 
 impl Hand for HeadingHand {

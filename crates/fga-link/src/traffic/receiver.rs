@@ -11,7 +11,9 @@ use fga_formats::tally::{LeftOut, Tally};
 use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
-use super::report::{AltitudeReference, Quality, Report, Sender, Source, tidy_callsign};
+use super::report::{
+    AltitudeReference, Quality, Report, SIGMAS_IN_95, Sender, Source, tidy_callsign,
+};
 use crate::endpoint::{Endpoint, Received, open};
 
 /// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
@@ -62,8 +64,6 @@ const PART_LIFETIME_S: f64 = 15.0;
 const UNKNOWN_SIGMA_M: f64 = 15.0;
 /// A radius of containment means near certainty: at least four σ.
 const SIGMAS_IN_CONTAINMENT: f64 = 4.0;
-/// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
-const SIGMAS_IN_95: f64 = 2.4477;
 /// A position without source integrity is worse by this factor, and at least by this, metres.
 const WITHOUT_INTEGRITY: f64 = 2.0;
 const WITHOUT_INTEGRITY_M: f64 = 30.0;

@@ -13,7 +13,7 @@ use mavlink::dialects::ardupilotmega::{
 pub use super::identity::Transmitter;
 
 use super::class::Class;
-use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
+use super::report::{AltitudeReference, Key, Quality, Report, SIGMAS_IN_95, Sender, tidy_callsign};
 use super::vertical::Levels;
 use crate::number::{degrees_from_e7, velocity_mps};
 
@@ -31,8 +31,6 @@ const CLOCK_S: f64 = 3.0;
 const HIGHEST_M: f64 = 31_767.5;
 /// A message this much later than the fastest one has another clock, seconds.
 const LATEST_S: f64 = 60.0;
-/// A circle of this many σ contains 95 of 100 positions.
-const SIGMAS_IN_95: f64 = 2.4477;
 /// Assumed accuracies if missing: metres, metres, metres per second.
 const UNKNOWN_SIGMA_M: f64 = 30.0;
 const UNKNOWN_HEIGHT_M: f64 = 50.0;

@@ -69,6 +69,8 @@ pub struct Report {
     pub quality: Quality,
 }
 
+/// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
+pub(super) const SIGMAS_IN_95: f64 = 2.4477;
 /// σ of a velocity along an axis without quality figures, metres per second.
 const VELOCITY_SIGMA_MPS: f64 = 1.0;
 

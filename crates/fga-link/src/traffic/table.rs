@@ -168,11 +168,20 @@ impl TrackTable {
         now_s - report.valid_s > self.drop_after_s
     }
 
+    /// Indices in `tracks` of all hypotheses under a key.
+    fn members(&self, key: Key) -> &[usize] {
+        self.index.get(&key).map_or(&[], Vec::as_slice)
+    }
+
+    /// All hypotheses under a key.
+    fn hypotheses(&self, key: Key) -> impl Iterator<Item = &Track> {
+        let members = self.members(key).iter();
+        members.filter_map(|place| self.tracks.get(*place))
+    }
+
     /// Whether a track of this identity contradicts its own velocity.
     pub fn contradicts_itself(&self, key: Key) -> bool {
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
-        let mut tracks = members.iter().filter_map(|place| self.tracks.get(*place));
-        tracks.any(Track::contradicts_itself)
+        self.hypotheses(key).any(Track::contradicts_itself)
     }
 
     /// Takes a report; `false` if it was nothing new.
@@ -199,7 +208,7 @@ impl TrackTable {
         if seen.source == Source::AutopilotList && self.is_known_better(key, &seen, now_s) {
             return false;
         }
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        let members = self.members(key);
         let best = members
             .iter()
             .filter_map(|place| {
@@ -218,6 +227,7 @@ impl TrackTable {
             }
             return track.update(&seen, now_s);
         }
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         for place in members {
             if let Some(track) = self.tracks.get_mut(*place)
                 && track.is_repetition(&seen, now_s)
@@ -230,17 +240,13 @@ impl TrackTable {
 
     /// Whether a better source reports the aircraft that the autopilot's list reports late.
     fn is_known_better(&self, key: Key, seen: &Seen, now_s: f64) -> bool {
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
-        members
-            .iter()
-            .filter_map(|place| self.tracks.get(*place))
-            .any(|track| {
-                let off = seen.position_m - track.position_m(now_s);
-                track.source != Source::AutopilotList
-                    && now_s - track.heard_s < BETTER_SOURCE_S
-                    && libm::hypot(off.x, off.y)
-                        < LIST_OFF_M + LIST_LATE_S * track.velocity_mps().length()
-            })
+        self.hypotheses(key).any(|track| {
+            let off = seen.position_m - track.position_m(now_s);
+            track.source != Source::AutopilotList
+                && now_s - track.heard_s < BETTER_SOURCE_S
+                && libm::hypot(off.x, off.y)
+                    < LIST_OFF_M + LIST_LATE_S * track.velocity_mps().length()
+        })
     }
 
     /// The share of a sender's tracks.
@@ -416,16 +422,12 @@ impl TrackTable {
         if now_s - track.heard_s < track.silence_s(SILENT_S) {
             return false;
         }
-        let members = self.index.get(&track.key).map_or(&[][..], Vec::as_slice);
-        members
-            .iter()
-            .filter_map(|place| self.tracks.get(*place))
-            .any(|other| {
-                let goes_on = other.id != track.id && other.heard_s > track.heard_s;
-                let same_sender = other.senders & bit(track.last_seen().slot) != 0;
-                // A single report is no line, whoever sent it.
-                goes_on && other.hits >= LINE && (same_sender || track.hits == 1)
-            })
+        self.hypotheses(track.key).any(|other| {
+            let goes_on = other.id != track.id && other.heard_s > track.heard_s;
+            let same_sender = other.senders & bit(track.last_seen().slot) != 0;
+            // A single report is no line, whoever sent it.
+            goes_on && other.hits >= LINE && (same_sender || track.hits == 1)
+        })
     }
 
     /// With a configured address, only that aircraft can be ours.

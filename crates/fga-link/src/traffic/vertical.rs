@@ -129,9 +129,7 @@ impl Levels {
             }
         }
     }
-}
 
-impl Levels {
     /// The shift of a height that its sender calls geometric: from the sea, from any geoid, from the pressure level here, or
     /// from an altimeter with another setting. The vehicle's own pressure does not show that setting.
     fn geometric(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
