@@ -23,7 +23,7 @@ mod stray;
 mod tests;
 mod watchdog;
 
-pub use hearing::{Beat, Hearing, Verdict};
+pub use hearing::{Beat, BeatVerdict, Hearing};
 pub use keeper::Keeper;
 pub use reactions::{Fault, HandBack, REACTIONS, Reaction, Rearm, Severity, reaction};
 pub use state::{Action, Authority, Late};

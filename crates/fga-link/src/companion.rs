@@ -61,21 +61,21 @@ use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnshipEstimate, OwnshipState};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::restart::Note;
 use crate::traffic::{Defect, Defects, TrackTable};
 
-use around::Around;
+use around::Surroundings;
 use boundary::Boundary;
 use handover::Handover;
-use lacking::Told;
+use lacking::OperatorReports;
 use lead::Lead;
 use lists::Lists;
-use passing::Passing;
-pub use picture::Picture;
-use route::Route;
+use passing::PassedItems;
+pub use picture::FlightPicture;
+use route::LaidRoute;
 use session::Session;
 pub(crate) use trips::round_trip_of;
 use voice::Voice;
@@ -103,7 +103,7 @@ struct Decided {
     decision: Decision,
     /// Time of the state that it is based on, seconds.
     for_s: f64,
-    own: State,
+    own: OwnshipState,
 }
 
 /// Counters for the status line and tests.
@@ -129,7 +129,7 @@ pub struct Companion {
     ending_s: Option<f64>,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
-    told: Told,
+    told: OperatorReports,
     rates: Rates,
     gap: gap::Gap,
     commands: Commands,
@@ -138,7 +138,7 @@ pub struct Companion {
     boundary: Boundary,
     ownship: OwnshipEstimate,
     lead: Lead,
-    around: Around,
+    around: Surroundings,
     feeds: feeds::Feeds,
     defects: Defects,
     over: over_ground::OverGround,
@@ -147,11 +147,11 @@ pub struct Companion {
     /// The last trouble of the surrounding program.
     trouble: String,
     keeper: Keeper,
-    decider: Option<decider::Decider>,
-    alerts: Option<alerts::Watch>,
+    decider: Option<decider::CompanionPilot>,
+    alerts: Option<alerts::AlertWatch>,
     hand: Box<dyn Hand>,
-    route: Route,
-    passing: Passing,
+    route: LaidRoute,
+    passing: PassedItems,
     decided: Option<Decided>,
     handover: Handover,
     due: Due,
@@ -189,7 +189,7 @@ impl Companion {
             session: Session::new(config.vehicle.system_id, dry_run),
             ending_s: None,
             undecided_s: Some(f64::NEG_INFINITY),
-            told: Told::default(),
+            told: OperatorReports::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
             commands: Commands::default(),
@@ -198,7 +198,7 @@ impl Companion {
             boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
-            around: Around::new(&config)?,
+            around: Surroundings::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
             over: over_ground::OverGround::new(
@@ -209,10 +209,10 @@ impl Companion {
             trouble: String::new(),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
-            alerts: alerts::Watch::new(&config.alerts),
+            alerts: alerts::AlertWatch::new(&config.alerts),
             hand,
-            route: Route::default(),
-            passing: Passing::default(),
+            route: LaidRoute::default(),
+            passing: PassedItems::default(),
             decided: None,
             handover: Handover::default(),
             due: Due::default(),
@@ -259,7 +259,7 @@ impl Companion {
 
     /// The vehicle's planned limits.
     pub fn vehicle(&self) -> Option<&Vehicle> {
-        self.decider.as_ref().map(decider::Decider::vehicle)
+        self.decider.as_ref().map(decider::CompanionPilot::vehicle)
     }
 
     /// How the vehicle follows, as estimated so far.

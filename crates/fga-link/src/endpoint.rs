@@ -23,7 +23,7 @@ use std::net::ToSocketAddrs as _;
 use std::time::Instant;
 
 pub use address::{Endpoint, EndpointError};
-pub use stream::Received;
+pub use stream::LinkRead;
 
 use stream::{READ_TIMEOUT, ReadingHalf, WritingHalf};
 
@@ -44,7 +44,7 @@ fn resolve(address: &str) -> io::Result<SocketAddr> {
 
 /// The reading half of an open endpoint; it reconnects by itself.
 #[derive(Debug)]
-pub struct Reader {
+pub struct LinkReader {
     socket: Box<dyn ReadingHalf>,
     /// A connection silent for this long is made again.
     silent: Duration,
@@ -53,7 +53,7 @@ pub struct Reader {
 
 /// The writing half of an open endpoint; it drops what it cannot send.
 #[derive(Debug, Clone)]
-pub struct Writer(Arc<dyn WritingHalf>);
+pub struct LinkWriter(Arc<dyn WritingHalf>);
 
 /// The halves of a socket or a port.
 fn halves(
@@ -67,7 +67,7 @@ fn halves(
 /// # Errors
 /// An address that does not resolve, a port that is taken, a serial port that cannot be opened.
 /// A TCP server that does not answer is no error: the reader tries again.
-pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
+pub fn open(endpoint: &Endpoint) -> io::Result<(LinkReader, LinkWriter)> {
     let (socket, writer) = match endpoint {
         Endpoint::UdpIn(address) => halves(udp::open(resolve(address)?, None)?),
         Endpoint::UdpOut(address) => {
@@ -91,15 +91,15 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
             ));
         }
     };
-    let reader = Reader {
+    let reader = LinkReader {
         socket,
         silent: SILENT,
         heard: Instant::now(),
     };
-    Ok((reader, Writer(writer)))
+    Ok((reader, LinkWriter(writer)))
 }
 
-impl Reader {
+impl LinkReader {
     /// From now on a waiting UDP port answers only senders named by [`Self::answer_sender`].
     pub fn be_wary(&mut self) {
         self.socket.be_wary();
@@ -116,10 +116,10 @@ impl Reader {
     }
 
     /// Reads once; waits a tenth of a second at most, longer only while it reconnects.
-    pub fn read(&mut self, buffer: &mut [u8]) -> Received {
+    pub fn read(&mut self, buffer: &mut [u8]) -> LinkRead {
         let is_silent = self.heard.elapsed() > self.silent;
         let received = self.socket.read(buffer, is_silent);
-        if received != Received::Nothing {
+        if received != LinkRead::Nothing {
             self.heard = Instant::now();
         }
         received
@@ -142,7 +142,7 @@ impl Reader {
     }
 }
 
-impl Writer {
+impl LinkWriter {
     /// Sends a frame; `false` without a peer or after a failure.
     pub fn write(&self, bytes: &[u8]) -> bool {
         self.0.write(bytes)

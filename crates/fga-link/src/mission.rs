@@ -8,7 +8,7 @@ use mavlink::dialects::ardupilotmega::{MISSION_ITEM_INT_DATA, MavCmd, MavFrame};
 
 use crate::number::place_from_e7;
 
-pub use download::{Download, Item, MOST_ITEMS};
+pub use download::{Download, ListItem, MOST_ITEMS};
 
 /// Whether the autopilot takes off or lands at an item: nobody else may fly then.
 pub const fn is_take_off_or_landing(item: &MISSION_ITEM_INT_DATA) -> bool {
@@ -64,7 +64,7 @@ pub fn item_position_m(
 
 /// The way ahead: its waypoints and the mission item of each.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Way {
+pub struct WayAhead {
     /// Waypoints, metres, local frame; the first is the start of the present leg.
     pub waypoints_m: Vec<Vec3>,
     /// The mission item of each; `None` for a start that is no item.
@@ -103,12 +103,12 @@ fn flies_along(at_m: Vec3, begin_m: Vec3, end_m: Vec3) -> bool {
 /// It ends at a landing, where it circles, and at a counted jump: what follows is not a leg, or
 /// unknown.
 pub fn way_ahead(
-    items: &[Item],
+    items: &[ListItem],
     current: u16,
     from_m: Vec3,
     frame: &LocalFrame,
     home_altitude_m: f64,
-) -> Way {
+) -> WayAhead {
     let place = |index: usize| {
         let item = items.get(index)?.as_ref()?;
         item_position_m(item, frame, home_altitude_m, from_m.z)
@@ -117,7 +117,7 @@ pub fn way_ahead(
     let before = (1..current)
         .rev()
         .find_map(|index| place(index).map(|at_m| (index, at_m)));
-    let mut way = Way::default();
+    let mut way = WayAhead::default();
     let (item, begin_m) = match before {
         Some((index, at_m))
             if place(current).is_none_or(|to_m| flies_along(from_m, at_m, to_m)) =>
@@ -235,7 +235,7 @@ mod tests {
         let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
         let frame = LocalFrame::new(origin, Earth::Wgs84);
         let north = |n: i32| 370_000_000 + n * 10_000;
-        let items: Vec<Item> = [
+        let items: Vec<ListItem> = [
             item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000),
             item(1, MavCmd::MAV_CMD_NAV_WAYPOINT, north(1), -1_220_000_000),
             item(2, MavCmd::MAV_CMD_DO_CHANGE_SPEED, 0, 0),
@@ -260,7 +260,7 @@ mod tests {
     }
 
     /// The way north from the first item of a list of commands, one waypoint's distance apart.
-    fn way_of(commands: &[(MavCmd, f32, f32)]) -> Way {
+    fn way_of(commands: &[(MavCmd, f32, f32)]) -> WayAhead {
         let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
         let frame = LocalFrame::new(origin, Earth::Wgs84);
         let home = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000);

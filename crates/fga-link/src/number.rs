@@ -68,9 +68,9 @@ nearest! {
 
 /// Collects the first value that is out of range.
 #[derive(Debug, Default)]
-pub(crate) struct Checked(Option<String>);
+pub(crate) struct RangeCheck(Option<String>);
 
-impl Checked {
+impl RangeCheck {
     /// Checks one value, if it is there; one that is not a number is out of any range.
     pub(crate) fn within(
         &mut self,

@@ -10,7 +10,7 @@ use std::time::Instant;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavMessage, MavType};
 
-use crate::endpoint::{Endpoint, Writer, open};
+use crate::endpoint::{Endpoint, LinkWriter, open};
 use crate::player::{LineTranslator, LoggedLine, Played, sbs_lines};
 use crate::telling::heartbeat;
 use crate::wire::encode;
@@ -57,7 +57,7 @@ pub struct PlayOptions {
 }
 
 struct Outputs {
-    writer: Option<Writer>,
+    writer: Option<LinkWriter>,
     sequence: u8,
     listener: Option<TcpListener>,
     readers: Vec<TcpStream>,

@@ -26,11 +26,11 @@ use mavlink::dialects::ardupilotmega::{
 use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16, velocity_mps};
 use crate::traffic::receiver::Joiner;
 use crate::traffic::report::tidy_callsign;
-use crate::traffic::{AltitudeReference, Source};
+use crate::traffic::{AltitudeReference, ReportSource};
 
 /// An aircraft at a moment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct PlayedState {
     /// Time from the start of the script, seconds.
     pub time_s: f64,
     /// Its position.
@@ -49,7 +49,7 @@ pub struct Played {
     /// Whether its altitudes are by pressure; else satellites measured them.
     pub is_by_pressure: bool,
     /// Its path, in order of time; a single sample is a straight line without end.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PlayedState>,
 }
 
 /// Longest gap between two samples that is played through, seconds.
@@ -63,7 +63,7 @@ impl Played {
     }
 
     /// Its state at a time; `None` before, after, and in long gaps.
-    pub fn at(&self, time_s: f64) -> Option<Sample> {
+    pub fn at(&self, time_s: f64) -> Option<PlayedState> {
         let after = self
             .samples
             .partition_point(|sample| sample.time_s <= time_s);
@@ -71,7 +71,7 @@ impl Played {
         let ahead_s = time_s - from.time_s;
         let moved = |velocity_mps: Vec3| {
             let frame = LocalFrame::new(from.place, Earth::Wgs84);
-            Sample {
+            PlayedState {
                 time_s,
                 place: frame.to_geodetic(velocity_mps * ahead_s),
                 velocity_mps,
@@ -81,7 +81,7 @@ impl Played {
             Some(to) if to.time_s - from.time_s <= LONGEST_GAP_S => {
                 let share = ahead_s / (to.time_s - from.time_s);
                 let between = |a: f64, b: f64| a + (b - a) * share;
-                Some(Sample {
+                Some(PlayedState {
                     time_s,
                     place: Geodetic {
                         latitude_deg: between(from.place.latitude_deg, to.place.latitude_deg),
@@ -148,7 +148,7 @@ impl FromStr for Line {
             return Err(error());
         }
         let velocity_mps = velocity_mps(speed, track.to_radians(), climb);
-        let samples = vec![Sample {
+        let samples = vec![PlayedState {
             time_s: at_s,
             place,
             velocity_mps,
@@ -172,7 +172,7 @@ pub fn from_states(received: &Received) -> Vec<Played> {
         .filter(|track| !track.heard.is_empty())
         .map(|track| {
             number += 1;
-            let sample = |heard: &Heard| Sample {
+            let sample = |heard: &Heard| PlayedState {
                 time_s: heard.time_s,
                 place: heard.place,
                 velocity_mps: heard.velocity_mps.unwrap_or_default(),
@@ -209,11 +209,11 @@ pub fn from_recording(recording: &fga_formats::daa::Recording) -> Vec<Played> {
         .iter()
         .filter_map(|track| {
             number += 1;
-            let samples: Vec<Sample> = track
+            let samples: Vec<PlayedState> = track
                 .samples
                 .iter()
                 .filter_map(|sample| {
-                    Some(Sample {
+                    Some(PlayedState {
                         time_s: sample.time_s,
                         place: sample.place?,
                         velocity_mps: sample.velocity_mps,
@@ -239,12 +239,12 @@ pub fn read_log(log: impl Read) -> (Vec<LoggedLine>, Tally) {
 }
 
 /// The `ADSB_VEHICLE` message of an aircraft at a moment.
-pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
+pub fn adsb_message(icao: u32, callsign: &str, sample: &PlayedState) -> MavMessage {
     MavMessage::ADSB_VEHICLE(adsb_data(icao, callsign, sample))
 }
 
 /// Its content; the altitude counts as geometric.
-pub(crate) fn adsb_data(icao: u32, callsign: &str, sample: &Sample) -> ADSB_VEHICLE_DATA {
+pub(crate) fn adsb_data(icao: u32, callsign: &str, sample: &PlayedState) -> ADSB_VEHICLE_DATA {
     let velocity = sample.velocity_mps;
     let heading_deg = libm::atan2(velocity.x, velocity.y)
         .to_degrees()
@@ -281,7 +281,7 @@ fn with_datum(mut data: ADSB_VEHICLE_DATA, is_by_pressure: bool) -> MavMessage {
 }
 
 /// The BaseStation lines of an aircraft at a moment: position and velocity.
-pub fn sbs_lines(icao: u32, callsign: &str, sample: &Sample) -> String {
+pub fn sbs_lines(icao: u32, callsign: &str, sample: &PlayedState) -> String {
     let mut lines = Vec::new();
     let report = TrafficReport {
         address: icao,
@@ -304,7 +304,7 @@ pub struct LineTranslator(Joiner);
 
 impl Default for LineTranslator {
     fn default() -> Self {
-        Self(Joiner::new(Source::Sbs))
+        Self(Joiner::new(ReportSource::Sbs))
     }
 }
 
@@ -313,7 +313,7 @@ impl LineTranslator {
     pub fn message(&mut self, line: &LoggedLine) -> Option<MavMessage> {
         let message = line.report.as_ref().ok()?;
         let report = self.0.take(message, line.time_s)?;
-        let sample = Sample {
+        let sample = PlayedState {
             time_s: line.time_s,
             place: report.place,
             velocity_mps: report.velocity_mps?,

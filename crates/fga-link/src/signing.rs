@@ -98,7 +98,7 @@ impl SigningState {
     }
 }
 
-struct Inner {
+struct SigningInner {
     /// Added to this computer's clock, s.
     clock_off_s: i64,
     key: [u8; 32],
@@ -109,7 +109,7 @@ struct Inner {
 
 /// Key and state of MAVLink 2 message signing, and whether it accepts unsigned frames.
 #[derive(Clone)]
-pub struct Signing(Arc<Inner>);
+pub struct Signing(Arc<SigningInner>);
 
 impl core::fmt::Debug for Signing {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -117,7 +117,7 @@ impl core::fmt::Debug for Signing {
     }
 }
 
-impl Inner {
+impl SigningInner {
     /// The present time as a timestamp; 0 before 2015.
     fn clock(&self) -> u64 {
         let since = SystemTime::now()
@@ -142,7 +142,7 @@ impl Signing {
         allow_unsigned: bool,
         clock_off_s: i64,
     ) -> Self {
-        Self(Arc::new(Inner {
+        Self(Arc::new(SigningInner {
             clock_off_s,
             key,
             link_id,

@@ -11,7 +11,7 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2};
 
 use crate::config::TrafficConfig;
-use crate::traffic::{Report, Sender, Source};
+use crate::traffic::{AircraftReport, ReportSender, ReportSource};
 use crate::wire::{Frame, Framer};
 
 /// Writes a telemetry log.
@@ -67,8 +67,8 @@ impl Contents {
             let MavMessage::ADSB_VEHICLE(data) = &frame.message else {
                 continue;
             };
-            let sender = Sender::mavlink(Source::Mavlink, 0, frame.header.component_id);
-            let report = Report::from_adsb(data, sender, 0.0, config.position_sigma_m);
+            let sender = ReportSender::mavlink(ReportSource::Mavlink, 0, frame.header.component_id);
+            let report = AircraftReport::from_adsb(data, sender, 0.0, config.position_sigma_m);
             contents.traffic.take(&match report {
                 Ok(report) if -report.valid_s > config.drop_after_s => Err(LeftOut::TooOld),
                 Ok(_) => Ok(()),

@@ -6,11 +6,11 @@ use fga_alerts::{Aircraft, AircraftId, Monitor, Pair, schemes};
 use mavlink::dialects::ardupilotmega::{MavCollisionAction, MavMessage};
 use serde_json::json;
 
-use super::around::Around;
+use super::around::Surroundings;
 use super::voice::Voice;
 use crate::authority::Severity;
 use crate::config::{AlertScheme, AlertsConfig};
-use crate::ownship::State;
+use crate::ownship::OwnshipState;
 use crate::telling;
 
 /// Time between the messages about alerting aircraft, seconds.
@@ -20,7 +20,7 @@ const MOST_REPORTED: usize = 8;
 
 /// The alert levels of one companion.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(super) struct AlertWatch {
     monitor: Monitor,
     /// The most levels that there are.
     most: usize,
@@ -38,7 +38,7 @@ struct Urgent {
     entry_s: Option<f64>,
 }
 
-impl Watch {
+impl AlertWatch {
     /// The levels of a configuration; `None` where they are off.
     pub(super) fn new(config: &AlertsConfig) -> Option<Self> {
         let settings = match config.levels {
@@ -56,7 +56,7 @@ impl Watch {
     }
 
     /// Takes the aircraft of a moment and says which one alerts most.
-    fn step(&mut self, time_s: f64, own: &State, obstacles: &[&Obstacle]) -> Option<Urgent> {
+    fn step(&mut self, time_s: f64, own: &OwnshipState, obstacles: &[&Obstacle]) -> Option<Urgent> {
         let ownship = aircraft(
             u64::MAX,
             own.ownship.position_m,
@@ -109,7 +109,12 @@ impl Watch {
 }
 
 /// An aircraft of which the velocity over the ground is given.
-fn aircraft(id: u64, position_m: fga::Vec3, over_ground_mps: fga::Vec3, own: &State) -> Aircraft {
+fn aircraft(
+    id: u64,
+    position_m: fga::Vec3,
+    over_ground_mps: fga::Vec3,
+    own: &OwnshipState,
+) -> Aircraft {
     let state = fga_alerts::State {
         position_m,
         velocity_mps: over_ground_mps - own.wind_mps,
@@ -117,14 +122,14 @@ fn aircraft(id: u64, position_m: fga::Vec3, over_ground_mps: fga::Vec3, own: &St
     Aircraft::new(AircraftId(id), state)
 }
 
-impl Watch {
+impl AlertWatch {
     /// Reports the alert level, and sends `COLLISION` about each alerting aircraft but the threat of the last decision, about
     /// which it is sent anyway. When a manoeuvre begins, where the levels say that.
     pub(super) fn watch(
         &mut self,
-        own: &State,
+        own: &OwnshipState,
         threat: Option<Threat>,
-        around: &Around,
+        around: &Surroundings,
         voice: &mut Voice,
     ) -> Option<Start> {
         let now_s = voice.now_s();
@@ -149,7 +154,7 @@ impl Watch {
         })
     }
 
-    fn tell(&self, urgent: Option<&Urgent>, around: &Around, voice: &mut Voice) {
+    fn tell(&self, urgent: Option<&Urgent>, around: &Surroundings, voice: &mut Voice) {
         let words = urgent.map_or("fga: no alert".to_owned(), |urgent| {
             let when = urgent
                 .entry_s
@@ -169,7 +174,13 @@ impl Watch {
         );
     }
 
-    fn report(&self, own: &State, threat: Option<Threat>, around: &Around, voice: &mut Voice) {
+    fn report(
+        &self,
+        own: &OwnshipState,
+        threat: Option<Threat>,
+        around: &Surroundings,
+        voice: &mut Voice,
+    ) {
         let level_of = |id: u32| {
             let id = AircraftId(u64::from(id));
             let alert = self.monitor.alerts().iter().find(|alert| alert.id == id);

@@ -3,15 +3,15 @@
 use fga::situation::{Movement, Obstacle};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 
-use super::route::Route;
+use super::route::LaidRoute;
 use super::voice::Voice;
 use crate::config::{Config, ConfigError, VirtualObstacle};
 use crate::number::velocity_mps;
-use crate::ownship::State;
+use crate::ownship::OwnshipState;
 use crate::traffic::class::volume_of;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::table::Wanted;
-use crate::traffic::threat::Ahead;
+use crate::traffic::threat::WaysAhead;
 use crate::traffic::{TrackTable, Volumes};
 
 /// Identifier of the first virtual obstacle.
@@ -41,7 +41,7 @@ impl VirtualObstacle {
 
 /// The surroundings.
 #[derive(Debug)]
-pub(super) struct Around {
+pub(super) struct Surroundings {
     tracks: TrackTable,
     /// The configuration's obstacles.
     virtual_obstacles: Vec<VirtualObstacle>,
@@ -49,7 +49,7 @@ pub(super) struct Around {
     obstacles: Vec<Obstacle>,
 }
 
-impl Around {
+impl Surroundings {
     pub(super) fn new(config: &Config) -> Result<Self, ConfigError> {
         Ok(Self {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
@@ -97,9 +97,9 @@ impl Around {
     /// Gathers the obstacles at `at_s`, in seconds, of the aircraft in its state then.
     pub(super) fn gather(
         &mut self,
-        (state, at_s): (&State, f64),
+        (state, at_s): (&OwnshipState, f64),
         frame: Option<&LocalFrame>,
-        route: &Route,
+        route: &LaidRoute,
         config: &Config,
         voice: &mut Voice,
     ) {
@@ -117,7 +117,8 @@ impl Around {
         self.obstacles.extend(virtual_obstacles.filter(is_near));
         let (met_m, left_m) = route.left_m(own_m);
         let own = (own_m, state.ground_velocity_mps);
-        self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
+        self.tracks
+            .set_ahead(WaysAhead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
             at_s,
             own_m,
@@ -133,7 +134,7 @@ impl Around {
     }
 
     /// Adds floor and ceiling of a vehicle that can climb, where neither the aircraft nor its way comes near them.
-    pub(super) fn add_layers(&mut self, state: &State, route: &Route, config: &Config) {
+    pub(super) fn add_layers(&mut self, state: &OwnshipState, route: &LaidRoute, config: &Config) {
         let own_m = state.ownship.position_m;
         let home_z = own_m.z - state.above_home_m;
         let clearance_m = 2.0 * config.protection.margin_m;
@@ -166,7 +167,7 @@ mod tests {
     use fga::situation::Ownship;
 
     use super::*;
-    use crate::mission::Way;
+    use crate::mission::WayAhead;
 
     #[test]
     fn floor_and_ceiling_count_where_neither_the_aircraft_nor_its_way_is_near() {
@@ -175,8 +176,8 @@ mod tests {
         config.limits.ceiling_m = Some(300.0);
         config.protection.margin_m = 10.0;
         let layers = |own_m: f64, way_m: f64| {
-            let mut around = Around::new(&config).unwrap();
-            let state = State {
+            let mut around = Surroundings::new(&config).unwrap();
+            let state = OwnshipState {
                 ownship: Ownship {
                     position_m: Vec3::Z * own_m,
                     course_rad: 0.0,
@@ -190,11 +191,11 @@ mod tests {
                 pitch_rad: 0.0,
                 course_rate_radps: 0.0,
             };
-            let way = Way {
+            let way = WayAhead {
                 waypoints_m: vec![Vec3::Z * way_m],
-                ..Way::default()
+                ..WayAhead::default()
             };
-            around.add_layers(&state, &Route::of(way, 0), &config);
+            around.add_layers(&state, &LaidRoute::of(way, 0), &config);
             let names = around.obstacles().iter().map(|o| around.name(o.id));
             names.collect::<Vec<_>>()
         };

@@ -10,11 +10,11 @@ use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
 
-use super::decider::Decider;
-use super::route::Moment;
+use super::decider::CompanionPilot;
+use super::route::RouteMoment;
 use super::{Companion, Decided};
 use crate::mode::Mode;
-use crate::ownship::State;
+use crate::ownship::OwnshipState;
 use crate::telling;
 
 /// A change of airspeed or response that requires new limits, as a share.
@@ -40,7 +40,7 @@ impl Companion {
     }
 
     /// Tells the operator and the log of a decision.
-    fn report(&mut self, decision: &Decision, state: &State, now_s: f64) {
+    fn report(&mut self, decision: &Decision, state: &OwnshipState, now_s: f64) {
         if decision.record.in_need && self.keeper.commands() {
             self.told.need(&mut self.voice);
         }
@@ -56,7 +56,7 @@ impl Companion {
     }
 
     /// The decision about a state; `None` until the vehicle's limits are known.
-    fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
+    fn decision_for(&mut self, state: &OwnshipState, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
         self.renew_decider()?;
         self.look_around(state, now_s);
@@ -65,7 +65,7 @@ impl Companion {
             .boundary
             .zones(&self.parameters, state.ownship.position_m);
         let ground = self.over.raised(self.growth_m(now_s));
-        let step = |mut decider: Decider, bounds| {
+        let step = |mut decider: CompanionPilot, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));
             (decider, decision)
         };
@@ -105,7 +105,7 @@ impl Companion {
     }
 
     /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
-    fn renew_way(&mut self, state: &State) {
+    fn renew_way(&mut self, state: &OwnshipState) {
         let Some(heard) = self.session.mode() else {
             return;
         };
@@ -114,7 +114,7 @@ impl Companion {
             return;
         }
         let decider = self.decider.as_ref();
-        let moment = Moment {
+        let moment = RouteMoment {
             own_m: state.ownship.position_m,
             track_rad: course_of(state.ground_velocity_mps),
             mode: owed.unwrap_or(heard),
@@ -131,11 +131,11 @@ impl Companion {
     }
 
     /// Gathers what the decision is about, and reports what the alerts and the fence say of it.
-    fn look_around(&mut self, state: &State, now_s: f64) {
+    fn look_around(&mut self, state: &OwnshipState, now_s: f64) {
         let at = (state, self.lead.acts_s(now_s));
         let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
         self.around.gather(at, frame, route, &self.config, voice);
-        let vehicle = self.decider.as_ref().map(Decider::vehicle);
+        let vehicle = self.decider.as_ref().map(CompanionPilot::vehicle);
         if vehicle.is_some_and(Vehicle::can_climb) {
             self.around.add_layers(state, route, &self.config);
         }
@@ -160,7 +160,7 @@ impl Companion {
 
     fn situation<'a>(
         &'a self,
-        state: &State,
+        state: &OwnshipState,
         (zones, ground): (&'a [Zone<'a>], Option<&'a Ground<'a>>),
         now_s: f64,
     ) -> Situation<'a> {
@@ -178,7 +178,7 @@ impl Companion {
     }
 
     /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
-    pub(super) fn lasting(&self, state: &State) -> State {
+    pub(super) fn lasting(&self, state: &OwnshipState) -> OwnshipState {
         let waypoint_m = self.route.waypoints_m().get(1);
         let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
         let follows_mission = !self.keeper.commands()
@@ -191,7 +191,7 @@ impl Companion {
             climb_rad: 0.0,
             ..state.ownship
         };
-        State {
+        OwnshipState {
             ownship,
             ground_velocity_mps: ownship.velocity_mps() + state.wind_mps,
             ..*state
@@ -234,7 +234,7 @@ impl Companion {
             }
             return Some(());
         }
-        match Decider::new(&self.config, wanted) {
+        match CompanionPilot::new(&self.config, wanted) {
             Ok(decider) => {
                 self.decider = Some(decider);
                 Some(())

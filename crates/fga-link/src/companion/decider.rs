@@ -19,12 +19,12 @@ const LATE_SCORE: f64 = 0.9;
 
 /// The pilot of a companion.
 #[derive(Debug, Clone)]
-pub(super) enum Decider {
+pub(super) enum CompanionPilot {
     Avoider(Box<Avoider>),
     Paper(Box<PaperPilot>),
 }
 
-impl Decider {
+impl CompanionPilot {
     pub(super) fn new(config: &Config, vehicle: Vehicle) -> Result<Self, SettingsError> {
         let protection = &config.protection;
         let decision_period_s = config.command.decision_period_s;

@@ -63,7 +63,7 @@ conditions! {
     clippy::struct_excessive_bools,
     reason = "each report is made once, by itself"
 )]
-pub(super) struct Told {
+pub(super) struct OperatorReports {
     /// Missing now, and since when, seconds.
     lacking: Option<(Lacking, f64)>,
     /// Whether the operator has read that the companion is ready.
@@ -79,7 +79,7 @@ pub(super) struct Told {
     airspeed_fails_s: Option<f64>,
 }
 
-impl Told {
+impl OperatorReports {
     /// A manoeuvre begins.
     pub(super) const fn begin(&mut self) {
         self.need = false;
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_told_once_after_a_while_and_sooner_where_it_was_there() {
-        let (mut told, mut voice) = (Told::default(), Voice::default());
+        let (mut told, mut voice) = (OperatorReports::default(), Voice::default());
         let mut texts_at = |lacking, now_s| {
             told.lacking(lacking, voice.at(now_s));
             voice.texts()

@@ -14,7 +14,7 @@ use mavlink::dialects::ardupilotmega::{
 use super::target::OwnTarget;
 use super::voice::Voice;
 use super::watched::Watched;
-use crate::mission::{Item, item_position_m};
+use crate::mission::{ListItem, item_position_m};
 use crate::outgoing::OWN_COMPONENT;
 use crate::ownship::OwnshipEstimate;
 
@@ -89,7 +89,7 @@ impl Lists {
     }
 
     /// The mission, once read.
-    pub(super) fn mission(&self) -> Option<&[Item]> {
+    pub(super) fn mission(&self) -> Option<&[ListItem]> {
         self.mission.items()
     }
 
@@ -104,12 +104,12 @@ impl Lists {
     }
 
     /// The fence, once read, and the number of fences so far.
-    pub(super) fn fence(&self) -> Option<(&[Item], u32)> {
+    pub(super) fn fence(&self) -> Option<(&[ListItem], u32)> {
         Some((self.fence.items()?, self.fence.download.changes()))
     }
 
     /// The rally points, once read.
-    pub(super) fn rally(&self) -> Option<&[Item]> {
+    pub(super) fn rally(&self) -> Option<&[ListItem]> {
         self.rally.items()
     }
 

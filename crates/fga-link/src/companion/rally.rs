@@ -9,7 +9,7 @@ use fga::Vec3;
 use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::MavCmd;
 
-use crate::mission::Item;
+use crate::mission::ListItem;
 use crate::number::place_from_e7;
 use crate::parameters::VehicleParameters;
 
@@ -22,13 +22,13 @@ pub(super) const SAME_TARGET_M: f64 = 5.0;
 
 /// The vehicle's rally points, once read, from where the aircraft is, metres.
 #[derive(Clone, Copy)]
-pub(super) struct RallyPoints<'a> {
-    pub(super) items: Option<&'a [Item]>,
+pub(super) struct ReturnPlaces<'a> {
+    pub(super) items: Option<&'a [ListItem]>,
     pub(super) own_m: Vec3,
     pub(super) frame: Option<&'a LocalFrame>,
 }
 
-impl RallyPoints<'_> {
+impl ReturnPlaces<'_> {
     fn away_m(&self, place_m: Vec3) -> f64 {
         (place_m - self.own_m).truncate().length()
     }

@@ -15,7 +15,7 @@ use super::Companion;
 use super::over_ground::distance_m;
 use super::session::{News, Noted, SILENT_S};
 use crate::authority::{Beat, Fault, reaction};
-use crate::commands::{Command, Outcome};
+use crate::commands::{CommandEnd, VehicleCommand};
 use crate::config::CommandMode;
 use crate::ground::{GroundOrder, MadeGround};
 use crate::mode::Mode;
@@ -316,11 +316,11 @@ impl Companion {
         }
     }
 
-    pub(super) fn command_ended(&mut self, outcome: Outcome, now_s: f64) {
+    pub(super) fn command_ended(&mut self, outcome: CommandEnd, now_s: f64) {
         let (command, refused) = match outcome {
-            Outcome::Accepted(_) => return,
-            Outcome::Refused(command, result) => (command, Some(result)),
-            Outcome::Unanswered(command) => (command, None),
+            CommandEnd::Accepted(_) => return,
+            CommandEnd::Refused(command, result) => (command, Some(result)),
+            CommandEnd::Unanswered(command) => (command, None),
         };
         let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
         self.voice.note(
@@ -372,7 +372,7 @@ impl Companion {
         if self.session.is_dry_run() {
             return;
         }
-        self.commands.send(Command::set_mode(to, from), true);
+        self.commands.send(VehicleCommand::set_mode(to, from), true);
         self.send_commands(now_s);
     }
 }

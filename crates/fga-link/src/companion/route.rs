@@ -7,11 +7,11 @@ use fga::situation::{Obstacle, ObstacleKind};
 use serde_json::json;
 
 use super::lists::Lists;
-use super::rally::{RallyPoints, SAME_TARGET_M};
+use super::rally::{ReturnPlaces, SAME_TARGET_M};
 use super::voice::Voice;
-use crate::mission::{Way, way_ahead};
+use crate::mission::{WayAhead, way_ahead};
 use crate::mode::Mode;
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnshipEstimate, OwnshipState};
 use crate::parameters::VehicleParameters;
 
 /// Length of the line in CRUISE, metres.
@@ -30,7 +30,7 @@ const GIVEN_BACK_STEP_S: f64 = 0.2;
 
 /// The aircraft when its way is looked at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moment {
+pub(super) struct RouteMoment {
     /// Where it is, metres, and its course over the ground, radians.
     pub(super) own_m: Vec3,
     pub(super) track_rad: f64,
@@ -44,8 +44,8 @@ pub(super) struct Moment {
 
 /// The way, and the leg of it that is flown.
 #[derive(Debug, Default)]
-pub(super) struct Route {
-    way: Way,
+pub(super) struct LaidRoute {
+    way: WayAhead,
     /// Index of the waypoint at the start of the present leg.
     leg: usize,
     mode: Option<Mode>,
@@ -55,9 +55,9 @@ pub(super) struct Route {
     mission: Option<u32>,
 }
 
-impl Route {
+impl LaidRoute {
     #[cfg(test)]
-    pub(super) fn of(way: Way, leg: usize) -> Self {
+    pub(super) fn of(way: WayAhead, leg: usize) -> Self {
         Self {
             way,
             leg,
@@ -65,7 +65,7 @@ impl Route {
         }
     }
 
-    pub(super) const fn way(&self) -> &Way {
+    pub(super) const fn way(&self) -> &WayAhead {
         &self.way
     }
 
@@ -102,7 +102,7 @@ impl Route {
     /// Whether another way counts from here on.
     pub(super) fn renew(
         &mut self,
-        at: &Moment,
+        at: &RouteMoment,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         parameters: &VehicleParameters,
@@ -110,7 +110,7 @@ impl Route {
     ) -> bool {
         let now_s = voice.now_s();
         let is_laid = self.mode == Some(at.mode);
-        let rally = RallyPoints {
+        let rally = ReturnPlaces {
             items: lists.rally(),
             own_m: at.own_m,
             frame: ownship.frame(),
@@ -159,10 +159,10 @@ impl Route {
 
     /// Lays a way to one place, or none; always `true`.
     fn lay_line(&mut self, own_m: Vec3, to_m: Option<Vec3>) -> bool {
-        self.way = Way {
+        self.way = WayAhead {
             waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
             items: vec![None, None],
-            ..Way::default()
+            ..WayAhead::default()
         };
         true
     }
@@ -174,7 +174,7 @@ impl Route {
     }
 
     /// Whether the line of CRUISE still leads where the aircraft flies.
-    fn leads_along(&self, at: &Moment) -> bool {
+    fn leads_along(&self, at: &RouteMoment) -> bool {
         let mut waypoints_m = self.way.waypoints_m.iter();
         let Some(from_m) = waypoints_m.next() else {
             return false;
@@ -190,7 +190,7 @@ impl Route {
     /// `false` if it stays the same.
     fn renew_mission_way(
         &mut self,
-        at: &Moment,
+        at: &RouteMoment,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         now_s: f64,
@@ -203,10 +203,10 @@ impl Route {
             if is_laid && self.mission.is_none() && self.leads_to(to_m) {
                 return false;
             }
-            self.way = Way {
+            self.way = WayAhead {
                 waypoints_m: vec![at.own_m, to_m],
                 items: vec![None, lists.item()],
-                ..Way::default()
+                ..WayAhead::default()
             };
             self.mission = None;
             return true;
@@ -265,7 +265,7 @@ impl Route {
     }
 
     /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
-    pub(super) fn is_on_leg(&self, state: &State, climbs: bool) -> bool {
+    pub(super) fn is_on_leg(&self, state: &OwnshipState, climbs: bool) -> bool {
         let Some((from, to)) = self.leg_m() else {
             return true;
         };
@@ -286,7 +286,7 @@ impl Route {
     /// its next waypoint, at `rate_radps`, and flies there.
     pub(super) fn given_back_collides(
         &self,
-        state: &State,
+        state: &OwnshipState,
         rate_radps: f64,
         obstacles: &[Obstacle],
         clear_m: f64,
@@ -327,7 +327,7 @@ pub(super) fn way_to(
     own_m: Vec3,
     lists: &Lists,
     ownship: &OwnshipEstimate,
-) -> Option<Way> {
+) -> Option<WayAhead> {
     let home_m = ownship.home_altitude_m()?;
     Some(way_ahead(
         lists.mission()?,
@@ -344,17 +344,17 @@ mod tests {
 
     use super::*;
 
-    fn corner() -> Route {
-        let way = Way {
+    fn corner() -> LaidRoute {
+        let way = WayAhead {
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e3, Vec3::new(1e3, 1e3, 0.0)],
             items: vec![Some(1), Some(2), Some(3)],
-            ..Way::default()
+            ..WayAhead::default()
         };
-        Route::of(way, 0)
+        LaidRoute::of(way, 0)
     }
 
-    fn flies(at_m: Vec3, course_rad: f64) -> State {
-        State {
+    fn flies(at_m: Vec3, course_rad: f64) -> OwnshipState {
+        OwnshipState {
             ownship: Ownship {
                 position_m: at_m,
                 course_rad,
@@ -393,11 +393,11 @@ mod tests {
 
     #[test]
     fn in_cruise_a_line_holds_until_the_aircraft_leaves_it_and_no_plan_is_busy() {
-        let (mut route, mut voice) = (Route::default(), Voice::default());
+        let (mut route, mut voice) = (LaidRoute::default(), Voice::default());
         let (lists, ownship) = (Lists::new(false, false), OwnshipEstimate::default());
         let parameters = VehicleParameters::default();
         let mut renews = |y, track_rad, is_busy| {
-            let moment = Moment {
+            let moment = RouteMoment {
                 own_m: Vec3::new(100.0, y, 0.0),
                 track_rad,
                 mode: Mode::CRUISE,

@@ -5,8 +5,8 @@ use mavlink::dialects::ardupilotmega::MavType;
 
 use super::Companion;
 use crate::authority::{Authority, Fault};
-use crate::hand::{Hand, Reach, Target};
-use crate::ownship::State;
+use crate::hand::{Hand, HandReach, HandTarget};
+use crate::ownship::OwnshipState;
 use crate::telling;
 
 /// Time between targets until the vehicle has confirmed the mode, seconds.
@@ -151,7 +151,7 @@ impl Companion {
     }
 
     /// Commands the decision; returns the bank that the vehicle should take up, radians.
-    fn fly(&mut self, state: &State, now_s: f64) -> Option<f64> {
+    fn fly(&mut self, state: &OwnshipState, now_s: f64) -> Option<f64> {
         let decided = self.decided?;
         let normal_rad = self.bank_limit_rad()?;
         let decider = self.decider.as_ref()?;
@@ -164,7 +164,7 @@ impl Companion {
         let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
         let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
         self.with_hand(now_s, |hand, reach| {
-            let target = Target {
+            let target = HandTarget {
                 maneuver: &decided.decision.command,
                 elapsed_s,
                 own: state,
@@ -190,10 +190,10 @@ impl Companion {
     fn with_hand<T>(
         &mut self,
         now_s: f64,
-        act: impl FnOnce(&mut dyn Hand, &mut Reach<'_>) -> T,
+        act: impl FnOnce(&mut dyn Hand, &mut HandReach<'_>) -> T,
     ) -> Option<T> {
         let system = self.session.commanded_system()?;
-        let mut reach = Reach {
+        let mut reach = HandReach {
             outbox: self.voice.outbox(),
             commands: &mut self.commands,
             parameters: &self.parameters,

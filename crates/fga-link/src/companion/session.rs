@@ -11,7 +11,7 @@ use fga_formats::geodesy::LocalFrame;
 use super::lacking::Lacking;
 use super::neighbors::{Neighbors, Senders};
 use super::voice::Voice;
-use crate::authority::{Beat, Fault, Hearing, Owed, Severity, Verdict, reaction};
+use crate::authority::{Beat, BeatVerdict, Fault, Hearing, Owed, Severity, reaction};
 use crate::mode::{Mode, ModeChange};
 use crate::restart::Note;
 
@@ -25,7 +25,7 @@ pub(super) const SILENT_S: f64 = 1.2;
 
 /// The vehicle according to its heartbeats.
 #[derive(Debug, Clone, Copy)]
-struct Heard {
+struct HeardVehicle {
     system_id: u8,
     mode: Mode,
     armed: bool,
@@ -70,7 +70,7 @@ pub(super) struct Session {
     /// The configured vehicle; `None` takes the first plane.
     configured: Option<u8>,
     dry_run: bool,
-    heard: Option<Heard>,
+    heard: Option<HeardVehicle>,
     /// Decides whether the companion may command a mode.
     hearing: Hearing,
     /// The vehicle's time since boot in its last attitude, milliseconds.
@@ -197,7 +197,7 @@ impl Session {
                 return News::Nothing;
             }
             self.hearing.hear(beat, now_s);
-            self.heard = Some(Heard {
+            self.heard = Some(HeardVehicle {
                 system_id: system,
                 mode,
                 armed,
@@ -214,7 +214,7 @@ impl Session {
             return News::Nothing;
         }
         let verdict = self.hearing.hear(beat, now_s);
-        if verdict == Verdict::Overtaken {
+        if verdict == BeatVerdict::Overtaken {
             return News::Nothing;
         }
         let before = *heard;
@@ -226,7 +226,7 @@ impl Session {
         if mode != before.mode {
             voice.note("mode", json!({ "mode": mode.to_string() }));
         }
-        let contradicts = verdict == Verdict::Contradicts && now_s >= self.contradiction_due_s;
+        let contradicts = verdict == BeatVerdict::Contradicts && now_s >= self.contradiction_due_s;
         if contradicts {
             self.contradiction_due_s = now_s + CONTRADICTION_AGAIN_S;
         }

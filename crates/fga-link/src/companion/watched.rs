@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::voice::Voice;
 use crate::authority::Severity;
-use crate::mission::{Download, Item};
+use crate::mission::{Download, ListItem};
 
 /// Time for requesting the items one after the other, all of them, seconds.
 const SEEN_S: f64 = 1.2;
@@ -53,7 +53,7 @@ impl Watched {
     }
 
     /// The last complete list.
-    pub(super) fn items(&self) -> Option<&[Item]> {
+    pub(super) fn items(&self) -> Option<&[ListItem]> {
         self.download.items()
     }
 

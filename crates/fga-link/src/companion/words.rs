@@ -5,7 +5,7 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::ObstacleKind;
 
 use super::Companion;
-use super::picture::Picture;
+use super::picture::FlightPicture;
 use crate::ground::{AboveGround, each_second};
 
 impl Companion {
@@ -84,14 +84,14 @@ impl Companion {
     }
 
     /// The picture of the last decision; `None` before the first.
-    pub fn picture(&self) -> Option<Picture> {
+    pub fn picture(&self) -> Option<FlightPicture> {
         let decided = self.decided?;
         let beings = self
             .around
             .obstacles()
             .iter()
             .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
-        Some(Picture {
+        Some(FlightPicture {
             time_s: decided.for_s,
             own: decided.own,
             decision: decided.decision,

@@ -5,7 +5,7 @@ use std::io::{self, Write as _};
 
 use serialport::{ClearBuffer, SerialPort};
 
-use super::stream::{ByteStream, Halves, READ_TIMEOUT, ReadingHalf, Received, WritingHalf, locked};
+use super::stream::{ByteStream, Halves, LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked};
 
 /// An open port.
 type Port = Box<dyn SerialPort>;
@@ -36,7 +36,7 @@ fn open_port(path: &str, baud: u32) -> io::Result<(Port, Port)> {
 }
 
 impl ReadingHalf for SerialReader {
-    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> Received {
+    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> LinkRead {
         let (path, baud) = (&self.path, self.baud);
         self.stream.read(buffer, false, || open_port(path, baud))
     }

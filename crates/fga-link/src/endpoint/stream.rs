@@ -13,7 +13,7 @@ const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
 /// The result of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Received {
+pub enum LinkRead {
     /// This number of bytes of a stream, or one datagram.
     Bytes(usize),
     /// Nothing came in time.
@@ -25,7 +25,7 @@ pub enum Received {
 /// The reading half of a socket or a port.
 pub(super) trait ReadingHalf: Debug + Send {
     /// Reads once; what `is_silent` may be connected again.
-    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> Received;
+    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> LinkRead;
 
     /// Sets the time-out of a read; `false` if there is nothing more to read from.
     fn wait_for(&self, time: Duration) -> bool;
@@ -99,11 +99,11 @@ impl<T: Read> ByteStream<T> {
         buffer: &mut [u8],
         is_given_up: bool,
         open: impl FnOnce() -> io::Result<(T, T)>,
-    ) -> Received {
+    ) -> LinkRead {
         if let Some(own) = &mut self.own {
             match own.read(buffer) {
-                Ok(count) if count > 0 => return Received::Bytes(count),
-                Err(error) if nothing_came(&error) && !is_given_up => return Received::Nothing,
+                Ok(count) if count > 0 => return LinkRead::Bytes(count),
+                Err(error) if nothing_came(&error) && !is_given_up => return LinkRead::Nothing,
                 _ => {
                     self.own = None;
                     *locked(&self.shared) = None;
@@ -112,10 +112,10 @@ impl<T: Read> ByteStream<T> {
         }
         if let Ok(opened) = open() {
             self.take(opened);
-            return Received::NewConnection;
+            return LinkRead::NewConnection;
         }
         std::thread::sleep(RECONNECT_PAUSE);
-        Received::Nothing
+        LinkRead::Nothing
     }
 
     /// Reads what is discarded; `false` if nothing came.

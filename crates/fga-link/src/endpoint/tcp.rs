@@ -5,7 +5,7 @@ use core::time::Duration;
 use std::io::{self, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
 
-use super::stream::{ByteStream, Halves, READ_TIMEOUT, ReadingHalf, Received, WritingHalf, locked};
+use super::stream::{ByteStream, Halves, LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked};
 
 /// Time-out of an attempt to connect.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -67,7 +67,7 @@ fn adopt(stream: TcpStream) -> io::Result<(TcpStream, TcpStream)> {
 }
 
 impl ReadingHalf for TcpReader {
-    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> Received {
+    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> LinkRead {
         let peer = &self.peer;
         let connect = || match peer {
             Peer::Address(address) => TcpStream::connect_timeout(address, CONNECT_TIMEOUT),

@@ -8,7 +8,7 @@ use std::net::UdpSocket;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use super::stream::{READ_TIMEOUT, ReadingHalf, Received, WritingHalf, locked, nothing_came};
+use super::stream::{LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked, nothing_came};
 
 /// Most senders that a waiting port answers, and the time after their last message.
 const MOST_PEERS: usize = 8;
@@ -70,20 +70,20 @@ impl ReadingHalf for UdpReader {
         }
     }
 
-    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> Received {
+    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> LinkRead {
         match self.socket.recv_from(buffer) {
             Ok((count, from)) => {
                 self.sender = Some(from);
                 if !self.wary {
                     self.answer_sender();
                 }
-                Received::Bytes(count)
+                LinkRead::Bytes(count)
             }
             Err(error) => {
                 if !nothing_came(&error) {
                     std::thread::sleep(Duration::from_millis(10));
                 }
-                Received::Nothing
+                LinkRead::Nothing
             }
         }
     }

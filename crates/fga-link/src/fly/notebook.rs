@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime};
 
 use super::recorder::reason;
-use super::shared::{Shared, await_end, spawn};
+use super::shared::{FlightShared, await_end, spawn};
 use crate::restart::Note;
 use crate::wire::{Signing, Timestamps};
 
@@ -119,7 +119,7 @@ pub(super) struct Notebook {
 impl Notebook {
     /// Starts with the notes of an earlier run.
     pub(super) fn begin(
-        shared: &Arc<Shared>,
+        shared: &Arc<FlightShared>,
         folder: &Path,
         signing: Option<Signing>,
         left: Vec<Note>,
@@ -180,7 +180,7 @@ impl Notebook {
 }
 
 fn keep(
-    shared: &Shared,
+    shared: &FlightShared,
     folder: &Path,
     signing: Option<&Signing>,
     wishes: &Receiver<Wish>,

@@ -8,11 +8,11 @@ use mavlink::dialects::ardupilotmega::{
     AttitudeTargetTypemask, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
 
-use super::{Hand, Reach, Target};
+use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::AUTOPILOT;
-use crate::ownship::State;
+use crate::ownship::OwnshipState;
 
 /// A turn rolls out over this many bank time constants …
 const ROLL_OUT_LAGS: f64 = 1.0;
@@ -104,7 +104,7 @@ impl Hand for AttitudeHand {
     }
 
     /// Learns the pitch angle of level flight.
-    fn watch(&mut self, own: &State) {
+    fn watch(&mut self, own: &OwnshipState) {
         let offset = own.pitch_rad - own.ownship.climb_rad;
         if offset.abs() < 0.3 {
             let known = self.level_pitch_rad.unwrap_or(offset);
@@ -117,7 +117,7 @@ impl Hand for AttitudeHand {
         self.in_command = false;
     }
 
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64> {
         let own = &target.own.ownship;
         let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
         let wanted = attitude_for(target.maneuver, elapsed_s, own, target.vehicle, limit_rad);
@@ -129,7 +129,7 @@ impl Hand for AttitudeHand {
     }
 
     /// Attitude targets time out by themselves.
-    fn let_go(&mut self, _reach: &mut Reach<'_>) {}
+    fn let_go(&mut self, _reach: &mut HandReach<'_>) {}
 }
 
 /// The message that commands a bank, and a pitch where given.
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn after_a_climb_the_new_altitude_is_held() {
         let mut keeper = AttitudeHand::default();
-        let level = State {
+        let level = OwnshipState {
             ownship: own(0.0, 0.0),
             ground_velocity_mps: Vec3::X * 25.0,
             wind_mps: Vec3::ZERO,

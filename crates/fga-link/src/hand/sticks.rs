@@ -4,7 +4,7 @@ use fga_paper::algorithm_4::{PWM_NEUTRAL_US, pwm_us};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
 use super::attitude::attitude_for;
-use super::{Hand, Reach, Target};
+use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::to_u16;
 
@@ -21,7 +21,7 @@ pub struct StickHand {
 
 impl StickHand {
     /// Overrides count only from the ground station's system id.
-    fn send(sticks: Option<[u16; 3]>, reach: &mut Reach<'_>) {
+    fn send(sticks: Option<[u16; 3]>, reach: &mut HandReach<'_>) {
         let ground = reach
             .parameters
             .get("MAV_GCS_SYSID")
@@ -31,7 +31,7 @@ impl StickHand {
         reach.outbox.send_as(ground, message);
     }
 
-    fn roll(&mut self, roll_us: u16, reach: &mut Reach<'_>) {
+    fn roll(&mut self, roll_us: u16, reach: &mut HandReach<'_>) {
         let named = |name: &str| reach.parameters.get(name).unwrap_or(0.0);
         let (lowest_mps, highest_mps) = (named("AIRSPEED_MIN"), named("AIRSPEED_MAX"));
         let airspeed_mps = reach.airspeed_mps;
@@ -55,7 +55,7 @@ impl Hand for StickHand {
         self.throttle_us = None;
     }
 
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64> {
         let full_rad = reach.parameters.get("ROLL_LIMIT_DEG")?.to_radians();
         let own = &target.own.ownship;
         let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
@@ -65,12 +65,12 @@ impl Hand for StickHand {
     }
 
     /// CRUISE locks its heading once the stick is centred.
-    fn fly_straight(&mut self, reach: &mut Reach<'_>) {
+    fn fly_straight(&mut self, reach: &mut HandReach<'_>) {
         self.roll(to_u16(PWM_NEUTRAL_US), reach);
     }
 
     /// The vehicle would hold the sticks for seconds, and CRUISE would go on turning.
-    fn let_go(&mut self, reach: &mut Reach<'_>) {
+    fn let_go(&mut self, reach: &mut HandReach<'_>) {
         Self::send(None, reach);
     }
 }

@@ -8,7 +8,7 @@ use fga_formats::geodesy::{Earth, LocalFrame};
 use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
 
 use super::{Arrival, Attitude, FASTEST_MPS, OwnshipEstimate, Position, Update};
-use crate::clock::Stamp;
+use crate::clock::BootStamp;
 use crate::number::flown;
 
 /// Rolling means that the bank changes faster than this, radians per second.
@@ -33,11 +33,11 @@ const FASTEST_NOSE_RADPS: f64 = 10.0;
 const HOME_JUMP_M: f64 = 50.0;
 
 /// The time at which a new message was measured, seconds.
-const fn stamped(stamp: Stamp) -> Option<(f64, Update)> {
+const fn stamped(stamp: BootStamp) -> Option<(f64, Update)> {
     match stamp {
-        Stamp::New { measured_s } => Some((measured_s, Update::Fresh)),
-        Stamp::Restarted { measured_s } => Some((measured_s, Update::Restarted)),
-        Stamp::Old => None,
+        BootStamp::New { measured_s } => Some((measured_s, Update::Fresh)),
+        BootStamp::Restarted { measured_s } => Some((measured_s, Update::Restarted)),
+        BootStamp::Old => None,
     }
 }
 

@@ -12,9 +12,12 @@ use mavlink::dialects::ardupilotmega::{
 
 pub use super::identity::Transmitter;
 
-use super::class::Class;
-use super::report::{AltitudeReference, Key, Quality, Report, SIGMAS_IN_95, Sender, tidy_callsign};
-use super::vertical::Levels;
+use super::class::AircraftClass;
+use super::report::{
+    AircraftKey, AircraftReport, AltitudeReference, Quality, ReportSender, SIGMAS_IN_95,
+    tidy_callsign,
+};
+use super::vertical::DatumLevels;
 use crate::number::{degrees_from_e7, velocity_mps};
 
 /// Most aircraft with a remembered name and clock.
@@ -58,7 +61,7 @@ struct Location {
 }
 
 #[derive(Debug, Clone, Default)]
-struct Aircraft {
+struct RemoteAircraft {
     name: String,
     heard_s: f64,
     /// Least difference between the local clock and its timestamps, seconds.
@@ -71,7 +74,7 @@ struct Aircraft {
 /// The remembered transmitters.
 #[derive(Debug, Clone, Default)]
 pub struct RemoteId {
-    aircraft: BTreeMap<Transmitter, Aircraft>,
+    aircraft: BTreeMap<Transmitter, RemoteAircraft>,
 }
 
 impl RemoteId {
@@ -84,7 +87,7 @@ impl RemoteId {
     pub fn take_basic_id(
         &mut self,
         data: &OPEN_DRONE_ID_BASIC_ID_DATA,
-        sender: Sender,
+        sender: ReportSender,
         now_s: f64,
     ) {
         self.name(transmitter(data.id_or_mac, sender), &data.uas_id, now_s);
@@ -97,10 +100,10 @@ impl RemoteId {
     pub fn take_location(
         &mut self,
         data: &OPEN_DRONE_ID_LOCATION_DATA,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
+    ) -> Result<Option<AircraftReport>, AircraftKey> {
         let told = |value: f64, unknown: f64| (value < unknown).then_some(value);
         let altitude = |metres: f32| {
             let metres = f64::from(metres);
@@ -137,13 +140,13 @@ impl RemoteId {
     pub fn take_pack(
         &mut self,
         data: &OPEN_DRONE_ID_MESSAGE_PACK_DATA,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
+    ) -> Result<Option<AircraftReport>, AircraftKey> {
         let from = transmitter(data.id_or_mac, sender);
         if usize::from(data.single_message_size) != MESSAGE {
-            return Err(Key::Transmitter(from));
+            return Err(AircraftKey::Transmitter(from));
         }
         let (messages, _) = data.messages.as_chunks::<MESSAGE>();
         let mut found = None;
@@ -166,7 +169,7 @@ impl RemoteId {
     }
 
     /// The entry of a transmitter; `None` without room for another one.
-    fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut Aircraft> {
+    fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut RemoteAircraft> {
         if !self.aircraft.contains_key(&from) && self.aircraft.len() >= MOST_AIRCRAFT {
             self.aircraft
                 .retain(|_, aircraft| now_s - aircraft.heard_s < FORGOTTEN_S);
@@ -193,11 +196,11 @@ impl RemoteId {
         &mut self,
         from: Transmitter,
         location: &Location,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
-        let key = Key::Transmitter(from);
+    ) -> Result<Option<AircraftReport>, AircraftKey> {
+        let key = AircraftKey::Transmitter(from);
         if location.on_ground {
             return Ok(None);
         }
@@ -220,13 +223,13 @@ impl RemoteId {
             height_m: bound(&VERTICAL_M, accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
             ..Quality::of_position(sigma_m, altitude)
         };
-        let class = Class::SmallUnmanned;
-        let mut report = Report {
+        let class = AircraftClass::SmallUnmanned;
+        let mut report = AircraftReport {
             key: Some(key),
             velocity_mps: location.velocity_mps(),
             movement: class.movement(),
             class,
-            ..Report::of_position(sender, place.ok_or(key)?, now_s, quality)
+            ..AircraftReport::of_position(sender, place.ok_or(key)?, now_s, quality)
         };
         if let Some(aircraft) = self.entry(from, now_s) {
             report.callsign.clone_from(&aircraft.name);
@@ -240,7 +243,7 @@ impl RemoteId {
 }
 
 /// Zeros mean the sender's own aircraft: one for each system.
-fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
+fn transmitter(id: Transmitter, sender: ReportSender) -> Transmitter {
     if id != [0; 20] {
         return id;
     }
@@ -250,7 +253,7 @@ fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
     own
 }
 
-impl Aircraft {
+impl RemoteAircraft {
     /// The age of a location, seconds, by its timestamp against the fastest one; `None` for a repetition
     /// or one older than the last.
     fn age_s(&mut self, timestamp_s: Option<f64>, now_s: f64) -> Option<f64> {
@@ -325,7 +328,7 @@ impl Location {
     }
 
     /// The altitude that compares best with the vehicle's, metres, and its accuracy.
-    fn altitude(&self, levels: &Levels, now_s: f64) -> Option<(f64, AltitudeReference, u8)> {
+    fn altitude(&self, levels: &DatumLevels, now_s: f64) -> Option<(f64, AltitudeReference, u8)> {
         let pressure = self
             .pressure_altitude_m
             .map(|m| (m, AltitudeReference::Pressure, self.pressure_accuracy));
@@ -367,9 +370,9 @@ fn bound(bounds: &[f64], category: u8) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::traffic::Source;
+    use crate::traffic::ReportSource;
 
-    const SENDER: Sender = Sender::mavlink(Source::RemoteId, 7, 236);
+    const SENDER: ReportSender = ReportSender::mavlink(ReportSource::RemoteId, 7, 236);
 
     /// 37.5° north, 122.25° west, 300 m above the ellipsoid, to the west with 20 m/s, climbing with
     /// 2 m/s, 12.3 s after the hour.
@@ -405,7 +408,7 @@ mod tests {
         };
         let mut remote_id = RemoteId::default();
         let report = remote_id
-            .take_pack(&pack, SENDER, &Levels::default(), 100.0)
+            .take_pack(&pack, SENDER, &DatumLevels::default(), 100.0)
             .unwrap()
             .unwrap();
         assert_eq!(report.callsign, "234567890");
@@ -424,20 +427,20 @@ mod tests {
         // The same again, and older ones, say nothing; later ones are as late as they come.
         assert!(
             remote_id
-                .take_pack(&pack, SENDER, &Levels::default(), 101.0)
+                .take_pack(&pack, SENDER, &DatumLevels::default(), 101.0)
                 .unwrap()
                 .is_none()
         );
         let mut later = pack.clone();
         later.messages[46..48].copy_from_slice(&133_u16.to_le_bytes());
         let report = remote_id
-            .take_pack(&later, SENDER, &Levels::default(), 104.0)
+            .take_pack(&later, SENDER, &DatumLevels::default(), 104.0)
             .unwrap()
             .unwrap();
         assert!((report.valid_s - 101.0).abs() < 1e-9, "{}", report.valid_s);
         assert!(
             remote_id
-                .take_pack(&pack, SENDER, &Levels::default(), 105.0)
+                .take_pack(&pack, SENDER, &DatumLevels::default(), 105.0)
                 .unwrap()
                 .is_none()
         );
@@ -446,7 +449,7 @@ mod tests {
     #[test]
     fn locations_that_say_nothing_are_left_out_and_memory_is_bounded() {
         let mut remote_id = RemoteId::default();
-        let levels = Levels::default();
+        let levels = DatumLevels::default();
         let mut take = |data: OPEN_DRONE_ID_LOCATION_DATA| {
             remote_id.take_location(&data, SENDER, &levels, 1.0)
         };
@@ -520,7 +523,7 @@ mod tests {
                     timestamp: clock_s(f32::from(second)),
                     ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
                 };
-                let taken = remote_id.take_location(&data, SENDER, &Levels::default(), now_s);
+                let taken = remote_id.take_location(&data, SENDER, &DatumLevels::default(), now_s);
                 if let Some(report) = taken.unwrap() {
                     assert!(now_s - report.valid_s < 2.0, "clock {number}: {report:?}");
                     heard_s = now_s;

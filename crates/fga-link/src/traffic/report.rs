@@ -5,9 +5,11 @@ use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
-pub use super::identity::{Key, LONGEST_CALLSIGN, Sender, Source, tidy_callsign};
+pub use super::identity::{
+    AircraftKey, LONGEST_CALLSIGN, ReportSender, ReportSource, tidy_callsign,
+};
 
-use super::class::Class;
+use super::class::AircraftClass;
 use super::defect::Defect;
 use crate::number::{place_from_e7, velocity_mps};
 
@@ -46,13 +48,13 @@ pub struct Quality {
 
 /// The content of one message.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
+pub struct AircraftReport {
     /// Its sender.
-    pub sender: Sender,
+    pub sender: ReportSender,
     /// ICAO address, or another with [`NON_ICAO`](fga_formats::traffic::NON_ICAO); 0 if unknown.
     pub icao: u32,
     /// The claimed identity, if neither address nor call sign gives one.
-    pub key: Option<Key>,
+    pub key: Option<AircraftKey>,
     /// Call sign, without blanks.
     pub callsign: String,
     /// Position; the altitude above the datum in [`Quality::altitude`].
@@ -64,7 +66,7 @@ pub struct Report {
     /// How such an aircraft may move.
     pub movement: Movement,
     /// How much room it gets.
-    pub class: Class,
+    pub class: AircraftClass,
     /// Its quality.
     pub quality: Quality,
 }
@@ -88,10 +90,10 @@ impl Quality {
     }
 }
 
-impl Report {
+impl AircraftReport {
     /// A report of nothing but the position of some aircraft at a time of the local clock, seconds.
     pub(crate) const fn of_position(
-        sender: Sender,
+        sender: ReportSender,
         place: Geodetic,
         valid_s: f64,
         quality: Quality,
@@ -105,27 +107,27 @@ impl Report {
             velocity_mps: None,
             valid_s,
             movement: Movement::CREWED,
-            class: Class::Crewed,
+            class: AircraftClass::Crewed,
             quality,
         }
     }
 
     /// The claimed identity.
-    pub fn key(&self) -> Key {
+    pub fn key(&self) -> AircraftKey {
         if let Some(key) = self.key {
             return key;
         }
         if self.icao != 0 {
-            return Key::Address(self.icao);
+            return AircraftKey::Address(self.icao);
         }
         if self.callsign.is_empty() {
-            return Key::Unnamed(self.sender);
+            return AircraftKey::Unnamed(self.sender);
         }
         let mut name = [0; LONGEST_CALLSIGN];
         for (place, byte) in name.iter_mut().zip(self.callsign.bytes()) {
             *place = byte;
         }
-        Key::Callsign(self.sender, name)
+        AircraftKey::Callsign(self.sender, name)
     }
 
     /// The report in an `ADSB_VEHICLE` message.
@@ -134,7 +136,7 @@ impl Report {
     /// [`Defect::NoPosition`] without a valid position.
     pub fn from_adsb(
         data: &ADSB_VEHICLE_DATA,
-        sender: Sender,
+        sender: ReportSender,
         now_s: f64,
         position_sigma_m: f64,
     ) -> Result<Self, Defect> {
@@ -157,7 +159,7 @@ impl Report {
         let velocity_mps = known.then(|| velocity_mps(speed_mps, heading_rad, climb_mps));
         // "Time since last communication" counts whole seconds: 0 is fresh.
         let age_s = f64::from(data.tslc);
-        let class = Class::of(data.emitter_type);
+        let class = AircraftClass::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
         // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
         let altitude = if !has_altitude {
