@@ -27,7 +27,7 @@ use fga::situation::ProtectedVolume;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
 use fga_link::player::{Played, PlayedState, adsb_message};
-use fga_link::wire::Frame;
+use fga_link::wire::WireFrame;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use ground::{ALTITUDE_M, AUTO, GUIDED, Ground, listen};
 use mavlink::dialects::ardupilotmega::MavCmd;
@@ -218,7 +218,7 @@ fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Int
 
 struct Bench {
     start: Instant,
-    frames: Receiver<Frame>,
+    frames: Receiver<WireFrame>,
     ground: Ground,
     home: Option<Geodetic>,
     intruders: Vec<Intruder>,

@@ -27,7 +27,7 @@ use fga_emulator::{Emulator, Home, Item, Mode, STEP_S, Settings};
 use fga_formats::geodesy::Geodetic;
 use fga_link::endpoint::{LinkRead, LinkReader, LinkWriter, open};
 use fga_link::player::{PlayedState, adsb_message};
-use fga_link::wire::{Frame, Framer, encode};
+use fga_link::wire::{Framer, WireFrame, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 use random::Random;
@@ -112,7 +112,7 @@ fn processor_s(child: &Child) -> Option<f64> {
     Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
-fn listen(mut reader: LinkReader) -> Receiver<(Instant, Frame)> {
+fn listen(mut reader: LinkReader) -> Receiver<(Instant, WireFrame)> {
     let (to, frames) = sync_channel(4096);
     std::thread::spawn(move || {
         let mut framer = Framer::new(None);
@@ -136,7 +136,7 @@ struct Bench {
     traffic: Vec<Aircraft>,
     new_icao: u32,
     writer: LinkWriter,
-    frames: Receiver<(Instant, Frame)>,
+    frames: Receiver<(Instant, WireFrame)>,
     sequence: u8,
     step: usize,
     /// Send time of each attitude, by its boot time, and whether it was answered.
@@ -147,7 +147,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(count: u32, writer: LinkWriter, frames: Receiver<(Instant, Frame)>) -> Self {
+    fn new(count: u32, writer: LinkWriter, frames: Receiver<(Instant, WireFrame)>) -> Self {
         let mut emulator = Emulator::new(Settings::default());
         let home = *emulator.home();
         let corners = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 90_000.0, 100.0]];

@@ -61,13 +61,13 @@ use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
-use crate::ownship::{OwnshipEstimate, OwnshipState};
+use crate::ownship::{OwnState, OwnshipEstimate};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::restart::Note;
 use crate::traffic::{Defect, Defects, TrackTable};
 
-use around::Surroundings;
+use around::ObstaclesAround;
 use boundary::Boundary;
 use handover::Handover;
 use lacking::OperatorReports;
@@ -103,7 +103,7 @@ struct Decided {
     decision: Decision,
     /// Time of the state that it is based on, seconds.
     for_s: f64,
-    own: OwnshipState,
+    own: OwnState,
 }
 
 /// Counters for the status line and tests.
@@ -138,7 +138,7 @@ pub struct Companion {
     boundary: Boundary,
     ownship: OwnshipEstimate,
     lead: Lead,
-    around: Surroundings,
+    around: ObstaclesAround,
     feeds: feeds::Feeds,
     defects: Defects,
     over: over_ground::OverGround,
@@ -198,7 +198,7 @@ impl Companion {
             boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
-            around: Surroundings::new(&config)?,
+            around: ObstaclesAround::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
             over: over_ground::OverGround::new(

@@ -42,8 +42,8 @@ use crate::ground::{GroundOrder, MadeGround};
 use crate::outgoing::{OWN_COMPONENT, Outgoing};
 use crate::player::{PlayedState, adsb_data};
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
-use crate::traffic::{AircraftReport, AltitudeReference};
-use crate::wire::{Frame, Signing, encode};
+use crate::traffic::{AltitudeReference, PlaceReport};
+use crate::wire::{Signing, WireFrame, encode};
 use crate::{Companion, Config};
 
 /// Most events between the reading threads and the deciding one.
@@ -86,8 +86,8 @@ pub struct FlyOptions {
 }
 
 enum InboxEvent {
-    Frame(Box<Frame>, f64),
-    Traffic(Box<AircraftReport>),
+    Frame(Box<WireFrame>, f64),
+    Traffic(Box<PlaceReport>),
     Feed(Box<FeedStatus>),
 }
 
@@ -281,7 +281,7 @@ fn make_ground(shared: &FlightShared, orders: &Receiver<GroundOrder>, to: &SyncS
 }
 
 /// The message with the content of a report at a time, seconds.
-fn message_of(report: &AircraftReport, time_s: f64) -> MavMessage {
+fn message_of(report: &PlaceReport, time_s: f64) -> MavMessage {
     let sample = PlayedState {
         time_s,
         place: report.place,
@@ -414,7 +414,7 @@ impl DecidingThread<'_> {
 
     /// Adds a receiver's report to the telemetry log, as the message with the same content, so that
     /// the recording holds the whole input of the decisions.
-    fn record_report(&mut self, report: &AircraftReport, now_s: f64) {
+    fn record_report(&mut self, report: &PlaceReport, now_s: f64) {
         let message = message_of(report, now_s);
         let header = MavHeader {
             system_id: u32::from(RECEIVER_SYSTEM),

@@ -64,7 +64,7 @@ pub fn item_position_m(
 
 /// The way ahead: its waypoints and the mission item of each.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct WayAhead {
+pub struct LegsAhead {
     /// Waypoints, metres, local frame; the first is the start of the present leg.
     pub waypoints_m: Vec<Vec3>,
     /// The mission item of each; `None` for a start that is no item.
@@ -108,7 +108,7 @@ pub fn way_ahead(
     from_m: Vec3,
     frame: &LocalFrame,
     home_altitude_m: f64,
-) -> WayAhead {
+) -> LegsAhead {
     let place = |index: usize| {
         let item = items.get(index)?.as_ref()?;
         item_position_m(item, frame, home_altitude_m, from_m.z)
@@ -117,7 +117,7 @@ pub fn way_ahead(
     let before = (1..current)
         .rev()
         .find_map(|index| place(index).map(|at_m| (index, at_m)));
-    let mut way = WayAhead::default();
+    let mut way = LegsAhead::default();
     let (item, begin_m) = match before {
         Some((index, at_m))
             if place(current).is_none_or(|to_m| flies_along(from_m, at_m, to_m)) =>
@@ -260,7 +260,7 @@ mod tests {
     }
 
     /// The way north from the first item of a list of commands, one waypoint's distance apart.
-    fn way_of(commands: &[(MavCmd, f32, f32)]) -> WayAhead {
+    fn way_of(commands: &[(MavCmd, f32, f32)]) -> LegsAhead {
         let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
         let frame = LocalFrame::new(origin, Earth::Wgs84);
         let home = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000);

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use crate::authority::{Authority, Severity};
 use crate::number::single;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 
 /// Longest text of one message.
 const LONGEST_TEXT: usize = 50;
@@ -85,7 +85,7 @@ pub fn collision(
 pub fn collision_of(
     decision: &Decision,
     obstacles: &[Obstacle],
-    own: &OwnshipState,
+    own: &OwnState,
     engaged: bool,
     id: u32,
 ) -> Option<MavMessage> {
@@ -127,7 +127,7 @@ fn round(value: &mut Value) {
 pub fn decision_line(
     time_s: f64,
     decision: &Decision,
-    own: &OwnshipState,
+    own: &OwnState,
     authority: &Authority,
     above_ground_m: Option<f64>,
     names: impl Fn(u32) -> String,

@@ -11,8 +11,8 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2};
 
 use crate::config::TrafficConfig;
-use crate::traffic::{AircraftReport, ReportSender, ReportSource};
-use crate::wire::{Frame, Framer};
+use crate::traffic::{PlaceReport, ReportSender, ReportSource};
+use crate::wire::{Framer, WireFrame};
 
 /// Writes a telemetry log.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl Contents {
                 continue;
             };
             let sender = ReportSender::mavlink(ReportSource::Mavlink, 0, frame.header.component_id);
-            let report = AircraftReport::from_adsb(data, sender, 0.0, config.position_sigma_m);
+            let report = PlaceReport::from_adsb(data, sender, 0.0, config.position_sigma_m);
             contents.traffic.take(&match report {
                 Ok(report) if -report.valid_s > config.drop_after_s => Err(LeftOut::TooOld),
                 Ok(_) => Ok(()),
@@ -85,7 +85,7 @@ pub struct Logged {
     /// Microseconds since 1970.
     pub unix_us: u64,
     /// The frame.
-    pub frame: Frame,
+    pub frame: WireFrame,
 }
 
 /// Reads a telemetry log; skips unintelligible frames, and damaged parts up to the next frame.

@@ -32,6 +32,6 @@ pub mod vertical;
 
 pub use class::{AircraftClass, Volumes};
 pub use defect::{Defect, Defects};
-pub use report::{AircraftReport, AltitudeReference, ReportSender, ReportSource};
+pub use report::{AltitudeReference, PlaceReport, ReportSender, ReportSource};
 pub use table::TrackTable;
 pub use track::AircraftTrack;

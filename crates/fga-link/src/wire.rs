@@ -21,7 +21,7 @@ const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
 
 /// A message with its sender and its bytes as received.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
+pub struct WireFrame {
     /// Sender and sequence number.
     pub header: MavHeader,
     /// The message.
@@ -29,7 +29,7 @@ pub struct Frame {
     raw: MAVLinkV2MessageRaw,
 }
 
-impl Frame {
+impl WireFrame {
     /// The frame's bytes.
     pub fn bytes(&self) -> &[u8] {
         self.raw.raw_bytes()
@@ -128,7 +128,7 @@ impl Framer {
     }
 
     /// Takes bytes and calls `sink` for each whole message in them.
-    pub fn push(&mut self, bytes: &[u8], mut sink: impl FnMut(Frame)) {
+    pub fn push(&mut self, bytes: &[u8], mut sink: impl FnMut(WireFrame)) {
         if self.counts.good == 0 && self.counts.version1.is_none() {
             self.counts.version1 = version1_sender(bytes);
         }
@@ -141,7 +141,7 @@ impl Framer {
         }
     }
 
-    fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(Frame)) {
+    fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(WireFrame)) {
         if let Some(signing) = &self.signing
             && !signing.accepts(raw)
         {
@@ -157,7 +157,7 @@ impl Framer {
             component_id: raw.component_id(),
             sequence: raw.sequence(),
         };
-        sink(Frame {
+        sink(WireFrame {
             header,
             message,
             raw: *raw,
@@ -204,7 +204,7 @@ mod tests {
         })
     }
 
-    fn all(framer: &mut Framer, bytes: &[u8]) -> Vec<Frame> {
+    fn all(framer: &mut Framer, bytes: &[u8]) -> Vec<WireFrame> {
         let mut frames = Vec::new();
         framer.push(bytes, |frame| frames.push(frame));
         frames
@@ -221,7 +221,7 @@ mod tests {
         stream.extend_from_slice(&[0; 300]);
         for piece in [1, 2, 7, 64, 281, 5000] {
             let mut framer = Framer::new(None);
-            let frames: Vec<Frame> = stream
+            let frames: Vec<WireFrame> = stream
                 .chunks(piece)
                 .flat_map(|chunk| all(&mut framer, chunk))
                 .collect();

@@ -6,11 +6,11 @@ use fga_alerts::{Aircraft, AircraftId, Monitor, Pair, schemes};
 use mavlink::dialects::ardupilotmega::{MavCollisionAction, MavMessage};
 use serde_json::json;
 
-use super::around::Surroundings;
+use super::around::ObstaclesAround;
 use super::voice::Voice;
 use crate::authority::Severity;
 use crate::config::{AlertScheme, AlertsConfig};
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 use crate::telling;
 
 /// Time between the messages about alerting aircraft, seconds.
@@ -56,7 +56,7 @@ impl AlertWatch {
     }
 
     /// Takes the aircraft of a moment and says which one alerts most.
-    fn step(&mut self, time_s: f64, own: &OwnshipState, obstacles: &[&Obstacle]) -> Option<Urgent> {
+    fn step(&mut self, time_s: f64, own: &OwnState, obstacles: &[&Obstacle]) -> Option<Urgent> {
         let ownship = aircraft(
             u64::MAX,
             own.ownship.position_m,
@@ -113,7 +113,7 @@ fn aircraft(
     id: u64,
     position_m: fga::Vec3,
     over_ground_mps: fga::Vec3,
-    own: &OwnshipState,
+    own: &OwnState,
 ) -> Aircraft {
     let state = fga_alerts::State {
         position_m,
@@ -127,9 +127,9 @@ impl AlertWatch {
     /// which it is sent anyway. When a manoeuvre begins, where the levels say that.
     pub(super) fn watch(
         &mut self,
-        own: &OwnshipState,
+        own: &OwnState,
         threat: Option<Threat>,
-        around: &Surroundings,
+        around: &ObstaclesAround,
         voice: &mut Voice,
     ) -> Option<Start> {
         let now_s = voice.now_s();
@@ -154,7 +154,7 @@ impl AlertWatch {
         })
     }
 
-    fn tell(&self, urgent: Option<&Urgent>, around: &Surroundings, voice: &mut Voice) {
+    fn tell(&self, urgent: Option<&Urgent>, around: &ObstaclesAround, voice: &mut Voice) {
         let words = urgent.map_or("fga: no alert".to_owned(), |urgent| {
             let when = urgent
                 .entry_s
@@ -176,9 +176,9 @@ impl AlertWatch {
 
     fn report(
         &self,
-        own: &OwnshipState,
+        own: &OwnState,
         threat: Option<Threat>,
-        around: &Surroundings,
+        around: &ObstaclesAround,
         voice: &mut Voice,
     ) {
         let level_of = |id: u32| {

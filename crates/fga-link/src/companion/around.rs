@@ -7,7 +7,7 @@ use super::route::LaidRoute;
 use super::voice::Voice;
 use crate::config::{Config, ConfigError, VirtualObstacle};
 use crate::number::velocity_mps;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 use crate::traffic::class::volume_of;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::table::Wanted;
@@ -41,7 +41,7 @@ impl VirtualObstacle {
 
 /// The surroundings.
 #[derive(Debug)]
-pub(super) struct Surroundings {
+pub(super) struct ObstaclesAround {
     tracks: TrackTable,
     /// The configuration's obstacles.
     virtual_obstacles: Vec<VirtualObstacle>,
@@ -49,7 +49,7 @@ pub(super) struct Surroundings {
     obstacles: Vec<Obstacle>,
 }
 
-impl Surroundings {
+impl ObstaclesAround {
     pub(super) fn new(config: &Config) -> Result<Self, ConfigError> {
         Ok(Self {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
@@ -97,7 +97,7 @@ impl Surroundings {
     /// Gathers the obstacles at `at_s`, in seconds, of the aircraft in its state then.
     pub(super) fn gather(
         &mut self,
-        (state, at_s): (&OwnshipState, f64),
+        (state, at_s): (&OwnState, f64),
         frame: Option<&LocalFrame>,
         route: &LaidRoute,
         config: &Config,
@@ -134,7 +134,7 @@ impl Surroundings {
     }
 
     /// Adds floor and ceiling of a vehicle that can climb, where neither the aircraft nor its way comes near them.
-    pub(super) fn add_layers(&mut self, state: &OwnshipState, route: &LaidRoute, config: &Config) {
+    pub(super) fn add_layers(&mut self, state: &OwnState, route: &LaidRoute, config: &Config) {
         let own_m = state.ownship.position_m;
         let home_z = own_m.z - state.above_home_m;
         let clearance_m = 2.0 * config.protection.margin_m;
@@ -167,7 +167,7 @@ mod tests {
     use fga::situation::Ownship;
 
     use super::*;
-    use crate::mission::WayAhead;
+    use crate::mission::LegsAhead;
 
     #[test]
     fn floor_and_ceiling_count_where_neither_the_aircraft_nor_its_way_is_near() {
@@ -176,8 +176,8 @@ mod tests {
         config.limits.ceiling_m = Some(300.0);
         config.protection.margin_m = 10.0;
         let layers = |own_m: f64, way_m: f64| {
-            let mut around = Surroundings::new(&config).unwrap();
-            let state = OwnshipState {
+            let mut around = ObstaclesAround::new(&config).unwrap();
+            let state = OwnState {
                 ownship: Ownship {
                     position_m: Vec3::Z * own_m,
                     course_rad: 0.0,
@@ -191,9 +191,9 @@ mod tests {
                 pitch_rad: 0.0,
                 course_rate_radps: 0.0,
             };
-            let way = WayAhead {
+            let way = LegsAhead {
                 waypoints_m: vec![Vec3::Z * way_m],
-                ..WayAhead::default()
+                ..LegsAhead::default()
             };
             around.add_layers(&state, &LaidRoute::of(way, 0), &config);
             let names = around.obstacles().iter().map(|o| around.name(o.id));

@@ -14,7 +14,7 @@ use super::decider::CompanionPilot;
 use super::route::RouteMoment;
 use super::{Companion, Decided};
 use crate::mode::Mode;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 use crate::telling;
 
 /// A change of airspeed or response that requires new limits, as a share.
@@ -40,7 +40,7 @@ impl Companion {
     }
 
     /// Tells the operator and the log of a decision.
-    fn report(&mut self, decision: &Decision, state: &OwnshipState, now_s: f64) {
+    fn report(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         if decision.record.in_need && self.keeper.commands() {
             self.told.need(&mut self.voice);
         }
@@ -56,7 +56,7 @@ impl Companion {
     }
 
     /// The decision about a state; `None` until the vehicle's limits are known.
-    fn decision_for(&mut self, state: &OwnshipState, now_s: f64) -> Option<Decision> {
+    fn decision_for(&mut self, state: &OwnState, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
         self.renew_decider()?;
         self.look_around(state, now_s);
@@ -105,7 +105,7 @@ impl Companion {
     }
 
     /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
-    fn renew_way(&mut self, state: &OwnshipState) {
+    fn renew_way(&mut self, state: &OwnState) {
         let Some(heard) = self.session.mode() else {
             return;
         };
@@ -131,7 +131,7 @@ impl Companion {
     }
 
     /// Gathers what the decision is about, and reports what the alerts and the fence say of it.
-    fn look_around(&mut self, state: &OwnshipState, now_s: f64) {
+    fn look_around(&mut self, state: &OwnState, now_s: f64) {
         let at = (state, self.lead.acts_s(now_s));
         let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
         self.around.gather(at, frame, route, &self.config, voice);
@@ -160,7 +160,7 @@ impl Companion {
 
     fn situation<'a>(
         &'a self,
-        state: &OwnshipState,
+        state: &OwnState,
         (zones, ground): (&'a [Zone<'a>], Option<&'a Ground<'a>>),
         now_s: f64,
     ) -> Situation<'a> {
@@ -178,7 +178,7 @@ impl Companion {
     }
 
     /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
-    pub(super) fn lasting(&self, state: &OwnshipState) -> OwnshipState {
+    pub(super) fn lasting(&self, state: &OwnState) -> OwnState {
         let waypoint_m = self.route.waypoints_m().get(1);
         let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
         let follows_mission = !self.keeper.commands()
@@ -191,7 +191,7 @@ impl Companion {
             climb_rad: 0.0,
             ..state.ownship
         };
-        OwnshipState {
+        OwnState {
             ownship,
             ground_velocity_mps: ownship.velocity_mps() + state.wind_mps,
             ..*state

@@ -12,7 +12,7 @@ use super::trips::round_trip_of;
 use crate::authority::{Authority, Fault};
 use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
@@ -24,7 +24,7 @@ const SLOW_SHARE: f64 = 0.7;
 
 impl Companion {
     /// The state to decide about, with what is missing reported; `None` while it is not known.
-    pub(super) fn observe(&mut self, now_s: f64) -> Option<OwnshipState> {
+    pub(super) fn observe(&mut self, now_s: f64) -> Option<OwnState> {
         self.lead.follow(now_s);
         let fresh = !self.is_blind(now_s);
         let state = if fresh || self.flies_blind(now_s) {
@@ -56,7 +56,7 @@ impl Companion {
     }
 
     /// The state at the moment at which a command sent now takes effect.
-    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<OwnshipState> {
+    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<OwnState> {
         let in_need = self.is_in_need();
         self.lead.state(&mut self.ownship, in_need, now_s)
     }
@@ -172,7 +172,7 @@ impl Companion {
     }
 
     /// The missing condition for a take-over, or for flying on.
-    pub(super) fn lacking(&self, now_s: f64, state: Option<&OwnshipState>) -> Option<Lacking> {
+    pub(super) fn lacking(&self, now_s: f64, state: Option<&OwnState>) -> Option<Lacking> {
         let engaged = self.keeper.is_engaged();
         let link_lost_s = self.config.safety.link_lost_s;
         if let Some(lacking) = self.session.lacking(link_lost_s, engaged, now_s) {

@@ -15,7 +15,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 use serde_json::json;
 
-use super::around::Surroundings;
+use super::around::ObstaclesAround;
 use super::lists::Lists;
 use super::route::LaidRoute;
 use super::voice::Voice;
@@ -23,7 +23,7 @@ use crate::authority::Keeper;
 use crate::commands::VehicleCommand;
 use crate::config::TerrainSource;
 use crate::ground::{AskedBlocks, GroundOrder, MadeGround, Square};
-use crate::ownship::{OwnshipEstimate, OwnshipState};
+use crate::ownship::{OwnState, OwnshipEstimate};
 
 /// The ground is looked up here and each second ahead in the present turn, so often.
 const LOOKS_AHEAD: u8 = 6;
@@ -317,8 +317,8 @@ impl OverGround {
     pub(super) fn watch(
         &mut self,
         decision: &Decision,
-        state: &OwnshipState,
-        around: &Surroundings,
+        state: &OwnState,
+        around: &ObstaclesAround,
         keeper: &Keeper,
         voice: &mut Voice,
     ) {
@@ -373,7 +373,7 @@ impl OverGround {
         &mut self,
         distance_m: f64,
         at_m: Vec3,
-        own: &OwnshipState,
+        own: &OwnState,
         voice: &mut Voice,
     ) {
         let Some((ground, above_m)) = self

@@ -10,7 +10,7 @@ use super::lists::Lists;
 use super::route::{LaidRoute, way_to};
 use super::voice::Voice;
 use crate::commands::{Commands, VehicleCommand};
-use crate::mission::{ListItem, WayAhead, item_position_m};
+use crate::mission::{LegsAhead, ListItem, item_position_m};
 use crate::number::single;
 use crate::ownship::OwnshipEstimate;
 use crate::parameters::VehicleParameters;
@@ -45,7 +45,7 @@ fn restarts_mission(parameters: &VehicleParameters) -> bool {
 
 /// The first of some indices of a way whose waypoint is the vehicle's present item.
 fn flown_to(
-    way: &WayAhead,
+    way: &LegsAhead,
     item: Option<u16>,
     mut indices: impl Iterator<Item = usize>,
 ) -> Option<usize> {
@@ -122,7 +122,7 @@ impl PassedItems {
     }
 
     /// Measures how near the aircraft comes to each waypoint.
-    pub(super) fn watch(&mut self, way: &WayAhead, own_m: Vec3) {
+    pub(super) fn watch(&mut self, way: &LegsAhead, own_m: Vec3) {
         for (nearest_m, waypoint_m) in self.nearest_m.iter_mut().zip(&way.waypoints_m) {
             *nearest_m = nearest_m.min((own_m - *waypoint_m).truncate().length());
         }
@@ -152,7 +152,7 @@ impl PassedItems {
     fn tell_passed(
         &mut self,
         passed: Range<usize>,
-        way: &WayAhead,
+        way: &LegsAhead,
         near_m: f64,
         lists: &Lists,
         voice: &mut Voice,
@@ -279,7 +279,7 @@ mod tests {
 
     /// A way over the items 1, 2, 4 and 5; item 3 is a command, run on the way to item 4.
     fn route(leg: usize) -> LaidRoute {
-        let way = WayAhead {
+        let way = LegsAhead {
             waypoints_m: (0..4).map(|n| Vec3::X * 1e3 * f64::from(n)).collect(),
             items: vec![Some(1), Some(2), Some(4), Some(5)],
             commands: vec![vec![], vec![], vec![3], vec![]],

@@ -9,9 +9,9 @@ use serde_json::json;
 use super::lists::Lists;
 use super::rally::{ReturnPlaces, SAME_TARGET_M};
 use super::voice::Voice;
-use crate::mission::{WayAhead, way_ahead};
+use crate::mission::{LegsAhead, way_ahead};
 use crate::mode::Mode;
-use crate::ownship::{OwnshipEstimate, OwnshipState};
+use crate::ownship::{OwnState, OwnshipEstimate};
 use crate::parameters::VehicleParameters;
 
 /// Length of the line in CRUISE, metres.
@@ -45,7 +45,7 @@ pub(super) struct RouteMoment {
 /// The way, and the leg of it that is flown.
 #[derive(Debug, Default)]
 pub(super) struct LaidRoute {
-    way: WayAhead,
+    way: LegsAhead,
     /// Index of the waypoint at the start of the present leg.
     leg: usize,
     mode: Option<Mode>,
@@ -57,7 +57,7 @@ pub(super) struct LaidRoute {
 
 impl LaidRoute {
     #[cfg(test)]
-    pub(super) fn of(way: WayAhead, leg: usize) -> Self {
+    pub(super) fn of(way: LegsAhead, leg: usize) -> Self {
         Self {
             way,
             leg,
@@ -65,7 +65,7 @@ impl LaidRoute {
         }
     }
 
-    pub(super) const fn way(&self) -> &WayAhead {
+    pub(super) const fn way(&self) -> &LegsAhead {
         &self.way
     }
 
@@ -159,10 +159,10 @@ impl LaidRoute {
 
     /// Lays a way to one place, or none; always `true`.
     fn lay_line(&mut self, own_m: Vec3, to_m: Option<Vec3>) -> bool {
-        self.way = WayAhead {
+        self.way = LegsAhead {
             waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
             items: vec![None, None],
-            ..WayAhead::default()
+            ..LegsAhead::default()
         };
         true
     }
@@ -203,10 +203,10 @@ impl LaidRoute {
             if is_laid && self.mission.is_none() && self.leads_to(to_m) {
                 return false;
             }
-            self.way = WayAhead {
+            self.way = LegsAhead {
                 waypoints_m: vec![at.own_m, to_m],
                 items: vec![None, lists.item()],
-                ..WayAhead::default()
+                ..LegsAhead::default()
             };
             self.mission = None;
             return true;
@@ -265,7 +265,7 @@ impl LaidRoute {
     }
 
     /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
-    pub(super) fn is_on_leg(&self, state: &OwnshipState, climbs: bool) -> bool {
+    pub(super) fn is_on_leg(&self, state: &OwnState, climbs: bool) -> bool {
         let Some((from, to)) = self.leg_m() else {
             return true;
         };
@@ -286,7 +286,7 @@ impl LaidRoute {
     /// its next waypoint, at `rate_radps`, and flies there.
     pub(super) fn given_back_collides(
         &self,
-        state: &OwnshipState,
+        state: &OwnState,
         rate_radps: f64,
         obstacles: &[Obstacle],
         clear_m: f64,
@@ -327,7 +327,7 @@ pub(super) fn way_to(
     own_m: Vec3,
     lists: &Lists,
     ownship: &OwnshipEstimate,
-) -> Option<WayAhead> {
+) -> Option<LegsAhead> {
     let home_m = ownship.home_altitude_m()?;
     Some(way_ahead(
         lists.mission()?,
@@ -345,16 +345,16 @@ mod tests {
     use super::*;
 
     fn corner() -> LaidRoute {
-        let way = WayAhead {
+        let way = LegsAhead {
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e3, Vec3::new(1e3, 1e3, 0.0)],
             items: vec![Some(1), Some(2), Some(3)],
-            ..WayAhead::default()
+            ..LegsAhead::default()
         };
         LaidRoute::of(way, 0)
     }
 
-    fn flies(at_m: Vec3, course_rad: f64) -> OwnshipState {
-        OwnshipState {
+    fn flies(at_m: Vec3, course_rad: f64) -> OwnState {
+        OwnState {
             ownship: Ownship {
                 position_m: at_m,
                 course_rad,

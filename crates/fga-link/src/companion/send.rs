@@ -6,7 +6,7 @@ use mavlink::dialects::ardupilotmega::MavType;
 use super::Companion;
 use crate::authority::{Authority, Fault};
 use crate::hand::{Hand, HandReach, HandTarget};
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 use crate::telling;
 
 /// Time between targets until the vehicle has confirmed the mode, seconds.
@@ -151,7 +151,7 @@ impl Companion {
     }
 
     /// Commands the decision; returns the bank that the vehicle should take up, radians.
-    fn fly(&mut self, state: &OwnshipState, now_s: f64) -> Option<f64> {
+    fn fly(&mut self, state: &OwnState, now_s: f64) -> Option<f64> {
         let decided = self.decided?;
         let normal_rad = self.bank_limit_rad()?;
         let decider = self.decider.as_ref()?;

@@ -11,7 +11,7 @@ use fga_formats::geodesy::LocalFrame;
 use super::lacking::Lacking;
 use super::neighbors::{Neighbors, Senders};
 use super::voice::Voice;
-use crate::authority::{Beat, BeatVerdict, Fault, Hearing, Owed, Severity, reaction};
+use crate::authority::{Beat, BeatOrder, Fault, Hearing, Owed, Severity, reaction};
 use crate::mode::{Mode, ModeChange};
 use crate::restart::Note;
 
@@ -214,7 +214,7 @@ impl Session {
             return News::Nothing;
         }
         let verdict = self.hearing.hear(beat, now_s);
-        if verdict == BeatVerdict::Overtaken {
+        if verdict == BeatOrder::Overtaken {
             return News::Nothing;
         }
         let before = *heard;
@@ -226,7 +226,7 @@ impl Session {
         if mode != before.mode {
             voice.note("mode", json!({ "mode": mode.to_string() }));
         }
-        let contradicts = verdict == BeatVerdict::Contradicts && now_s >= self.contradiction_due_s;
+        let contradicts = verdict == BeatOrder::Contradicts && now_s >= self.contradiction_due_s;
         if contradicts {
             self.contradiction_due_s = now_s + CONTRADICTION_AGAIN_S;
         }

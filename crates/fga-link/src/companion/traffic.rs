@@ -12,9 +12,9 @@ use mavlink::dialects::ardupilotmega::{
 use super::Companion;
 use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
-use crate::traffic::report::{AircraftKey, Quality, adsb_address, adsb_place};
+use crate::traffic::report::{Quality, TrackKey, adsb_address, adsb_place};
 use crate::traffic::{
-    AircraftClass, AircraftReport, AltitudeReference, Defect, Defects, ReportSender, ReportSource,
+    AircraftClass, AltitudeReference, Defect, Defects, PlaceReport, ReportSender, ReportSource,
 };
 
 /// σ of a sensor's position without a configuration, metres, and as a share of its distance.
@@ -103,9 +103,9 @@ impl Companion {
     /// The report of Remote ID; an aircraft without a position is counted.
     fn with_position(
         &mut self,
-        taken: Result<Option<AircraftReport>, AircraftKey>,
+        taken: Result<Option<PlaceReport>, TrackKey>,
         now_s: f64,
-    ) -> Option<AircraftReport> {
+    ) -> Option<PlaceReport> {
         taken.unwrap_or_else(|key| {
             self.count_defect(Defect::NoPosition, key, None, now_s);
             None
@@ -132,7 +132,7 @@ impl Companion {
         data: &ADSB_VEHICLE_DATA,
         header: MavHeader,
         now_s: f64,
-    ) -> Option<AircraftReport> {
+    ) -> Option<PlaceReport> {
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
         let own = self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         let configured = self.sensor_sigma_m(system, header.component_id);
@@ -144,11 +144,11 @@ impl Companion {
         let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
         let sender = ReportSender::mavlink(source, system, header.component_id);
         let sent_s = now_s - self.ownship.queued_s();
-        let report = AircraftReport::from_adsb(data, sender, sent_s, sigma_m);
+        let report = PlaceReport::from_adsb(data, sender, sent_s, sigma_m);
         if let Err(defect) = report {
             let key = match adsb_address(data) {
-                0 => AircraftKey::Unnamed(sender),
-                icao => AircraftKey::Address(icao),
+                0 => TrackKey::Unnamed(sender),
+                icao => TrackKey::Address(icao),
             };
             self.count_defect(defect, key, adsb_place(data), now_s);
         }
@@ -163,14 +163,14 @@ impl Companion {
         if source == ReportSource::Sensor && report.icao != 0 {
             // A sensor numbers its detections; its numbers are no addresses.
             let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
-            report.key = Some(AircraftKey::Seen(sender, number));
+            report.key = Some(TrackKey::Seen(sender, number));
             report.icao = 0;
         }
         Some(report)
     }
 
     /// Takes a report of traffic, from a receiver or a message.
-    pub fn take_report(&mut self, report: &AircraftReport, now_s: f64) {
+    pub fn take_report(&mut self, report: &PlaceReport, now_s: f64) {
         self.voice.at(now_s);
         let Some(frame) = self.ownship.frame() else {
             return;
@@ -206,13 +206,7 @@ impl Companion {
 
     /// Counts a defect, and reports the first of its kind within the surveillance radius to the operator; an aircraft
     /// without any position may be near.
-    fn count_defect(
-        &mut self,
-        defect: Defect,
-        key: AircraftKey,
-        place: Option<Geodetic>,
-        now_s: f64,
-    ) {
+    fn count_defect(&mut self, defect: Defect, key: TrackKey, place: Option<Geodetic>, now_s: f64) {
         let range_m = place.zip(self.ownship.frame()).and_then(|(place, frame)| {
             let off_m = frame.to_local_m(place) - self.ownship.position_m(now_s)?;
             Some(libm::hypot(off_m.x, off_m.y))
@@ -221,7 +215,7 @@ impl Companion {
         let surveillance_m = self.config.surveillance_m(airspeed_mps);
         let is_near = range_m.is_none_or(|m| m <= surveillance_m);
         let is_own =
-            matches!(key, AircraftKey::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
+            matches!(key, TrackKey::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
         if is_own {
             return;
         }
@@ -251,7 +245,7 @@ impl Companion {
         sender: ReportSender,
         sigma_m: f64,
         now_s: f64,
-    ) -> Option<AircraftReport> {
+    ) -> Option<PlaceReport> {
         let offset = Vec3::new(f64::from(data.x), f64::from(data.y), f64::from(data.z));
         let distance_m = offset.length();
         let farthest_m = f64::from(data.max_distance).min(SENSOR_REACH_M);
@@ -274,16 +268,16 @@ impl Companion {
         let frame = self.ownship.frame()?;
         let place = frame.to_geodetic(state.ownship.position_m + east_north_up);
         let key = match data.obstacle_id {
-            UNNUMBERED => AircraftKey::Unnamed(sender),
-            number => AircraftKey::Seen(sender, number),
+            UNNUMBERED => TrackKey::Unnamed(sender),
+            number => TrackKey::Seen(sender, number),
         };
         let sigma_m = libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m);
         let quality = Quality::of_position(sigma_m, AltitudeReference::MeanSeaLevel);
-        Some(AircraftReport {
+        Some(PlaceReport {
             key: Some(key),
             // It may be any flying object.
             movement: Movement::SMALL_UAS,
-            ..AircraftReport::of_position(sender, place, now_s, quality)
+            ..PlaceReport::of_position(sender, place, now_s, quality)
         })
     }
 

@@ -13,7 +13,7 @@ use crate::commands::VehicleCommand;
 use crate::endpoint::{LinkRead, LinkReader, LinkWriter};
 use crate::mode::ModeChange;
 use crate::outgoing::OWN_COMPONENT;
-use crate::wire::{Frame, Framer, Signing, encode};
+use crate::wire::{Framer, Signing, WireFrame, encode};
 
 /// A longer turn of the reading thread was a pause of the whole program: the data that waits in the
 /// socket is history.
@@ -55,7 +55,7 @@ pub(super) fn read(
     shared: &FlightShared,
     mut reader: LinkReader,
     signing: Option<&Signing>,
-    mut sink: impl FnMut(Frame, f64),
+    mut sink: impl FnMut(WireFrame, f64),
 ) {
     let mut framer = Framer::new(signing.cloned());
     let mut buffer = vec![0; 4096];

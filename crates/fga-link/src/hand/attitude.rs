@@ -12,7 +12,7 @@ use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::AUTOPILOT;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 
 /// A turn rolls out over this many bank time constants …
 const ROLL_OUT_LAGS: f64 = 1.0;
@@ -104,7 +104,7 @@ impl Hand for AttitudeHand {
     }
 
     /// Learns the pitch angle of level flight.
-    fn watch(&mut self, own: &OwnshipState) {
+    fn watch(&mut self, own: &OwnState) {
         let offset = own.pitch_rad - own.ownship.climb_rad;
         if offset.abs() < 0.3 {
             let known = self.level_pitch_rad.unwrap_or(offset);
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn after_a_climb_the_new_altitude_is_held() {
         let mut keeper = AttitudeHand::default();
-        let level = OwnshipState {
+        let level = OwnState {
             ownship: own(0.0, 0.0),
             ground_velocity_mps: Vec3::X * 25.0,
             wind_mps: Vec3::ZERO,

@@ -11,7 +11,7 @@ use super::{Hand, HandReach, HandTarget};
 use crate::commands::VehicleCommand;
 use crate::mode::Mode;
 use crate::number::single;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 
 /// A heading target is repeated when it changes by this, radians, or after this time, seconds.
 const STEP_RAD: f64 = 0.035;
@@ -61,7 +61,7 @@ impl HeadingHand {
 }
 
 /// Commands the altitude that a climb reaches some seconds ahead.
-fn climb(stage: &Stage, own: &OwnshipState, reach: &mut HandReach<'_>) {
+fn climb(stage: &Stage, own: &OwnState, reach: &mut HandReach<'_>) {
     let Some(frame) = reach.frame else { return };
     let climb_m = own.ownship.airspeed_mps * libm::sin(stage.climb_rad) * CLIMB_AHEAD_S;
     let altitude_m = frame.origin().altitude_m + own.ownship.position_m.z + climb_m;

@@ -9,7 +9,7 @@ use fga_formats::geodesy::LocalFrame;
 use crate::commands::Commands;
 use crate::mode::Mode;
 use crate::outgoing::Outbox;
-use crate::ownship::OwnshipState;
+use crate::ownship::OwnState;
 use crate::parameters::VehicleParameters;
 
 /// A hand's access to the vehicle, and the knowledge about it.
@@ -40,7 +40,7 @@ pub struct HandTarget<'a> {
     /// Age of the decision, seconds.
     pub elapsed_s: f64,
     /// The aircraft when a command sent now takes effect.
-    pub own: &'a OwnshipState,
+    pub own: &'a OwnState,
     /// The limits of the plan.
     pub vehicle: &'a Vehicle,
     /// The largest bank to command, radians.
@@ -70,7 +70,7 @@ pub trait Hand: Debug + Send {
     }
 
     /// Observes the vehicle while somebody else flies it.
-    fn watch(&mut self, _own: &OwnshipState) {}
+    fn watch(&mut self, _own: &OwnState) {}
 
     /// Begins a manoeuvre.
     fn begin(&mut self) {}

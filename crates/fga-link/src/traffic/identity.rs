@@ -60,7 +60,7 @@ impl ReportSender {
 
 /// The identity of an aircraft. Several tracks can have one key: an address is a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum AircraftKey {
+pub enum TrackKey {
     /// A 24-bit ICAO address.
     Address(u32),
     /// A call sign without an address, of one sender.

@@ -12,7 +12,7 @@ use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
 use super::report::{
-    AircraftReport, AltitudeReference, Quality, ReportSender, ReportSource, SIGMAS_IN_95,
+    AltitudeReference, PlaceReport, Quality, ReportSender, ReportSource, SIGMAS_IN_95,
     tidy_callsign,
 };
 use crate::endpoint::{Endpoint, LinkRead, open};
@@ -146,7 +146,7 @@ impl Joiner {
     }
 
     /// Takes a message; returns a report if it has a position.
-    pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<AircraftReport> {
+    pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<PlaceReport> {
         let parts = self.aircraft.entry(message.address);
         if let Some(altitude) = message.altitude {
             parts.altitude = Some((altitude, now_s));
@@ -191,11 +191,11 @@ impl Joiner {
         };
         let callsign = parts.callsign;
         let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m)?;
-        Some(AircraftReport {
+        Some(PlaceReport {
             icao: message.address,
             callsign: callsign.map_or_else(String::new, |name| tidy_callsign(name.as_str())),
             velocity_mps: velocity.map(|([east, north], _)| Vec3::new(east, north, climb_mps)),
-            ..AircraftReport::of_position(self.sender, place, now_s, quality)
+            ..PlaceReport::of_position(self.sender, place, now_s, quality)
         })
     }
 }
@@ -282,7 +282,7 @@ pub fn read(
     endpoint: &ReceiverEndpoint,
     clock_s: impl Fn() -> f64,
     stop: &AtomicBool,
-    mut take: impl FnMut(AircraftReport) -> bool,
+    mut take: impl FnMut(PlaceReport) -> bool,
     mut feed: impl FnMut(FeedStatus) -> bool,
 ) {
     let mut buffer = vec![0; 16_384];

@@ -14,8 +14,7 @@ pub use super::identity::Transmitter;
 
 use super::class::AircraftClass;
 use super::report::{
-    AircraftKey, AircraftReport, AltitudeReference, Quality, ReportSender, SIGMAS_IN_95,
-    tidy_callsign,
+    AltitudeReference, PlaceReport, Quality, ReportSender, SIGMAS_IN_95, TrackKey, tidy_callsign,
 };
 use super::vertical::DatumLevels;
 use crate::number::{degrees_from_e7, velocity_mps};
@@ -103,7 +102,7 @@ impl RemoteId {
         sender: ReportSender,
         levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<AircraftReport>, AircraftKey> {
+    ) -> Result<Option<PlaceReport>, TrackKey> {
         let told = |value: f64, unknown: f64| (value < unknown).then_some(value);
         let altitude = |metres: f32| {
             let metres = f64::from(metres);
@@ -143,10 +142,10 @@ impl RemoteId {
         sender: ReportSender,
         levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<AircraftReport>, AircraftKey> {
+    ) -> Result<Option<PlaceReport>, TrackKey> {
         let from = transmitter(data.id_or_mac, sender);
         if usize::from(data.single_message_size) != MESSAGE {
-            return Err(AircraftKey::Transmitter(from));
+            return Err(TrackKey::Transmitter(from));
         }
         let (messages, _) = data.messages.as_chunks::<MESSAGE>();
         let mut found = None;
@@ -199,8 +198,8 @@ impl RemoteId {
         sender: ReportSender,
         levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<AircraftReport>, AircraftKey> {
-        let key = AircraftKey::Transmitter(from);
+    ) -> Result<Option<PlaceReport>, TrackKey> {
+        let key = TrackKey::Transmitter(from);
         if location.on_ground {
             return Ok(None);
         }
@@ -224,12 +223,12 @@ impl RemoteId {
             ..Quality::of_position(sigma_m, altitude)
         };
         let class = AircraftClass::SmallUnmanned;
-        let mut report = AircraftReport {
+        let mut report = PlaceReport {
             key: Some(key),
             velocity_mps: location.velocity_mps(),
             movement: class.movement(),
             class,
-            ..AircraftReport::of_position(sender, place.ok_or(key)?, now_s, quality)
+            ..PlaceReport::of_position(sender, place.ok_or(key)?, now_s, quality)
         };
         if let Some(aircraft) = self.entry(from, now_s) {
             report.callsign.clone_from(&aircraft.name);

@@ -5,9 +5,7 @@ use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
-pub use super::identity::{
-    AircraftKey, LONGEST_CALLSIGN, ReportSender, ReportSource, tidy_callsign,
-};
+pub use super::identity::{LONGEST_CALLSIGN, ReportSender, ReportSource, TrackKey, tidy_callsign};
 
 use super::class::AircraftClass;
 use super::defect::Defect;
@@ -48,13 +46,13 @@ pub struct Quality {
 
 /// The content of one message.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AircraftReport {
+pub struct PlaceReport {
     /// Its sender.
     pub sender: ReportSender,
     /// ICAO address, or another with [`NON_ICAO`](fga_formats::traffic::NON_ICAO); 0 if unknown.
     pub icao: u32,
     /// The claimed identity, if neither address nor call sign gives one.
-    pub key: Option<AircraftKey>,
+    pub key: Option<TrackKey>,
     /// Call sign, without blanks.
     pub callsign: String,
     /// Position; the altitude above the datum in [`Quality::altitude`].
@@ -90,7 +88,7 @@ impl Quality {
     }
 }
 
-impl AircraftReport {
+impl PlaceReport {
     /// A report of nothing but the position of some aircraft at a time of the local clock, seconds.
     pub(crate) const fn of_position(
         sender: ReportSender,
@@ -113,21 +111,21 @@ impl AircraftReport {
     }
 
     /// The claimed identity.
-    pub fn key(&self) -> AircraftKey {
+    pub fn key(&self) -> TrackKey {
         if let Some(key) = self.key {
             return key;
         }
         if self.icao != 0 {
-            return AircraftKey::Address(self.icao);
+            return TrackKey::Address(self.icao);
         }
         if self.callsign.is_empty() {
-            return AircraftKey::Unnamed(self.sender);
+            return TrackKey::Unnamed(self.sender);
         }
         let mut name = [0; LONGEST_CALLSIGN];
         for (place, byte) in name.iter_mut().zip(self.callsign.bytes()) {
             *place = byte;
         }
-        AircraftKey::Callsign(self.sender, name)
+        TrackKey::Callsign(self.sender, name)
     }
 
     /// The report in an `ADSB_VEHICLE` message.

@@ -16,7 +16,7 @@ use fga_formats::geodesy::LocalFrame;
 use super::class::Volumes;
 use super::own::{self, FlownWay};
 use super::remote_id::RemoteId;
-use super::report::{AircraftKey, AircraftReport, AltitudeReference, ReportSender, ReportSource};
+use super::report::{AltitudeReference, PlaceReport, ReportSender, ReportSource, TrackKey};
 use super::threat::{TrackUrgency, VolumeReach, WaysAhead};
 use super::track::{AircraftTrack, LocalReport, bit};
 use super::vertical::{DatumLevels, Shift, taller};
@@ -68,7 +68,7 @@ pub struct TrackTable {
     own_callsign: Option<String>,
     tracks: Vec<AircraftTrack>,
     /// Indices in `tracks` of all hypotheses under a key.
-    index: BTreeMap<AircraftKey, Vec<usize>>,
+    index: BTreeMap<TrackKey, Vec<usize>>,
     senders: [Option<(ReportSender, f64)>; MOST_SENDERS - 1],
     shares: [usize; MOST_SENDERS],
     flown: FlownWay,
@@ -164,28 +164,28 @@ impl TrackTable {
     }
 
     /// Whether a report is too old to use.
-    pub fn is_old(&self, report: &AircraftReport, now_s: f64) -> bool {
+    pub fn is_old(&self, report: &PlaceReport, now_s: f64) -> bool {
         now_s - report.valid_s > self.drop_after_s
     }
 
     /// Indices in `tracks` of all hypotheses under a key.
-    fn members(&self, key: AircraftKey) -> &[usize] {
+    fn members(&self, key: TrackKey) -> &[usize] {
         self.index.get(&key).map_or(&[], Vec::as_slice)
     }
 
     /// All hypotheses under a key.
-    fn hypotheses(&self, key: AircraftKey) -> impl Iterator<Item = &AircraftTrack> {
+    fn hypotheses(&self, key: TrackKey) -> impl Iterator<Item = &AircraftTrack> {
         let members = self.members(key).iter();
         members.filter_map(|place| self.tracks.get(*place))
     }
 
     /// Whether a track of this identity contradicts its own velocity.
-    pub fn contradicts_itself(&self, key: AircraftKey) -> bool {
+    pub fn contradicts_itself(&self, key: TrackKey) -> bool {
         self.hypotheses(key).any(AircraftTrack::contradicts_itself)
     }
 
     /// Takes a report; `false` if it was nothing new.
-    pub fn take(&mut self, report: &AircraftReport, frame: &LocalFrame, now_s: f64) -> bool {
+    pub fn take(&mut self, report: &PlaceReport, frame: &LocalFrame, now_s: f64) -> bool {
         let position_m = frame.to_local_m(report.place);
         let velocity_mps = report
             .velocity_mps
@@ -239,7 +239,7 @@ impl TrackTable {
     }
 
     /// Whether a better source reports the aircraft that the autopilot's list reports late.
-    fn is_known_better(&self, key: AircraftKey, seen: &LocalReport, now_s: f64) -> bool {
+    fn is_known_better(&self, key: TrackKey, seen: &LocalReport, now_s: f64) -> bool {
         self.hypotheses(key).any(|track| {
             let off = seen.position_m - track.position_m(now_s);
             track.source != ReportSource::AutopilotList
@@ -273,18 +273,12 @@ impl TrackTable {
     }
 
     /// Opens a track, if there is room or a less urgent one of the same sender.
-    fn open(
-        &mut self,
-        report: &AircraftReport,
-        key: AircraftKey,
-        seen: LocalReport,
-        now_s: f64,
-    ) -> bool {
+    fn open(&mut self, report: &PlaceReport, key: TrackKey, seen: LocalReport, now_s: f64) -> bool {
         let mut track = AircraftTrack::new(self.next_id, report, seen, now_s);
         track.keep_s = self.urgency(&track, now_s, Claims::All).keep_s();
         let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         let most = match key {
-            AircraftKey::Unnamed(_) => MOST_UNNAMED,
+            TrackKey::Unnamed(_) => MOST_UNNAMED,
             _ => MOST_HYPOTHESES,
         };
         if members.len() >= most {

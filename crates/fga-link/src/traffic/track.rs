@@ -14,7 +14,7 @@ use fga::situation::Movement;
 use super::class::AircraftClass;
 use super::motion::{self, ReportedPlace};
 use super::own::Belief;
-use super::report::{AircraftKey, AircraftReport, AltitudeReference, Quality, ReportSource};
+use super::report::{AltitudeReference, PlaceReport, Quality, ReportSource, TrackKey};
 
 /// A report continues a track if it is within this distance of it, metres, …
 const GATE_M: f64 = 25.0;
@@ -91,7 +91,7 @@ pub struct AircraftTrack {
     pub movement: Movement,
     /// How much room it gets.
     pub class: AircraftClass,
-    pub(super) key: AircraftKey,
+    pub(super) key: TrackKey,
     pub(super) own: Belief,
     /// The sender that opened it, and all that have continued it, as bits.
     pub(super) slot: u8,
@@ -124,7 +124,7 @@ pub struct AircraftTrack {
 
 impl AircraftTrack {
     /// A track that begins with a report.
-    pub(super) fn new(id: u32, report: &AircraftReport, seen: LocalReport, now_s: f64) -> Self {
+    pub(super) fn new(id: u32, report: &PlaceReport, seen: LocalReport, now_s: f64) -> Self {
         let mut track = Self {
             id,
             icao: report.icao,

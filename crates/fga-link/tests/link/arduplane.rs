@@ -28,7 +28,7 @@ use fga_emulator::{Emulator, STEP_S, Settings};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
 use fga_link::player::{Played, PlayedState, adsb_message};
-use fga_link::wire::{Frame, Framer, encode};
+use fga_link::wire::{Framer, WireFrame, encode};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
@@ -71,7 +71,7 @@ struct Threat {
 
 struct Bench {
     clock: Clock,
-    frames: Receiver<Frame>,
+    frames: Receiver<WireFrame>,
     heard: u64,
     ground: Ground,
     companion: Companion,
@@ -119,7 +119,7 @@ impl Bench {
         }
     }
 
-    fn take(&mut self, frame: &Frame) {
+    fn take(&mut self, frame: &WireFrame) {
         let now_s = self.now_s();
         if !self.dead {
             self.companion.receive(&frame.header, &frame.message, now_s);
