@@ -1,6 +1,7 @@
 //! Who flies: the companion takes over, goes on or hands back.
 
 use fga::avoider::Decision;
+use fga::vehicle::Vehicle;
 
 use super::Companion;
 use crate::authority::{Authority, Fault, Severity};
@@ -47,8 +48,12 @@ impl Companion {
     }
 
     fn hand_back(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
-        let is_joined = self.route.is_joined(&decision.command, state);
-        let is_back = self.handover.is_back(decision, is_joined, now_s);
+        let climbs = self.vehicle().is_some_and(Vehicle::can_climb);
+        let on_leg = self.route.is_on_leg(state, climbs);
+        let turns_onto_leg = self.route.turns_onto_leg(&decision.command);
+        let is_back = self
+            .handover
+            .is_back(decision, on_leg, turns_onto_leg, now_s);
         // The vehicle answers while the aircraft settles on the leg.
         let is_set = self.handover.settles() && self.item_is_set();
         let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;

@@ -90,8 +90,15 @@ impl Handover {
         self.on_way_since_s.is_some()
     }
 
-    /// Whether the aircraft is back on its way and nothing threatens; `is_joined` says that it flies along the leg as commanded.
-    pub(super) fn is_back(&mut self, decision: &Decision, is_joined: bool, now_s: f64) -> bool {
+    /// Whether the aircraft is back on its way and nothing threatens; `on_leg` says where it is, and `turns_onto_leg` that
+    /// the command is the leg's course.
+    pub(super) fn is_back(
+        &mut self,
+        decision: &Decision,
+        on_leg: bool,
+        turns_onto_leg: bool,
+        now_s: f64,
+    ) -> bool {
         if decision.state != State::Cruise {
             self.cruises_since_s = None;
         }
@@ -101,10 +108,10 @@ impl Handover {
         let on_way = match decision.state {
             State::Cruise => {
                 let since_s = *self.cruises_since_s.get_or_insert(now_s);
-                is_joined || now_s - since_s >= BESIDE_LEG_S
+                on_leg || now_s - since_s >= BESIDE_LEG_S
             }
             // The end of a planned way back leaves time for the slowest roll.
-            State::Recovering => decision.record.threat.is_none() && is_joined,
+            State::Recovering => decision.record.threat.is_none() && turns_onto_leg && on_leg,
             State::Threatened | State::Avoiding => false,
         };
         if !on_way {
@@ -156,21 +163,21 @@ mod tests {
     fn it_is_back_after_a_while_on_the_leg_or_long_beside_it_and_never_while_it_listens() {
         let mut handover = Handover::default();
         let cruise = decision(State::Cruise, None);
-        assert!(!handover.is_back(&cruise, true, 0.0));
+        assert!(!handover.is_back(&cruise, true, false, 0.0));
         assert!(handover.settles());
-        assert!(handover.is_back(&cruise, true, 0.5));
-        assert!(!handover.is_back(&cruise, false, 1.0) && !handover.settles());
-        assert!(!handover.is_back(&cruise, false, 30.1));
-        assert!(handover.is_back(&cruise, false, 30.6), "beside it");
+        assert!(handover.is_back(&cruise, true, false, 0.5));
+        assert!(!handover.is_back(&cruise, false, false, 1.0) && !handover.settles());
+        assert!(!handover.is_back(&cruise, false, false, 30.1));
+        assert!(handover.is_back(&cruise, false, false, 30.6), "beside it");
         // The last turn onto the leg counts too, a threat does not.
         let recovering = decision(State::Recovering, None);
-        assert!(!handover.is_back(&recovering, false, 31.0));
-        assert!(!handover.is_back(&recovering, true, 31.5));
-        assert!(handover.is_back(&recovering, true, 32.0));
-        assert!(!handover.is_back(&decision(State::Threatened, None), true, 33.0));
+        assert!(!handover.is_back(&recovering, true, false, 31.0));
+        assert!(!handover.is_back(&recovering, true, true, 31.5));
+        assert!(handover.is_back(&recovering, true, true, 32.0));
+        assert!(!handover.is_back(&decision(State::Threatened, None), true, true, 33.0));
         handover.begin(true, 40.0);
-        assert!(!handover.is_back(&cruise, true, 45.9));
-        assert!(!handover.is_back(&cruise, true, 46.0));
-        assert!(handover.is_back(&cruise, true, 46.5));
+        assert!(!handover.is_back(&cruise, true, true, 45.9));
+        assert!(!handover.is_back(&cruise, true, true, 46.0));
+        assert!(handover.is_back(&cruise, true, true, 46.5));
     }
 }

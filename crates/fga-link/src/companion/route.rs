@@ -3,7 +3,7 @@
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
 use fga::maneuver::Maneuver;
-use fga::situation::{Obstacle, ObstacleKind, Ownship};
+use fga::situation::{Obstacle, ObstacleKind};
 use serde_json::json;
 
 use super::lists::Lists;
@@ -19,8 +19,11 @@ const CRUISE_AHEAD_M: f64 = 50_000.0;
 /// In CRUISE a new line begins when the aircraft is off the old one by this, m and rad.
 const CRUISE_OFF_M: f64 = 12.0;
 const CRUISE_OFF_RAD: f64 = 0.05;
-/// Courses that differ by less than this lead along one leg, radians: then the vehicle flies the last metres by itself.
-const ALONG_LEG_RAD: f64 = 0.06;
+/// Back on the leg: this close, this well aligned. A way back from far ends up to 16 m beside the leg; the vehicle flies these
+/// last metres by itself.
+const ON_LEG_M: f64 = 18.0;
+const ON_LEG_RAD: f64 = 0.06;
+const ON_LEG_HEIGHT_M: f64 = 12.0;
 /// How far ahead the check of the restored course looks, and its steps, seconds.
 const GIVEN_BACK_S: f64 = 30.0;
 const GIVEN_BACK_STEP_S: f64 = 0.2;
@@ -246,20 +249,37 @@ impl LaidRoute {
         (*from_m + along_m * share.clamp(0.0, 1.0), left_m)
     }
 
-    /// Whether an aircraft has joined the present leg by what the core commands: the command leads along the leg in this wind, and the aircraft
-    /// flies along it. Where the leg is, is the core's to know: the last turn of its way back ends on it.
-    pub(super) fn is_joined(&self, command: &Maneuver, state: &OwnState) -> bool {
-        let Some([from_m, to_m]) = self.way.waypoints_m.get(self.leg..self.leg + 2) else {
+    /// Begin and end of the present leg.
+    fn leg_m(&self) -> Option<(Vec3, Vec3)> {
+        let begin_m = self.way.waypoints_m.get(self.leg).copied();
+        begin_m.zip(self.way.waypoints_m.get(self.leg + 1).copied())
+    }
+
+    /// Whether a command is the course of the leg: the last turn of the way back, or the leg itself.
+    pub(super) fn turns_onto_leg(&self, command: &Maneuver) -> bool {
+        self.leg_m()
+            .zip(command.stage_at(0.0))
+            .is_some_and(|((from, to), stage)| {
+                wrap_pi(stage.course_rad - course_of(to - from)).abs() < ON_LEG_RAD
+            })
+    }
+
+    /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
+    pub(super) fn is_on_leg(&self, state: &OwnState, climbs: bool) -> bool {
+        let Some((from, to)) = self.leg_m() else {
             return true;
         };
-        let along_rad = course_of(*to_m - *from_m);
-        let is_along = |mps: Vec3| wrap_pi(course_of(mps) - along_rad).abs() < ALONG_LEG_RAD;
-        let commanded = command.stage_at(0.0).map(|stage| Ownship {
-            course_rad: stage.course_rad,
-            ..state.ownship
-        });
-        commanded.is_some_and(|ownship| is_along(ownship.velocity_mps() + state.wind_mps))
-            && is_along(state.ground_velocity_mps)
+        let ahead = to - from;
+        let level = Vec3::new(ahead.x, ahead.y, 0.0).normalize_or_zero();
+        let offset = state.ownship.position_m - from;
+        let across_m = (offset.x * level.y - offset.y * level.x).abs();
+        let along = (offset.x * level.x + offset.y * level.y).max(0.0);
+        let length_m = libm::hypot(ahead.x, ahead.y).max(1.0);
+        let height_m = from.z + ahead.z * (along / length_m).min(1.0);
+        let angle_rad = wrap_pi(course_of(state.ground_velocity_mps) - course_of(level));
+        across_m < ON_LEG_M
+            && angle_rad.abs() < ON_LEG_RAD
+            && (!climbs || (state.ownship.position_m.z - height_m).abs() < ON_LEG_HEIGHT_M)
     }
 
     /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`: it turns to
@@ -351,30 +371,23 @@ mod tests {
     }
 
     #[test]
-    fn a_leg_is_joined_once_command_and_aircraft_lead_along_it() {
+    fn on_the_leg_is_near_it_along_it_and_at_its_height_where_it_climbs() {
         let mut route = corner();
-        let along = |course_rad| Maneuver::turn(0.0, course_rad, 0.0);
-        let at_m = Vec3::X * 500.0;
-        assert!(route.is_joined(&along(0.0), &flies(at_m, 0.05)));
-        assert!(!route.is_joined(&along(0.0), &flies(at_m, 0.07)));
-        assert!(
-            !route.is_joined(&along(0.9), &flies(at_m, 0.0)),
-            "an intercept"
-        );
-        assert!(!route.is_joined(&Maneuver::hold(), &flies(at_m, 0.0)));
-        // 10 m/s from the left: 30° into the wind lead along the leg.
-        let mut crabs = flies(at_m, 0.5236);
-        crabs.wind_mps = Vec3::NEG_Y * 10.0;
-        crabs.ground_velocity_mps = Vec3::X * 17.3;
-        assert!(route.is_joined(&along(0.5236), &crabs));
-        assert!(!route.is_joined(&along(0.0), &crabs));
+        let at = |y, z| Vec3::new(500.0, y, z);
+        assert!(route.is_on_leg(&flies(at(17.0, 0.0), 0.05), true));
+        assert!(!route.is_on_leg(&flies(at(19.0, 0.0), 0.0), true));
+        assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.07), true));
+        assert!(!route.is_on_leg(&flies(at(0.0, 13.0), 0.0), true));
+        assert!(route.is_on_leg(&flies(at(0.0, 13.0), 0.0), false));
+        assert!(route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
         assert_eq!(
-            route.left_m(Vec3::new(500.0, 40.0, 0.0)),
-            (at_m, &route.way.waypoints_m[1..])
+            route.left_m(at(40.0, 0.0)),
+            (at(0.0, 0.0), &route.way.waypoints_m[1..])
         );
         // The next leg leads north.
         route.fly_leg(1);
-        assert!(!route.is_joined(&along(0.0), &flies(at_m, 0.0)));
+        assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.0), true));
+        assert!(!route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
         assert_eq!(route.leg_item(), Some(3));
     }
 
