@@ -50,7 +50,7 @@ impl Companion {
     fn hand_back(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         let climbs = self.vehicle().is_some_and(Vehicle::can_climb);
         let on_leg = self.route.is_on_leg(state, climbs);
-        let turns_onto_leg = self.route.turns_onto_leg(&decision.command);
+        let turns_onto_leg = self.route.turns_onto_leg(&decision.command, state);
         let is_back = self
             .handover
             .is_back(decision, on_leg, turns_onto_leg, now_s);

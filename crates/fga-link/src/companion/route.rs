@@ -3,7 +3,7 @@
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
 use fga::maneuver::Maneuver;
-use fga::situation::{Obstacle, ObstacleKind};
+use fga::situation::{Obstacle, ObstacleKind, Ownship};
 use serde_json::json;
 
 use super::lists::Lists;
@@ -255,13 +255,17 @@ impl LaidRoute {
         begin_m.zip(self.way.waypoints_m.get(self.leg + 1).copied())
     }
 
-    /// Whether a command is the course of the leg: the last turn of the way back, or the leg itself.
-    pub(super) fn turns_onto_leg(&self, command: &Maneuver) -> bool {
-        self.leg_m()
-            .zip(command.stage_at(0.0))
-            .is_some_and(|((from, to), stage)| {
-                wrap_pi(stage.course_rad - course_of(to - from)).abs() < ON_LEG_RAD
-            })
+    /// Whether a command leads along the leg in this wind: the last turn of the way back, or the leg itself.
+    pub(super) fn turns_onto_leg(&self, command: &Maneuver, state: &OwnState) -> bool {
+        let leg_and_stage = self.leg_m().zip(command.stage_at(0.0));
+        leg_and_stage.is_some_and(|((from, to), stage)| {
+            let turned = Ownship {
+                course_rad: stage.course_rad,
+                ..state.ownship
+            };
+            let track_rad = course_of(turned.velocity_mps() + state.wind_mps);
+            wrap_pi(track_rad - course_of(to - from)).abs() < ON_LEG_RAD
+        })
     }
 
     /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
@@ -340,7 +344,7 @@ pub(super) fn way_to(
 
 #[cfg(test)]
 mod tests {
-    use fga::situation::{Ownship, ProtectedVolume};
+    use fga::situation::ProtectedVolume;
 
     use super::*;
 
@@ -379,7 +383,13 @@ mod tests {
         assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.07), true));
         assert!(!route.is_on_leg(&flies(at(0.0, 13.0), 0.0), true));
         assert!(route.is_on_leg(&flies(at(0.0, 13.0), 0.0), false));
-        assert!(route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
+        let turn = |course_rad| Maneuver::turn(0.0, course_rad, 0.0);
+        assert!(route.turns_onto_leg(&turn(0.05), &flies(at(0.0, 0.0), 0.0)));
+        // 10 m/s from the left: 30° into the wind lead along the leg.
+        let mut crabs = flies(at(0.0, 0.0), 0.0);
+        crabs.wind_mps = Vec3::NEG_Y * 10.0;
+        assert!(route.turns_onto_leg(&turn(0.5236), &crabs));
+        assert!(!route.turns_onto_leg(&turn(0.0), &crabs));
         assert_eq!(
             route.left_m(at(40.0, 0.0)),
             (at(0.0, 0.0), &route.way.waypoints_m[1..])
@@ -387,7 +397,7 @@ mod tests {
         // The next leg leads north.
         route.fly_leg(1);
         assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.0), true));
-        assert!(!route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
+        assert!(!route.turns_onto_leg(&turn(0.05), &flies(at(0.0, 0.0), 0.0)));
         assert_eq!(route.leg_item(), Some(3));
     }
 
