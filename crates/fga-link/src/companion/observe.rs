@@ -179,66 +179,37 @@ impl Companion {
             return Some(lacking);
         }
         let mode = self.session.mode()?;
-        // Before all that changes with the mode: two avoiders would take turns.
-        if !engaged && self.parameters.avoids_by_itself() {
-            return Some(Lacking::OtherAvoider);
-        }
-        if !engaged && self.lead.is_too_long(now_s) {
-            return Some(Lacking::SlowLink);
-        }
-        if !self.rates.is_usable() {
-            return Some(Lacking::Rate);
-        }
-        if self.is_blind(now_s) {
-            return Some(Lacking::Telemetry);
-        }
-        // Before the vehicle is armed the operator can still mend it.
-        if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
-            return Some(lacking);
-        }
-        if !self.session.is_armed() {
-            return Some(Lacking::Disarmed);
-        }
-        // It stands or rolls.
-        let Some(state) = state else {
-            return Some(if self.takes_off_or_lands() {
-                Lacking::TakeOffOrLanding
-            } else {
-                Lacking::Slow
-            });
-        };
-        let floor_m = self.config.limits.floor_m;
+        let owed = self.keeper.owed().filter(|_| engaged);
+        let in_auto = owed.unwrap_or(mode) == Mode::AUTO;
+        let takes_off_or_lands = self.takes_off_or_lands();
+        let can_bank = self.bank_limit_rad().is_some();
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
-        let high_enough = state.above_home_m >= floor_m + 5.0
-            || (engaged && state.above_home_m >= floor_m - 10.0);
-        if !high_enough {
-            return Some(Lacking::Height);
-        }
-        if !engaged && self.is_slow() {
-            return Some(Lacking::Slow);
-        }
-        if !(engaged || self.take_over.contains(&mode)) {
-            return Some(Lacking::Mode);
-        }
-        let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(mode);
-        if mode == Mode::AUTO && !self.lists.is_way_known(now_s) {
-            return Some(Lacking::Mission);
-        }
-        if mode == Mode::AUTO && !engaged && self.takes_off_or_lands() {
-            return Some(Lacking::TakeOffOrLanding);
-        }
-        if !self.parameters.is_sufficient() {
-            return Some(Lacking::Limits);
-        }
-        if !engaged && acts_in_guided(&self.parameters) {
-            return Some(Lacking::FenceAction);
-        }
-        if !engaged && self.over.is_awaited() {
-            return Some(Lacking::Ground);
-        }
-        if self.bank_limit_rad().is_none() {
-            return Some(Lacking::BankLimit);
-        }
-        (!self.can_decide(now_s)).then_some(Lacking::Decision)
+        let above_floor_m = if engaged { -10.0 } else { 5.0 };
+        let lowest_m = self.config.limits.floor_m + above_floor_m;
+        let is_high = state.is_some_and(|state| state.above_home_m >= lowest_m);
+        let conditions = [
+            // Before all that changes with the mode: two avoiders would take turns.
+            (!engaged && self.parameters.avoids_by_itself()).then_some(Lacking::OtherAvoider),
+            (!engaged && self.lead.is_too_long(now_s)).then_some(Lacking::SlowLink),
+            (!self.rates.is_usable()).then_some(Lacking::Rate),
+            self.is_blind(now_s).then_some(Lacking::Telemetry),
+            // Before the vehicle is armed the operator can still mend it.
+            self.feeds.lacking().filter(|_| !engaged),
+            (!self.session.is_armed()).then_some(Lacking::Disarmed),
+            // Without a state it stands or rolls.
+            (state.is_none() && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
+            state.is_none().then_some(Lacking::Slow),
+            (!is_high).then_some(Lacking::Height),
+            (!engaged && self.is_slow()).then_some(Lacking::Slow),
+            (!engaged && !self.take_over.contains(&mode)).then_some(Lacking::Mode),
+            (in_auto && !self.lists.is_way_known(now_s)).then_some(Lacking::Mission),
+            (in_auto && !engaged && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
+            (!self.parameters.is_sufficient()).then_some(Lacking::Limits),
+            (!engaged && acts_in_guided(&self.parameters)).then_some(Lacking::FenceAction),
+            (!engaged && self.over.is_awaited()).then_some(Lacking::Ground),
+            (!can_bank).then_some(Lacking::BankLimit),
+            (!self.can_decide(now_s)).then_some(Lacking::Decision),
+        ];
+        conditions.into_iter().flatten().next()
     }
 }

@@ -47,6 +47,7 @@ impl Companion {
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
         let on_board = Some(system) == self.vehicle_system();
         let sender = |source| ReportSender::mavlink(source, system, header.component_id);
+        let remote = sender(ReportSource::RemoteId);
         let report = match message {
             MavMessage::ADSB_VEHICLE(data)
                 if self.ownship.is_silent(now_s) && self.held_reports.len() < MOST_HELD =>
@@ -57,7 +58,7 @@ impl Companion {
             MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
                 let (remote_id, _) = self.around.tracks_mut().remote_id();
-                remote_id.take_basic_id(data, sender(ReportSource::RemoteId), now_s);
+                remote_id.take_basic_id(data, remote, now_s);
                 None
             }
             // Without an identity of the transmitter, messages of the vehicle's system describe the
@@ -72,14 +73,12 @@ impl Companion {
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
                 let (remote_id, levels) = self.around.tracks_mut().remote_id();
-                let taken =
-                    remote_id.take_location(data, sender(ReportSource::RemoteId), levels, now_s);
+                let taken = remote_id.take_location(data, remote, levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
                 let (remote_id, levels) = self.around.tracks_mut().remote_id();
-                let taken =
-                    remote_id.take_pack(data, sender(ReportSource::RemoteId), levels, now_s);
+                let taken = remote_id.take_pack(data, remote, levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OBSTACLE_DISTANCE_3D(data) => {
