@@ -344,6 +344,8 @@ pub(super) fn way_to(
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::FRAC_PI_6;
+
     use fga::situation::ProtectedVolume;
 
     use super::*;
@@ -388,7 +390,7 @@ mod tests {
         // 10 m/s from the left: 30° into the wind lead along the leg.
         let mut crabs = flies(at(0.0, 0.0), 0.0);
         crabs.wind_mps = Vec3::NEG_Y * 10.0;
-        assert!(route.turns_onto_leg(&turn(0.5236), &crabs));
+        assert!(route.turns_onto_leg(&turn(FRAC_PI_6), &crabs));
         assert!(!route.turns_onto_leg(&turn(0.0), &crabs));
         assert_eq!(
             route.left_m(at(40.0, 0.0)),
