@@ -6,10 +6,8 @@ use mavlink::dialects::ardupilotmega::{
 
 use crate::mode::{Mode, ModeChange};
 use crate::number::single;
-use crate::outgoing::{AUTOPILOT, Outbox};
+use crate::outgoing::{ANSWER_S, AUTOPILOT, Outbox};
 
-/// Time to wait for an answer, seconds.
-const ANSWER_S: f64 = 0.4;
 /// Most transmissions of a command.
 const MOST_ATTEMPTS: u8 = 6;
 /// A command is refused when the vehicle refuses this many of its transmissions: a single answer may be somebody else's.

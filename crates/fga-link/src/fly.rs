@@ -39,7 +39,7 @@ use self::shared::{FlightShared, locked, spawn};
 use self::status::StatusLine;
 use crate::endpoint::{Endpoint, open};
 use crate::ground::{GroundOrder, MadeGround};
-use crate::outgoing::{OWN_COMPONENT, Outgoing};
+use crate::outgoing::{OWN_COMPONENT, Outgoing, RECEIVER_COMPONENT, RECEIVER_SYSTEM};
 use crate::player::{PlayedState, adsb_data};
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
 use crate::traffic::{AltitudeReference, PlaceReport};
@@ -54,9 +54,6 @@ const OUTBOX: usize = 512;
 const AT_ONCE: usize = 64;
 /// An event that waited longer is history, seconds.
 const HISTORY_S: f64 = 1.0;
-/// Component id of a receiver's reports in the telemetry log (`MAV_COMP_ID_ADSB`).
-const RECEIVER_SYSTEM: u8 = 200;
-const RECEIVER_COMPONENT: u8 = 156;
 /// Longest time without a tick.
 const TICK: Duration = Duration::from_millis(10);
 /// Longest wait at the end of a flight for a heartbeat with the mode from before.

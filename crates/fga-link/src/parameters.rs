@@ -78,6 +78,11 @@ impl VehicleParameters {
         self.values.get(name).copied()
     }
 
+    /// System id of the vehicle's ground station; ArduPilot's own value while it is unknown.
+    pub fn ground_system(&self) -> f64 {
+        self.get("MAV_GCS_SYSID").unwrap_or(255.0)
+    }
+
     /// Whether every name has an answer or was given up; the needed ones are never given up.
     pub fn is_complete(&self) -> bool {
         WANTED.iter().all(|row| self.is_settled(row.0))

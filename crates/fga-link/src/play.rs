@@ -11,13 +11,11 @@ use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavMessage, MavType};
 
 use crate::endpoint::{Endpoint, LinkWriter, open};
+use crate::outgoing::{RECEIVER_COMPONENT, RECEIVER_SYSTEM};
 use crate::player::{LineTranslator, LoggedLine, Played, sbs_lines};
 use crate::telling::heartbeat;
 use crate::wire::encode;
 
-/// System and component id of the player: an ADS-B receiver (`MAV_COMP_ID_ADSB`).
-const SYSTEM: u32 = 200;
-const COMPONENT: u8 = 156;
 /// Most readers of lines.
 const MOST_READERS: usize = 16;
 const STEP: Duration = Duration::from_millis(20);
@@ -68,8 +66,8 @@ impl Outputs {
     fn message(&mut self, message: &MavMessage) {
         let Some(writer) = &self.writer else { return };
         let header = MavHeader {
-            system_id: SYSTEM,
-            component_id: COMPONENT,
+            system_id: u32::from(RECEIVER_SYSTEM),
+            component_id: RECEIVER_COMPONENT,
             sequence: self.sequence,
         };
         self.sequence = self.sequence.wrapping_add(1);

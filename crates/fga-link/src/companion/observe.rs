@@ -12,7 +12,7 @@ use super::trips::round_trip_of;
 use crate::authority::{Authority, Fault};
 use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
-use crate::ownship::OwnState;
+use crate::ownship::{FLYING_SPEED_MPS, OwnState};
 
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
@@ -110,7 +110,10 @@ impl Companion {
 
     /// Measured airspeed, or cruise airspeed, metres per second.
     pub(super) fn airspeed_mps(&self) -> Option<f64> {
-        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
+        let measured = self
+            .ownship
+            .airspeed_mps()
+            .filter(|v| *v > FLYING_SPEED_MPS);
         measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
     }
 

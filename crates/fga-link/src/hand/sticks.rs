@@ -8,9 +8,6 @@ use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::to_u16;
 
-/// Ground station's system id if the vehicle's parameter is unknown.
-const GROUND_SYSTEM: f64 = 255.0;
-
 /// Flies by the roll stick; full stick is the vehicle's own bank limit.
 #[derive(Debug, Default)]
 pub struct StickHand {
@@ -22,11 +19,8 @@ pub struct StickHand {
 impl StickHand {
     /// Overrides count only from the ground station's system id.
     fn send(sticks: Option<[u16; 3]>, reach: &mut HandReach<'_>) {
-        let ground = reach
-            .parameters
-            .get("MAV_GCS_SYSID")
-            .unwrap_or(GROUND_SYSTEM);
-        let ground = u8::try_from(to_u16(ground)).unwrap_or(u8::MAX);
+        let ground = to_u16(reach.parameters.ground_system());
+        let ground = u8::try_from(ground).unwrap_or(u8::MAX);
         let message = override_message(sticks, reach.system);
         reach.outbox.send_as(ground, message);
     }

@@ -5,10 +5,8 @@ use mavlink::dialects::ardupilotmega::{
     MISSION_REQUEST_LIST_DATA, MavMessage, MavMissionResult, MavMissionType,
 };
 
-use crate::outgoing::{AUTOPILOT, Outbox};
+use crate::outgoing::{ANSWER_S, AUTOPILOT, Outbox};
 
-/// Time to wait for an answer, seconds.
-const ANSWER_S: f64 = 0.4;
 /// Longest accepted list.
 pub const MOST_ITEMS: usize = 2000;
 /// Most items requested at a time.
