@@ -43,6 +43,7 @@ mod route;
 mod send;
 mod session;
 mod target;
+mod terrain;
 mod traffic;
 mod trips;
 mod voice;

@@ -39,6 +39,32 @@ impl Companion {
         }
     }
 
+    /// After telemetry: decides and commands when due.
+    pub(super) fn prompted(&mut self, now_s: f64) {
+        // The target that follows the plan goes out first: a search may take longer.
+        if now_s >= self.due.command_s - 0.2 / self.config.command.rate_hz {
+            self.command(now_s);
+        }
+        // A little early is better than a whole period late.
+        let slack_s = 0.2 * self.config.command.decision_period_s;
+        if now_s >= self.due.decision_s - slack_s {
+            self.decide(now_s);
+            let reason = self.decided.map(|decided| decided.decision.record.reason);
+            let is_new = matches!(
+                reason,
+                Some(
+                    Reason::ManeuverChosen
+                        | Reason::ManeuverReplaced
+                        | Reason::BestAvailable
+                        | Reason::RejoinChosen
+                )
+            );
+            if is_new {
+                self.command(now_s);
+            }
+        }
+    }
+
     /// Tells the operator and the log of a decision.
     fn report(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         if decision.record.in_need && self.keeper.commands() {

@@ -1,6 +1,9 @@
 //! What is known now: the state, how old it is, and what is missing to act on it.
 
+use fga::avoider::State as AvoiderState;
+use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
+use serde_json::json;
 
 use super::Companion;
 use super::boundary::acts_in_guided;
@@ -149,6 +152,33 @@ impl Companion {
         if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
             self.ownship.round_trip(sent_s, boot_s, now_s);
             self.session.round_trip(sent_s, boot_s, now_s);
+        }
+    }
+
+    /// Moves the local frame if the aircraft is far from its origin and nothing threatens;
+    /// the companion then learns everything in the old frame again.
+    pub(super) fn renew_frame(&mut self, now_s: f64) {
+        let busy = self
+            .decider
+            .as_ref()
+            .is_some_and(|decider| decider.state() != AvoiderState::Cruise);
+        if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
+            return;
+        }
+        self.around.tracks_mut().clear();
+        self.boundary.forget();
+        self.over.forget();
+        self.route.forget();
+        self.lists.mode_changed(now_s);
+        self.forget_plan();
+        if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
+            self.voice.note(
+                "frame",
+                json!({
+                    "latitude_deg": origin.latitude_deg,
+                    "longitude_deg": origin.longitude_deg,
+                }),
+            );
         }
     }
 

@@ -1,11 +1,14 @@
 //! The outgoing messages: heartbeat, requests, targets, values.
 
 use fga::situation::Obstacle;
-use mavlink::dialects::ardupilotmega::MavType;
+use mavlink::dialects::ardupilotmega::{MavCmd, MavType};
+use serde_json::json;
 
 use super::Companion;
 use crate::authority::{Authority, Fault};
+use crate::commands::{CommandEnd, VehicleCommand};
 use crate::hand::{Hand, HandReach, HandTarget};
+use crate::mode::Mode;
 use crate::ownship::OwnState;
 use crate::telling;
 
@@ -56,6 +59,40 @@ impl Companion {
         let outcome = self.commands.tick(now_s, system, asks, self.voice.outbox());
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
+        }
+    }
+
+    pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
+        if self.session.is_dry_run() {
+            return;
+        }
+        self.commands.send(VehicleCommand::set_mode(to, from), true);
+        self.send_commands(now_s);
+    }
+
+    pub(super) fn command_ended(&mut self, outcome: CommandEnd, now_s: f64) {
+        let (command, refused) = match outcome {
+            CommandEnd::Accepted(_) => return,
+            CommandEnd::Refused(command, result) => (command, Some(result)),
+            CommandEnd::Unanswered(command) => (command, None),
+        };
+        let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
+        self.voice.note(
+            "refused",
+            json!({ "command": format!("{:?}", command.command), "result": result }),
+        );
+        match command.command {
+            MavCmd::MAV_CMD_DO_SET_MODE => {
+                let actions = self.keeper.mode_refused(now_s);
+                self.perform(&actions, now_s);
+            }
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.keeper.commands() => {
+                self.fault(Fault::NotFollowing, now_s);
+            }
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
+                self.voice.warn("fga: mission item not set");
+            }
+            _ => {}
         }
     }
 

@@ -12,6 +12,7 @@ use mavlink::dialects::ardupilotmega::{
 use super::Companion;
 use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
+use crate::traffic::receiver::FeedStatus;
 use crate::traffic::report::{Quality, TrackKey, adsb_address, adsb_place};
 use crate::traffic::{
     AircraftClass, AltitudeReference, Defect, Defects, PlaceReport, ReportSender, ReportSource,
@@ -221,6 +222,16 @@ impl Companion {
         if let Some(words) = self.defects.count(defect, key, is_near) {
             self.voice.warn(&words);
         }
+    }
+
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.feeds.take(status, self.voice.at(now_s));
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        self.feeds.words()
     }
 
     /// The defects of reports so far.
