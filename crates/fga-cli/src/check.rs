@@ -413,7 +413,7 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
 #[cfg(feature = "fly")]
 fn link(path: &Path) -> Result<Usable, Failure> {
     let (config, terrain) = crate::fly::config_file(path)?;
-    let crewed = config.volume(fga_link::traffic::Class::Crewed);
+    let crewed = config.volume(fga_link::traffic::AircraftClass::Crewed);
     let area = terrain.and_then(|terrain| terrain.area());
     let over = area.map_or_else(String::new, |area| format!(", knows the ground of {area}"));
     let holds = format!(

@@ -20,7 +20,7 @@ use fga_formats::terrain::LocalGround;
 use fga_formats::words::reason_words;
 use fga_link::Companion;
 use fga_link::authority::Authority;
-use fga_link::companion::Picture;
+use fga_link::companion::FlightPicture;
 use fga_report::replay::{
     LiveMessage, ReplayEvent, ReplayObstacle, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
 };
@@ -48,7 +48,7 @@ const MOST_PIECES: usize = 500;
 pub(crate) struct FlyLive {
     server: Server,
     live: Live,
-    pictures: SyncSender<Picture>,
+    pictures: SyncSender<FlightPicture>,
     painter: JoinHandle<()>,
     shown_s: Option<f64>,
 }
@@ -182,13 +182,13 @@ impl Painter {
         }
     }
 
-    fn draw_all(&mut self, pictures: &Receiver<Picture>) {
+    fn draw_all(&mut self, pictures: &Receiver<FlightPicture>) {
         while let Ok(picture) = pictures.recv() {
             self.draw(&picture);
         }
     }
 
-    fn draw(&mut self, picture: &Picture) {
+    fn draw(&mut self, picture: &FlightPicture) {
         let t_s = picture.time_s;
         let mission_m: Vec<[f64; 3]> = picture.waypoints_m.iter().map(Vec3::to_array).collect();
         if mission_m != self.mission_m {
@@ -244,7 +244,7 @@ impl Painter {
         self.live.send(&LiveMessage::Event { run: 0, event });
     }
 
-    fn draw_obstacles(&mut self, picture: &Picture) {
+    fn draw_obstacles(&mut self, picture: &FlightPicture) {
         let t_s = picture.time_s;
         let mut news = Vec::new();
         for (obstacle, name) in &picture.obstacles {
@@ -282,7 +282,7 @@ impl Painter {
         }
     }
 
-    fn draw_decision(&self, picture: &Picture) {
+    fn draw_decision(&self, picture: &FlightPicture) {
         let wind_mps = picture.own.wind_mps;
         let mut drawer = Drawer::of(
             &picture.vehicle,
@@ -310,7 +310,7 @@ impl Painter {
     }
 }
 
-fn sample(picture: &Picture) -> ReplaySample {
+fn sample(picture: &FlightPicture) -> ReplaySample {
     let own = &picture.own;
     ReplaySample {
         t_s: picture.time_s,

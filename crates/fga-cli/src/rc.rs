@@ -8,10 +8,10 @@ use std::thread;
 use std::time::Instant;
 
 use clap::Args;
-use fga_link::endpoint::{Endpoint, Received, open};
+use fga_link::endpoint::{Endpoint, LinkRead, open};
 use fga_link::mavlink::MavHeader;
 use fga_link::mavlink::dialects::ardupilotmega::MavMessage;
-use fga_link::rc::{Asked, Keyboard, mode_message};
+use fga_link::rc::{KeyEffect, Keyboard, mode_message};
 use fga_link::wire::{Framer, encode};
 
 use crate::failure::Failure;
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &RcArgs) -> Result<ExitCode, Failure> {
             let mut framer = Framer::new(None);
             let mut buffer = [0; 2048];
             while !ended.load(Ordering::Relaxed) {
-                if let Received::Bytes(count) = reader.read(&mut buffer) {
+                if let LinkRead::Bytes(count) = reader.read(&mut buffer) {
                     framer.push(buffer.get(..count).unwrap_or_default(), |frame| {
                         if let MavMessage::HEARTBEAT(_) = frame.message
                             && frame.header.component_id == 1
@@ -106,9 +106,9 @@ pub(crate) fn run(args: &RcArgs) -> Result<ExitCode, Failure> {
             let count = input.read(&mut byte).unwrap_or(0);
             if count > 0 {
                 match keyboard.take(byte[0]) {
-                    Asked::Nothing => {}
-                    Asked::Mode(mode) => send(&mode_message(mode, system)),
-                    Asked::Quit => break,
+                    KeyEffect::Nothing => {}
+                    KeyEffect::Mode(mode) => send(&mode_message(mode, system)),
+                    KeyEffect::Quit => break,
                 }
             }
             if count > 0 || sent.elapsed() >= PERIOD {

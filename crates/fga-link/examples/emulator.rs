@@ -9,7 +9,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 use fga_emulator::{Emulator, Item, Settings};
-use fga_link::endpoint::{Received, open};
+use fga_link::endpoint::{LinkRead, open};
 use fga_link::wire::{Framer, encode};
 use mavlink::MavHeader;
 
@@ -42,11 +42,11 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         let mut buffer = [0; 4096];
         loop {
             match reader.read(&mut buffer) {
-                Received::Bytes(count) => framer.push(&buffer[..count], |frame| {
+                LinkRead::Bytes(count) => framer.push(&buffer[..count], |frame| {
                     let _ = to.try_send(frame);
                 }),
-                Received::NewConnection => framer.reset(),
-                Received::Nothing => {}
+                LinkRead::NewConnection => framer.reset(),
+                LinkRead::Nothing => {}
             }
         }
     });

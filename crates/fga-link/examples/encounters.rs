@@ -26,8 +26,8 @@ use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
-use fga_link::player::{Played, Sample, adsb_message};
-use fga_link::wire::Frame;
+use fga_link::player::{Played, PlayedState, adsb_message};
+use fga_link::wire::WireFrame;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use ground::{ALTITUDE_M, AUTO, GUIDED, Ground, listen};
 use mavlink::dialects::ardupilotmega::MavCmd;
@@ -200,7 +200,7 @@ fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Int
                     icao: 0x0010_0000 + seed * 16 + number,
                     callsign: format!("E{seed}{number}"),
                     is_by_pressure: false,
-                    samples: vec![Sample {
+                    samples: vec![PlayedState {
                         time_s: bench.now_s(),
                         place: frame.to_geodetic(along(course_rad, meet - velocity_mps * at_s)),
                         velocity_mps: along(course_rad, velocity_mps),
@@ -218,7 +218,7 @@ fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Int
 
 struct Bench {
     start: Instant,
-    frames: Receiver<Frame>,
+    frames: Receiver<WireFrame>,
     ground: Ground,
     home: Option<Geodetic>,
     intruders: Vec<Intruder>,

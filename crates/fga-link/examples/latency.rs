@@ -25,9 +25,9 @@ use std::time::Instant;
 use fga::Vec3;
 use fga_emulator::{Emulator, Home, Item, Mode, STEP_S, Settings};
 use fga_formats::geodesy::Geodetic;
-use fga_link::endpoint::{Reader, Received, Writer, open};
-use fga_link::player::{Sample, adsb_message};
-use fga_link::wire::{Frame, Framer, encode};
+use fga_link::endpoint::{LinkRead, LinkReader, LinkWriter, open};
+use fga_link::player::{PlayedState, adsb_message};
+use fga_link::wire::{Framer, WireFrame, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 use random::Random;
@@ -90,7 +90,7 @@ impl Aircraft {
     fn report(&self, home: &Home) -> MavMessage {
         let place = home.to_place(self.position_m);
         let [east, north, up] = self.velocity_mps;
-        let sample = Sample {
+        let sample = PlayedState {
             time_s: 0.0,
             place: Geodetic {
                 latitude_deg: f64::from(place.latitude_e7) * 1e-7,
@@ -112,13 +112,13 @@ fn processor_s(child: &Child) -> Option<f64> {
     Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
-fn listen(mut reader: Reader) -> Receiver<(Instant, Frame)> {
+fn listen(mut reader: LinkReader) -> Receiver<(Instant, WireFrame)> {
     let (to, frames) = sync_channel(4096);
     std::thread::spawn(move || {
         let mut framer = Framer::new(None);
         let mut buffer = [0; 4096];
         loop {
-            if let Received::Bytes(count) = reader.read(&mut buffer) {
+            if let LinkRead::Bytes(count) = reader.read(&mut buffer) {
                 let at = Instant::now();
                 framer.push(&buffer[..count], |frame| {
                     let _ = to.try_send((at, frame));
@@ -135,8 +135,8 @@ struct Bench {
     emulator: Emulator,
     traffic: Vec<Aircraft>,
     new_icao: u32,
-    writer: Writer,
-    frames: Receiver<(Instant, Frame)>,
+    writer: LinkWriter,
+    frames: Receiver<(Instant, WireFrame)>,
     sequence: u8,
     step: usize,
     /// Send time of each attitude, by its boot time, and whether it was answered.
@@ -147,7 +147,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(count: u32, writer: Writer, frames: Receiver<(Instant, Frame)>) -> Self {
+    fn new(count: u32, writer: LinkWriter, frames: Receiver<(Instant, WireFrame)>) -> Self {
         let mut emulator = Emulator::new(Settings::default());
         let home = *emulator.home();
         let corners = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 90_000.0, 100.0]];

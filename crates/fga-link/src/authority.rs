@@ -23,8 +23,8 @@ mod stray;
 mod tests;
 mod watchdog;
 
-pub use hearing::{Beat, Hearing, Verdict};
+pub use hearing::{Beat, BeatOrder, Hearing};
 pub use keeper::Keeper;
-pub use reactions::{Fault, HandBack, REACTIONS, Reaction, Rearm, Severity, reaction};
+pub use reactions::{Fault, FaultReaction, HandBack, REACTIONS, Rearm, Severity, reaction};
 pub use state::{Action, Authority, Late};
 pub use watchdog::{LOOK_EVERY_S, Order, Owed, Watchdog};

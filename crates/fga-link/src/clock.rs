@@ -26,7 +26,7 @@ const WRAP_S: f64 = 4_294_967.296;
 
 /// The meaning of a boot time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stamp {
+pub enum BootStamp {
     /// Measured at this time of the local clock, seconds; newer than any before.
     New {
         /// Seconds, local clock.
@@ -62,10 +62,10 @@ struct LateRun {
 
 impl BootClock {
     /// Takes the boot time of a message that arrived at `now_s`.
-    pub fn stamp(&mut self, boot_ms: u32, now_s: f64) -> Stamp {
+    pub fn stamp(&mut self, boot_ms: u32, now_s: f64) -> BootStamp {
         let mut boot_s = f64::from(boot_ms) * 1e-3;
         let Some(newest_s) = self.newest_boot_s else {
-            return Stamp::New {
+            return BootStamp::New {
                 measured_s: self.begin(boot_s, now_s),
             };
         };
@@ -74,13 +74,13 @@ impl BootClock {
         if boot_s < newest_s - RESTART_GAP_S {
             self.suspects += 1;
             if self.suspects < RESTART_COUNT {
-                return Stamp::Old;
+                return BootStamp::Old;
             }
             let measured_s = self.begin(f64::from(boot_ms) * 1e-3, now_s);
-            return Stamp::Restarted { measured_s };
+            return BootStamp::Restarted { measured_s };
         }
         if boot_s <= newest_s {
-            return Stamp::Old;
+            return BootStamp::Old;
         }
         self.suspects = 0;
         self.newest_boot_s = Some(boot_s);
@@ -88,7 +88,7 @@ impl BootClock {
         self.offset_s = grown.min(now_s - boot_s);
         self.watch_step(now_s - boot_s - self.offset_s, now_s);
         self.offset_at_s = now_s;
-        Stamp::New {
+        BootStamp::New {
             measured_s: boot_s + self.offset_s,
         }
     }
@@ -179,9 +179,9 @@ mod tests {
         assert!(age_s > 2.6, "{age_s}");
     }
 
-    fn measured(stamp: Stamp) -> f64 {
+    fn measured(stamp: BootStamp) -> f64 {
         match stamp {
-            Stamp::New { measured_s } => measured_s,
+            BootStamp::New { measured_s } => measured_s,
             other => panic!("{other:?}"),
         }
     }
@@ -219,7 +219,7 @@ mod tests {
         for n in 0_u32..50 {
             clock.stamp(10_000 + n * 100, f64::from(n) * 0.1);
         }
-        assert_eq!(clock.stamp(13_000, 5.0), Stamp::Old);
+        assert_eq!(clock.stamp(13_000, 5.0), BootStamp::Old);
         clock.round_trip(5.0, 13.01, 5.02);
         assert!(5.1 - measured(clock.stamp(13_100, 5.1)) < 0.05);
     }
@@ -229,17 +229,20 @@ mod tests {
         let mut clock = BootClock::default();
         clock.stamp(5000, 0.0);
         clock.stamp(5200, 0.2);
-        assert_eq!(clock.stamp(5100, 0.25), Stamp::Old);
-        assert_eq!(clock.stamp(5200, 0.25), Stamp::Old);
+        assert_eq!(clock.stamp(5100, 0.25), BootStamp::Old);
+        assert_eq!(clock.stamp(5200, 0.25), BootStamp::Old);
     }
 
     #[test]
     fn a_restart_is_believed_after_three() {
         let mut clock = BootClock::default();
         clock.stamp(60_000, 0.0);
-        assert_eq!(clock.stamp(1000, 1.0), Stamp::Old);
-        assert_eq!(clock.stamp(1100, 1.1), Stamp::Old);
-        assert_eq!(clock.stamp(1200, 1.2), Stamp::Restarted { measured_s: 1.2 });
+        assert_eq!(clock.stamp(1000, 1.0), BootStamp::Old);
+        assert_eq!(clock.stamp(1100, 1.1), BootStamp::Old);
+        assert_eq!(
+            clock.stamp(1200, 1.2),
+            BootStamp::Restarted { measured_s: 1.2 }
+        );
         assert!((measured(clock.stamp(1300, 1.3)) - 1.3).abs() < 1e-3);
     }
 
@@ -248,7 +251,7 @@ mod tests {
         let mut clock = BootClock::default();
         clock.stamp(60_000, 0.0);
         for n in 0..10_u32 {
-            assert_eq!(clock.stamp(1000, f64::from(n)), Stamp::Old);
+            assert_eq!(clock.stamp(1000, f64::from(n)), BootStamp::Old);
             measured(clock.stamp(60_100 + 1000 * n, f64::from(n) + 0.1));
         }
     }
@@ -338,20 +341,20 @@ mod tests {
     #[test]
     fn a_restart_is_believed_however_long_the_vehicle_was_on() {
         let mut clock = heard(60_000, 0.0, 1);
-        assert_eq!(clock.stamp(50_000, 1.0), Stamp::Old);
-        assert_eq!(clock.stamp(50_100, 1.1), Stamp::Old);
+        assert_eq!(clock.stamp(50_000, 1.0), BootStamp::Old);
+        assert_eq!(clock.stamp(50_100, 1.1), BootStamp::Old);
         assert_eq!(
             clock.stamp(50_200, 1.2),
-            Stamp::Restarted { measured_s: 1.2 }
+            BootStamp::Restarted { measured_s: 1.2 }
         );
         // A round trip alone is no restart.
         let mut clock = heard(60_000, 0.0, 1);
         clock.round_trip(0.9, 10.0, 1.0);
-        assert_eq!(clock.stamp(10_100, 1.1), Stamp::Old);
-        assert_eq!(clock.stamp(10_200, 1.2), Stamp::Old);
+        assert_eq!(clock.stamp(10_100, 1.1), BootStamp::Old);
+        assert_eq!(clock.stamp(10_200, 1.2), BootStamp::Old);
         assert_eq!(
             clock.stamp(10_300, 1.3),
-            Stamp::Restarted { measured_s: 1.3 }
+            BootStamp::Restarted { measured_s: 1.3 }
         );
     }
 
@@ -361,7 +364,7 @@ mod tests {
         for (sent_s, boot_s) in [(4.85, 4.87), (4.9, 4.92)] {
             let mut clock = heard(0, 0.0, 50);
             clock.round_trip(sent_s, boot_s, sent_s + 0.06);
-            assert_eq!(clock.stamp(4900, 4.97), Stamp::Old);
+            assert_eq!(clock.stamp(4900, 4.97), BootStamp::Old);
             assert!((measured(clock.stamp(4910, 5.3)) - 4.91).abs() < 1e-3);
         }
         // It is set back by half a second: nothing is old for half a second.

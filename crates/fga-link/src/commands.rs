@@ -6,10 +6,8 @@ use mavlink::dialects::ardupilotmega::{
 
 use crate::mode::{Mode, ModeChange};
 use crate::number::single;
-use crate::outgoing::{AUTOPILOT, Outbox};
+use crate::outgoing::{ANSWER_S, AUTOPILOT, Outbox};
 
-/// Time to wait for an answer, seconds.
-const ANSWER_S: f64 = 0.4;
 /// Most transmissions of a command.
 const MOST_ATTEMPTS: u8 = 6;
 /// A command is refused when the vehicle refuses this many of its transmissions: a single answer may be somebody else's.
@@ -23,7 +21,7 @@ const MOST_WAITING: usize = 32;
 
 /// A command and its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Command {
+pub struct VehicleCommand {
     /// The command.
     pub command: MavCmd,
     /// Parameters 1 to 7; in a `COMMAND_INT` 5 to 7 are the place.
@@ -34,13 +32,23 @@ pub struct Command {
     pub change: Option<ModeChange>,
 }
 
-impl Command {
+impl VehicleCommand {
     /// A command sent as `COMMAND_LONG`.
     pub fn long(command: MavCmd, first: f32, second: f32) -> Self {
         Self {
             command,
             parameters: [first, second, 0.0, 0.0, 0.0, 0.0, 0.0],
             frame: None,
+            change: None,
+        }
+    }
+
+    /// A command sent as `COMMAND_INT`, in the global frame.
+    pub const fn int(command: MavCmd, parameters: [f32; 7]) -> Self {
+        Self {
+            command,
+            parameters,
+            frame: Some(MavFrame::MAV_FRAME_GLOBAL),
             change: None,
         }
     }
@@ -89,18 +97,18 @@ impl Command {
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
+pub enum CommandEnd {
     /// The vehicle accepted it.
-    Accepted(Command),
+    Accepted(VehicleCommand),
     /// The vehicle refused it.
-    Refused(Command, MavResult),
+    Refused(VehicleCommand, MavResult),
     /// No answer came.
-    Unanswered(Command),
+    Unanswered(VehicleCommand),
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Waiting {
-    command: Command,
+    command: VehicleCommand,
     attempts: u8,
     again_s: f64,
     /// Whether the last transmission has its answer.
@@ -117,7 +125,7 @@ pub struct Commands(Vec<Waiting>);
 impl Commands {
     /// Sends a command. A waiting one of the same kind with other numbers is replaced if it is obsolete
     /// (`replace`); else the new one waits its turn.
-    pub fn send(&mut self, command: Command, replace: bool) {
+    pub fn send(&mut self, command: VehicleCommand, replace: bool) {
         if replace {
             self.0
                 .retain(|waiting| waiting.command.command != command.command);
@@ -150,7 +158,7 @@ impl Commands {
     ///
     /// Anybody can forge one on a link without signing. So a refusal counts once the vehicle has refused the command again, and a
     /// change of the mode is requested until the heartbeat reports the mode or the companion cancels the request.
-    pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA, now_s: f64) -> Option<Outcome> {
+    pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA, now_s: f64) -> Option<CommandEnd> {
         let index = self
             .0
             .iter()
@@ -161,7 +169,7 @@ impl Commands {
         let waiting = self.0.get_mut(index)?;
         let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
         if accepted && waiting.command.change.is_none() {
-            return Some(Outcome::Accepted(self.0.remove(index).command));
+            return Some(CommandEnd::Accepted(self.0.remove(index).command));
         }
         if core::mem::replace(&mut waiting.answered, true) {
             return None;
@@ -175,7 +183,10 @@ impl Commands {
         if waiting.refusals < REFUSALS {
             return None;
         }
-        Some(Outcome::Refused(self.0.remove(index).command, data.result))
+        Some(CommandEnd::Refused(
+            self.0.remove(index).command,
+            data.result,
+        ))
     }
 
     /// Sends due commands; returns those given up. A command for a single mode waits until
@@ -186,7 +197,7 @@ impl Commands {
         target_system: u8,
         mut asks: impl FnMut(ModeChange) -> bool,
         outbox: &mut Outbox,
-    ) -> Option<Outcome> {
+    ) -> Option<CommandEnd> {
         self.0
             .retain(|waiting| waiting.accepted_s.is_none_or(|s| now_s - s < SHOWN_S));
         let mut given_up = None;
@@ -216,7 +227,7 @@ impl Commands {
         let command = given_up?;
         self.0
             .retain(|waiting| waiting.attempts < MOST_ATTEMPTS || waiting.command != command);
-        Some(Outcome::Unanswered(command))
+        Some(CommandEnd::Unanswered(command))
     }
 }
 
@@ -237,22 +248,22 @@ mod tests {
     #[test]
     fn it_is_sent_again_and_given_up() {
         let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
-        let command = Command::long(SET_MODE, 1.0, 15.0);
+        let command = VehicleCommand::long(SET_MODE, 1.0, 15.0);
         commands.send(command, false);
         let mut outcome = None;
         for tenth in 0..40_u8 {
             outcome = outcome.or(commands.tick(f64::from(tenth) * 0.1, 1, |_| true, &mut outbox));
         }
         assert_eq!(outbox.take().len(), usize::from(MOST_ATTEMPTS));
-        assert_eq!(outcome, Some(Outcome::Unanswered(command)));
+        assert_eq!(outcome, Some(CommandEnd::Unanswered(command)));
         assert!(!commands.is_waiting(SET_MODE));
     }
 
     #[test]
     fn one_of_a_kind_at_a_time() {
         let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
-        commands.send(Command::long(SET_MODE, 1.0, 15.0), false);
-        commands.send(Command::long(SET_MODE, 1.0, 10.0), false);
+        commands.send(VehicleCommand::long(SET_MODE, 1.0, 15.0), false);
+        commands.send(VehicleCommand::long(SET_MODE, 1.0, 10.0), false);
         commands.tick(0.0, 1, |_| true, &mut outbox);
         assert_eq!(outbox.take().len(), 1);
         let refused = answer(SET_MODE, MavResult::MAV_RESULT_DENIED);
@@ -269,7 +280,7 @@ mod tests {
         let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
         assert!(matches!(
             commands.acknowledge(&accepted, 0.9),
-            Some(Outcome::Accepted(..))
+            Some(CommandEnd::Accepted(..))
         ));
         assert_eq!(commands.acknowledge(&accepted, 0.9), None, "a copy");
     }
@@ -279,7 +290,7 @@ mod tests {
     #[test]
     fn an_accepted_change_of_the_mode_is_sent_until_it_shows() {
         let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
-        commands.send(Command::set_mode(Mode::GUIDED, Mode::AUTO), true);
+        commands.send(VehicleCommand::set_mode(Mode::GUIDED, Mode::AUTO), true);
         let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
         let mut sent_s = Vec::new();
         for twentieth in 0..100_u8 {
@@ -298,7 +309,7 @@ mod tests {
     #[test]
     fn a_mode_waits_until_the_vehicle_is_in_the_one_that_it_leaves() {
         let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
-        commands.send(Command::set_mode(Mode::AUTO, Mode::GUIDED), true);
+        commands.send(VehicleCommand::set_mode(Mode::AUTO, Mode::GUIDED), true);
         for tenth in 0..60_u8 {
             let outcome = commands.tick(
                 f64::from(tenth) * 0.1,

@@ -43,6 +43,7 @@ mod route;
 mod send;
 mod session;
 mod target;
+mod terrain;
 mod traffic;
 mod trips;
 mod voice;
@@ -61,21 +62,21 @@ use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnState, OwnshipEstimate};
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::restart::Note;
 use crate::traffic::{Defect, Defects, TrackTable};
 
-use around::Around;
+use around::ObstaclesAround;
 use boundary::Boundary;
 use handover::Handover;
-use lacking::Told;
+use lacking::OperatorReports;
 use lead::Lead;
 use lists::Lists;
-use passing::Passing;
-pub use picture::Picture;
-use route::Route;
+use passing::PassedItems;
+pub use picture::FlightPicture;
+use route::LaidRoute;
 use session::Session;
 pub(crate) use trips::round_trip_of;
 use voice::Voice;
@@ -87,7 +88,7 @@ const FIRST_SYSTEM: u8 = 1;
 
 /// When things are due again, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Due {
     heartbeat_s: f64,
     decision_s: f64,
@@ -103,7 +104,7 @@ struct Decided {
     decision: Decision,
     /// Time of the state that it is based on, seconds.
     for_s: f64,
-    own: State,
+    own: OwnState,
 }
 
 /// Counters for the status line and tests.
@@ -129,7 +130,7 @@ pub struct Companion {
     ending_s: Option<f64>,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
-    told: Told,
+    told: OperatorReports,
     rates: Rates,
     gap: gap::Gap,
     commands: Commands,
@@ -138,7 +139,7 @@ pub struct Companion {
     boundary: Boundary,
     ownship: OwnshipEstimate,
     lead: Lead,
-    around: Around,
+    around: ObstaclesAround,
     feeds: feeds::Feeds,
     defects: Defects,
     over: over_ground::OverGround,
@@ -147,11 +148,11 @@ pub struct Companion {
     /// The last trouble of the surrounding program.
     trouble: String,
     keeper: Keeper,
-    decider: Option<decider::Decider>,
-    alerts: Option<alerts::Watch>,
+    decider: Option<decider::CompanionPilot>,
+    alerts: Option<alerts::AlertWatch>,
     hand: Box<dyn Hand>,
-    route: Route,
-    passing: Passing,
+    route: LaidRoute,
+    passing: PassedItems,
     decided: Option<Decided>,
     handover: Handover,
     due: Due,
@@ -178,7 +179,6 @@ impl Companion {
                 target.name()
             )));
         }
-        let never = f64::NEG_INFINITY;
         let mut voice = Voice::default();
         voice.speak_to(match config.vehicle.system_id {
             0 => FIRST_SYSTEM,
@@ -189,8 +189,8 @@ impl Companion {
             voice,
             session: Session::new(config.vehicle.system_id, dry_run),
             ending_s: None,
-            undecided_s: Some(never),
-            told: Told::default(),
+            undecided_s: Some(f64::NEG_INFINITY),
+            told: OperatorReports::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
             commands: Commands::default(),
@@ -199,7 +199,7 @@ impl Companion {
             boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
-            around: Around::new(&config)?,
+            around: ObstaclesAround::new(&config)?,
             feeds: feeds::Feeds::default(),
             defects: Defects::default(),
             over: over_ground::OverGround::new(
@@ -210,20 +210,13 @@ impl Companion {
             trouble: String::new(),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
-            alerts: alerts::Watch::new(&config.alerts),
+            alerts: alerts::AlertWatch::new(&config.alerts),
             hand,
-            route: Route::default(),
-            passing: Passing::default(),
+            route: LaidRoute::default(),
+            passing: PassedItems::default(),
             decided: None,
             handover: Handover::default(),
-            due: Due {
-                heartbeat_s: never,
-                decision_s: never,
-                command_s: never,
-                tidy_s: never,
-                values_s: never,
-                collision_s: never,
-            },
+            due: Due::default(),
             last_logged: None,
             counts: Counts::default(),
             take_over,
@@ -267,7 +260,7 @@ impl Companion {
 
     /// The vehicle's planned limits.
     pub fn vehicle(&self) -> Option<&Vehicle> {
-        self.decider.as_ref().map(decider::Decider::vehicle)
+        self.decider.as_ref().map(decider::CompanionPilot::vehicle)
     }
 
     /// How the vehicle follows, as estimated so far.

@@ -45,70 +45,176 @@ pub struct Config {
     pub obstacle: Vec<VirtualObstacle>,
 }
 
-/// The vehicle and its limits.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VehicleConfig {
-    /// System id; 0 takes the first fixed-wing autopilot on the link.
-    pub system_id: u8,
-    /// Largest commanded bank, degrees; at most the vehicle's own limit less 2°.
-    pub max_bank_deg: f64,
-    /// Largest bank if nothing is certified with that one, degrees; at most the vehicle's own
-    /// limit less 2°. Unused if it equals `max_bank_deg`.
-    pub max_bank_in_need_deg: f64,
-    /// Whether a manoeuvre may leave the altitude.
-    pub vertical: bool,
-    /// Steepest climb and descent, degrees; at most what the vehicle's own climb rates allow.
-    pub max_climb_deg: f64,
-    /// Modes that the companion may take over, by ArduPlane's names.
-    pub take_over: Vec<String>,
+/// The tables of the file: what each key says, and its value where the file does not have it.
+macro_rules! tables {
+    ($($(#[$of_table:meta])* $table:ident {
+        $($(#[$of_key:meta])* $key:ident: $kind:ty = $value:expr,)*
+    })*) => {
+        $($(#[$of_table])*
+        #[derive(Debug, Clone, PartialEq, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $table {
+            $($(#[$of_key])* pub $key: $kind,)*
+        }
+
+        impl Default for $table {
+            fn default() -> Self {
+                Self { $($key: $value,)* }
+            }
+        })*
+    };
 }
 
-impl Default for VehicleConfig {
-    fn default() -> Self {
-        Self {
-            system_id: 0,
-            max_bank_deg: 45.0,
-            max_bank_in_need_deg: 70.0,
-            vertical: false,
-            max_climb_deg: 8.0,
-            take_over: vec!["AUTO".to_owned(), "CRUISE".to_owned()],
-        }
+tables! {
+    /// The vehicle and its limits.
+    VehicleConfig {
+        /// System id; 0 takes the first fixed-wing autopilot on the link.
+        system_id: u8 = 0,
+        /// Largest commanded bank, degrees; at most the vehicle's own limit less 2°.
+        max_bank_deg: f64 = 45.0,
+        /// Largest bank if nothing is certified with that one, degrees; at most the vehicle's own
+        /// limit less 2°. Unused if it equals `max_bank_deg`.
+        max_bank_in_need_deg: f64 = 70.0,
+        /// Whether a manoeuvre may leave the altitude.
+        vertical: bool = false,
+        /// Steepest climb and descent, degrees; at most what the vehicle's own climb rates allow.
+        max_climb_deg: f64 = 8.0,
+        /// Modes that the companion may take over, by ArduPlane's names.
+        take_over: Vec<String> = vec!["AUTO".to_owned(), "CRUISE".to_owned()],
     }
-}
 
-/// What is kept clear, and how far ahead.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ProtectionConfig {
-    /// Radius around every other aircraft, metres, whatever its class; without it `[volumes]` count.
-    pub radius_m: Option<f64>,
-    /// With a radius: half height, metres; without it the volume is a sphere.
-    pub half_height_m: Option<f64>,
-    /// Distance kept beyond the volume, metres.
-    pub margin_m: f64,
-    /// Standard deviations of the uncertainty that widen the volume.
-    pub confidence_sigmas: f64,
-    /// Obstacles farther away are not considered, metres; without it [`Config::surveillance_m`] derives it.
-    pub surveillance_m: Option<f64>,
-    /// Horizon of the certificate, seconds.
-    pub horizon_s: f64,
-    /// Safety score `C_s`: share of the time until the latest safe start that it waits for obstacles at rest; 0.9
-    /// without it.
-    pub safety_score: Option<f64>,
-}
+    /// What is kept clear, and how far ahead.
+    ProtectionConfig {
+        /// Radius around every other aircraft, metres, whatever its class; without it `[volumes]` count.
+        radius_m: Option<f64> = None,
+        /// With a radius: half height, metres; without it the volume is a sphere.
+        half_height_m: Option<f64> = None,
+        /// Distance kept beyond the volume, metres.
+        margin_m: f64 = 4.0,
+        /// Standard deviations of the uncertainty that widen the volume.
+        confidence_sigmas: f64 = 2.0,
+        /// Obstacles farther away are not considered, metres; without it [`Config::surveillance_m`] derives it.
+        surveillance_m: Option<f64> = None,
+        /// Horizon of the certificate, seconds.
+        horizon_s: f64 = 60.0,
+        /// Safety score `C_s`: share of the time until the latest safe start that it waits for obstacles at rest; 0.9
+        /// without it.
+        safety_score: Option<f64> = None,
+    }
 
-impl Default for ProtectionConfig {
-    fn default() -> Self {
-        Self {
-            radius_m: None,
-            half_height_m: None,
-            margin_m: 4.0,
-            confidence_sigmas: 2.0,
-            surveillance_m: None,
-            horizon_s: 60.0,
-            safety_score: None,
-        }
+    /// The protected volumes about other aircraft, by class. `docs/how-to-choose-volumes.md` gives the sources.
+    #[derive(Copy)]
+    VolumesConfig {
+        /// Crewed aircraft, and those of unknown class.
+        crewed: VolumeConfig = NMAC,
+        /// Small unmanned aircraft.
+        // Four times the near mid-air collision of small unmanned aircraft, 50 ft and 15 ft.
+        small_unmanned: VolumeConfig = VolumeConfig {
+            radius_m: 60.96,
+            half_height_m: 18.288,
+        },
+        /// Gliders, balloons, airships, parachutes.
+        // A balloon's envelope reaches 30 m above the basket that reports.
+        glider_balloon: VolumeConfig = VolumeConfig {
+            half_height_m: 60.96,
+            ..NMAC
+        },
+    }
+
+    /// The commands.
+    CommandConfig {
+        /// The messages that fly the manoeuvre.
+        mode: CommandMode = CommandMode::Attitude,
+        /// Rate of attitude targets, hertz.
+        rate_hz: f64 = 20.0,
+        /// Time from one decision to the next, seconds.
+        decision_period_s: f64 = 0.1,
+    }
+
+    /// The altitudes that bound a flight.
+    LimitsConfig {
+        /// Lowest altitude above home at which the companion acts and to which it descends, metres.
+        floor_m: f64 = 30.0,
+        /// Highest altitude above home to which it climbs, metres.
+        ceiling_m: Option<f64> = None,
+    }
+
+    /// The ground that manoeuvres keep above.
+    TerrainConfig {
+        /// Files of heights, beside the configuration.
+        file: Option<TerrainFiles> = None,
+        /// Who is asked for the heights where no file is given.
+        source: Option<TerrainSource> = None,
+        /// Least height above the ground beyond its vertical error, metres.
+        clearance_m: Option<f64> = None,
+    }
+
+    /// The conditions for acting and stopping.
+    SafetyConfig {
+        /// The former place of [`LimitsConfig::floor_m`].
+        floor_m: Option<f64> = None,
+        /// The former place of [`LimitsConfig::ceiling_m`].
+        ceiling_m: Option<f64> = None,
+        /// Telemetry older than this is stale, seconds.
+        telemetry_stale_s: f64 = 1.0,
+        /// After this long without a heartbeat the link is lost, seconds.
+        link_lost_s: f64 = 3.5,
+        /// The vehicle does not follow when its bank stays this far from the command, degrees …
+        follow_tolerance_deg: f64 = 15.0,
+        /// … for this long, seconds.
+        follow_time_s: f64 = 3.0,
+        /// Whether the vehicle's fence bounds the manoeuvre.
+        use_fence: bool = true,
+        /// Whether it may act from the start; otherwise it waits until the operator arms it.
+        armed_at_start: bool = true,
+    }
+
+    /// The vehicle's response; the starting point of the estimate in flight.
+    ResponseConfig {
+        /// Flown turn rate over the ideal one, as a starting value.
+        turn_rate_factor: f64 = 0.68,
+        /// First-order bank lag, seconds, as a starting value.
+        bank_time_constant_s: f64 = 0.4,
+        /// Time from a decision until the vehicle has it, seconds.
+        dead_time_s: f64 = 0.25,
+        /// Whether to estimate factor and lag in flight.
+        estimate: bool = true,
+    }
+
+    /// Tracks of other aircraft.
+    TrafficConfig {
+        /// A track without a report for this long is dropped, seconds.
+        drop_after_s: f64 = 20.0,
+        /// ICAO address of the vehicle's transponder, hexadecimal.
+        own_icao: Option<String> = None,
+        /// Call sign of the vehicle's transponder.
+        own_callsign: Option<String> = None,
+        /// σ of a position without quality figures, metres.
+        position_sigma_m: f64 = 2.0,
+        /// What the senders of `ADSB_VEHICLE` mean by a geometric altitude.
+        geometric: GeometricDatum = GeometricDatum::Unconfirmed,
+        /// Radars and cameras that report detections.
+        sensor: Vec<SensorConfig> = Vec::new(),
+    }
+
+    /// Alert levels as the standards give them.
+    AlertsConfig {
+        /// Which levels are reported.
+        levels: AlertScheme = AlertScheme::Off,
+        /// The level from which on a manoeuvre begins at once; below it the latest certified start is
+        /// waited for. 0 leaves the start to `protection.safety_score`.
+        act_at_level: u8 = 0,
+    }
+
+    /// Identity and signing on the link.
+    LinkConfig {
+        /// Key of MAVLink 2 signing, 64 hexadecimal digits.
+        signing_key: Option<String> = None,
+        /// Whether unsigned messages are still taken when a key is set.
+        allow_unsigned: bool = false,
+        /// System id of the ground station, which alone may switch this component on and off; 0 takes the
+        /// vehicle's `MAV_GCS_SYSID`.
+        ground_system_id: u8 = 0,
     }
 }
 
@@ -127,36 +233,6 @@ pub const NMAC: VolumeConfig = VolumeConfig {
     radius_m: 152.4,
     half_height_m: 30.48,
 };
-
-/// The protected volumes about other aircraft, by class. `docs/how-to-choose-volumes.md` gives the sources.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VolumesConfig {
-    /// Crewed aircraft, and those of unknown class.
-    pub crewed: VolumeConfig,
-    /// Small unmanned aircraft.
-    pub small_unmanned: VolumeConfig,
-    /// Gliders, balloons, airships, parachutes.
-    pub glider_balloon: VolumeConfig,
-}
-
-impl Default for VolumesConfig {
-    fn default() -> Self {
-        Self {
-            crewed: NMAC,
-            // Four times the near mid-air collision of small unmanned aircraft, 50 ft and 15 ft.
-            small_unmanned: VolumeConfig {
-                radius_m: 60.96,
-                half_height_m: 18.288,
-            },
-            // A balloon's envelope reaches 30 m above the basket that reports.
-            glider_balloon: VolumeConfig {
-                half_height_m: 60.96,
-                ..NMAC
-            },
-        }
-    }
-}
 
 impl VolumesConfig {
     /// The classes with their keys.
@@ -182,59 +258,6 @@ pub enum CommandMode {
     Paper,
 }
 
-/// The commands.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CommandConfig {
-    /// The messages that fly the manoeuvre.
-    pub mode: CommandMode,
-    /// Rate of attitude targets, hertz.
-    pub rate_hz: f64,
-    /// Time from one decision to the next, seconds.
-    pub decision_period_s: f64,
-}
-
-impl Default for CommandConfig {
-    fn default() -> Self {
-        Self {
-            mode: CommandMode::Attitude,
-            rate_hz: 20.0,
-            decision_period_s: 0.1,
-        }
-    }
-}
-
-/// The altitudes that bound a flight.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LimitsConfig {
-    /// Lowest altitude above home at which the companion acts and to which it descends, metres.
-    pub floor_m: f64,
-    /// Highest altitude above home to which it climbs, metres.
-    pub ceiling_m: Option<f64>,
-}
-
-impl Default for LimitsConfig {
-    fn default() -> Self {
-        Self {
-            floor_m: 30.0,
-            ceiling_m: None,
-        }
-    }
-}
-
-/// The ground that manoeuvres keep above.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct TerrainConfig {
-    /// Files of heights, beside the configuration.
-    pub file: Option<TerrainFiles>,
-    /// Who is asked for the heights where no file is given.
-    pub source: Option<TerrainSource>,
-    /// Least height above the ground beyond its vertical error, metres.
-    pub clearance_m: Option<f64>,
-}
-
 /// Who is asked for heights of the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -243,86 +266,6 @@ pub enum TerrainSource {
     GroundStation,
     /// The vehicle, by `TERRAIN_CHECK`.
     Vehicle,
-}
-
-/// The conditions for acting and stopping.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SafetyConfig {
-    /// The former place of [`LimitsConfig::floor_m`].
-    pub floor_m: Option<f64>,
-    /// The former place of [`LimitsConfig::ceiling_m`].
-    pub ceiling_m: Option<f64>,
-    /// Telemetry older than this is stale, seconds.
-    pub telemetry_stale_s: f64,
-    /// After this long without a heartbeat the link is lost, seconds.
-    pub link_lost_s: f64,
-    /// The vehicle does not follow when its bank stays this far from the command, degrees …
-    pub follow_tolerance_deg: f64,
-    /// … for this long, seconds.
-    pub follow_time_s: f64,
-    /// Whether the vehicle's fence bounds the manoeuvre.
-    pub use_fence: bool,
-    /// Whether it may act from the start; otherwise it waits until the operator arms it.
-    pub armed_at_start: bool,
-}
-
-impl Default for SafetyConfig {
-    fn default() -> Self {
-        Self {
-            floor_m: None,
-            ceiling_m: None,
-            telemetry_stale_s: 1.0,
-            link_lost_s: 3.5,
-            follow_tolerance_deg: 15.0,
-            follow_time_s: 3.0,
-            use_fence: true,
-            armed_at_start: true,
-        }
-    }
-}
-
-/// The vehicle's response; the starting point of the estimate in flight.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ResponseConfig {
-    /// Flown turn rate over the ideal one, as a starting value.
-    pub turn_rate_factor: f64,
-    /// First-order bank lag, seconds, as a starting value.
-    pub bank_time_constant_s: f64,
-    /// Time from a decision until the vehicle has it, seconds.
-    pub dead_time_s: f64,
-    /// Whether to estimate factor and lag in flight.
-    pub estimate: bool,
-}
-
-impl Default for ResponseConfig {
-    fn default() -> Self {
-        Self {
-            turn_rate_factor: 0.68,
-            bank_time_constant_s: 0.4,
-            dead_time_s: 0.25,
-            estimate: true,
-        }
-    }
-}
-
-/// Tracks of other aircraft.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct TrafficConfig {
-    /// A track without a report for this long is dropped, seconds.
-    pub drop_after_s: f64,
-    /// ICAO address of the vehicle's transponder, hexadecimal.
-    pub own_icao: Option<String>,
-    /// Call sign of the vehicle's transponder.
-    pub own_callsign: Option<String>,
-    /// σ of a position without quality figures, metres.
-    pub position_sigma_m: f64,
-    /// What the senders of `ADSB_VEHICLE` mean by a geometric altitude.
-    pub geometric: GeometricDatum,
-    /// Radars and cameras that report detections.
-    pub sensor: Vec<SensorConfig>,
 }
 
 /// What a geometric altitude counts from.
@@ -350,19 +293,6 @@ pub struct SensorConfig {
     pub position_sigma_m: f64,
 }
 
-impl Default for TrafficConfig {
-    fn default() -> Self {
-        Self {
-            drop_after_s: 20.0,
-            own_icao: None,
-            own_callsign: None,
-            position_sigma_m: 2.0,
-            geometric: GeometricDatum::Unconfirmed,
-            sensor: Vec::new(),
-        }
-    }
-}
-
 /// Which alert levels are reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -377,17 +307,6 @@ pub enum AlertScheme {
     Do365b,
 }
 
-/// Alert levels as the standards give them.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct AlertsConfig {
-    /// Which levels are reported.
-    pub levels: AlertScheme,
-    /// The level from which on a manoeuvre begins at once; below it the latest certified start is
-    /// waited for. 0 leaves the start to `protection.safety_score`.
-    pub act_at_level: u8,
-}
-
 impl AlertScheme {
     /// How many levels there are.
     pub const fn most(self) -> u8 {
@@ -397,19 +316,6 @@ impl AlertScheme {
             Self::Do365b => 3,
         }
     }
-}
-
-/// Identity and signing on the link.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LinkConfig {
-    /// Key of MAVLink 2 signing, 64 hexadecimal digits.
-    pub signing_key: Option<String>,
-    /// Whether unsigned messages are still taken when a key is set.
-    pub allow_unsigned: bool,
-    /// System id of the ground station, which alone may switch this component on and off; 0 takes the
-    /// vehicle's `MAV_GCS_SYSID`.
-    pub ground_system_id: u8,
 }
 
 /// An obstacle that only the configuration knows.

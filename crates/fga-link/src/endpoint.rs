@@ -15,6 +15,7 @@ mod stream;
 mod tcp;
 mod udp;
 
+use alloc::sync::Arc;
 use core::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use core::time::Duration;
 use std::io;
@@ -22,9 +23,9 @@ use std::net::ToSocketAddrs as _;
 use std::time::Instant;
 
 pub use address::{Endpoint, EndpointError};
-pub use stream::Received;
+pub use stream::LinkRead;
 
-use stream::READ_TIMEOUT;
+use stream::{READ_TIMEOUT, ReadingHalf, WritingHalf};
 
 /// Time-out of a read that empties a queue: waiting data comes at once.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(1);
@@ -43,31 +44,22 @@ fn resolve(address: &str) -> io::Result<SocketAddr> {
 
 /// The reading half of an open endpoint; it reconnects by itself.
 #[derive(Debug)]
-pub struct Reader {
-    kind: ReaderKind,
+pub struct LinkReader {
+    socket: Box<dyn ReadingHalf>,
     /// A connection silent for this long is made again.
     silent: Duration,
     heard: Instant,
 }
 
-#[derive(Debug)]
-enum ReaderKind {
-    Udp(udp::UdpReader),
-    Tcp(tcp::TcpReader),
-    #[cfg(feature = "serial")]
-    Serial(serial::SerialReader),
-}
-
 /// The writing half of an open endpoint; it drops what it cannot send.
 #[derive(Debug, Clone)]
-pub struct Writer(WriterKind);
+pub struct LinkWriter(Arc<dyn WritingHalf>);
 
-#[derive(Debug, Clone)]
-enum WriterKind {
-    Udp(udp::UdpWriter),
-    Tcp(tcp::TcpWriter),
-    #[cfg(feature = "serial")]
-    Serial(serial::SerialWriter),
+/// The halves of a socket or a port.
+fn halves(
+    (reading, writing): (impl ReadingHalf + 'static, impl WritingHalf + 'static),
+) -> (Box<dyn ReadingHalf>, Arc<dyn WritingHalf>) {
+    (Box::new(reading), Arc::new(writing))
 }
 
 /// Opens an endpoint.
@@ -75,11 +67,9 @@ enum WriterKind {
 /// # Errors
 /// An address that does not resolve, a port that is taken, a serial port that cannot be opened.
 /// A TCP server that does not answer is no error: the reader tries again.
-pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
-    let over_udp = |(reader, writer)| (ReaderKind::Udp(reader), WriterKind::Udp(writer));
-    let over_tcp = |(reader, writer)| (ReaderKind::Tcp(reader), WriterKind::Tcp(writer));
-    let (kind, writer) = match endpoint {
-        Endpoint::UdpIn(address) => over_udp(udp::open(resolve(address)?, None)?),
+pub fn open(endpoint: &Endpoint) -> io::Result<(LinkReader, LinkWriter)> {
+    let (socket, writer) = match endpoint {
+        Endpoint::UdpIn(address) => halves(udp::open(resolve(address)?, None)?),
         Endpoint::UdpOut(address) => {
             let remote = resolve(address)?;
             let local = if remote.is_ipv4() {
@@ -87,15 +77,12 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
             } else {
                 Ipv6Addr::UNSPECIFIED.into()
             };
-            over_udp(udp::open(SocketAddr::new(local, 0), Some(remote))?)
+            halves(udp::open(SocketAddr::new(local, 0), Some(remote))?)
         }
-        Endpoint::Tcp(address) => over_tcp(tcp::connect(resolve(address)?)),
-        Endpoint::TcpIn(address) => over_tcp(tcp::listen(resolve(address)?)?),
+        Endpoint::Tcp(address) => halves(tcp::connect(resolve(address)?)),
+        Endpoint::TcpIn(address) => halves(tcp::listen(resolve(address)?)?),
         #[cfg(feature = "serial")]
-        Endpoint::Serial { path, baud } => {
-            let (reader, writer) = serial::open(path, *baud)?;
-            (ReaderKind::Serial(reader), WriterKind::Serial(writer))
-        }
+        Endpoint::Serial { path, baud } => halves(serial::open(path, *baud)?),
         #[cfg(not(feature = "serial"))]
         Endpoint::Serial { .. } => {
             return Err(io::Error::new(
@@ -104,27 +91,23 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
             ));
         }
     };
-    let reader = Reader {
-        kind,
+    let reader = LinkReader {
+        socket,
         silent: SILENT,
         heard: Instant::now(),
     };
-    Ok((reader, Writer(writer)))
+    Ok((reader, LinkWriter(writer)))
 }
 
-impl Reader {
+impl LinkReader {
     /// From now on a waiting UDP port answers only senders named by [`Self::answer_sender`].
     pub fn be_wary(&mut self) {
-        if let ReaderKind::Udp(udp) = &mut self.kind {
-            udp.wary = true;
-        }
+        self.socket.be_wary();
     }
 
     /// From now on it answers the sender of the last datagram.
     pub fn answer_sender(&mut self) {
-        if let ReaderKind::Udp(udp) = &self.kind {
-            udp.answer_sender();
-        }
+        self.socket.answer_sender();
     }
 
     /// Connects again only after this long a silence.
@@ -133,68 +116,36 @@ impl Reader {
     }
 
     /// Reads once; waits a tenth of a second at most, longer only while it reconnects.
-    pub fn read(&mut self, buffer: &mut [u8]) -> Received {
+    pub fn read(&mut self, buffer: &mut [u8]) -> LinkRead {
         let is_silent = self.heard.elapsed() > self.silent;
-        let received = match &mut self.kind {
-            ReaderKind::Udp(udp) => udp.read(buffer),
-            ReaderKind::Tcp(tcp) => tcp.read(buffer, is_silent),
-            #[cfg(feature = "serial")]
-            ReaderKind::Serial(serial) => serial.read(buffer),
-        };
-        if received != Received::Nothing {
+        let received = self.socket.read(buffer, is_silent);
+        if received != LinkRead::Nothing {
             self.heard = Instant::now();
         }
         received
     }
 
-    /// Sets the time-out of a read; `false` if there is nothing more to read from.
-    fn wait_for(&self, time: Duration) -> bool {
-        match &self.kind {
-            ReaderKind::Udp(udp) => udp.wait_for(time),
-            ReaderKind::Tcp(tcp) => tcp.wait_for(time),
-            #[cfg(feature = "serial")]
-            ReaderKind::Serial(serial) => {
-                serial.clear();
-                false
-            }
-        }
-    }
-
     /// Reads and discards all waiting data.
     pub fn drain(&mut self, buffer: &mut [u8]) {
-        if !self.wait_for(DRAIN_TIMEOUT) {
+        if !self.socket.wait_for(DRAIN_TIMEOUT) {
             return;
         }
-        for _ in 0..MOST_DRAINED {
-            let came = match &mut self.kind {
-                ReaderKind::Udp(udp) => udp.discard(buffer),
-                ReaderKind::Tcp(tcp) => tcp.discard(buffer),
-                #[cfg(feature = "serial")]
-                ReaderKind::Serial(_) => false,
-            };
-            if !came {
-                break;
-            }
-        }
-        self.wait_for(READ_TIMEOUT);
+        let mut reads = 0..MOST_DRAINED;
+        while reads.next().is_some() && self.socket.discard(buffer) {}
+        self.socket.wait_for(READ_TIMEOUT);
         self.heard = Instant::now();
     }
 
     /// Whether each read is a separate datagram.
-    pub const fn is_datagrams(&self) -> bool {
-        matches!(self.kind, ReaderKind::Udp(_))
+    pub fn is_datagrams(&self) -> bool {
+        self.socket.is_datagrams()
     }
 }
 
-impl Writer {
+impl LinkWriter {
     /// Sends a frame; `false` without a peer or after a failure.
     pub fn write(&self, bytes: &[u8]) -> bool {
-        match &self.0 {
-            WriterKind::Udp(udp) => udp.write(bytes),
-            WriterKind::Tcp(tcp) => tcp.write(bytes),
-            #[cfg(feature = "serial")]
-            WriterKind::Serial(serial) => serial.write(bytes),
-        }
+        self.0.write(bytes)
     }
 }
 

@@ -35,15 +35,15 @@ use mavlink::dialects::ardupilotmega::{AdsbAltitudeType, AdsbFlags, MavMessage};
 use self::link::{Parcel, post};
 use self::notebook::Notebook;
 use self::recorder::Recorder;
-use self::shared::{Shared, locked, spawn};
-use self::status::Status;
+use self::shared::{FlightShared, locked, spawn};
+use self::status::StatusLine;
 use crate::endpoint::{Endpoint, open};
 use crate::ground::{GroundOrder, MadeGround};
-use crate::outgoing::{OWN_COMPONENT, Outgoing};
-use crate::player::{Sample, adsb_message};
+use crate::outgoing::{OWN_COMPONENT, Outgoing, RECEIVER_COMPONENT, RECEIVER_SYSTEM};
+use crate::player::{PlayedState, adsb_data};
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
-use crate::traffic::{AltitudeReference, Report};
-use crate::wire::{Frame, Signing, encode};
+use crate::traffic::{AltitudeReference, PlaceReport};
+use crate::wire::{Signing, WireFrame, encode};
 use crate::{Companion, Config};
 
 /// Most events between the reading threads and the deciding one.
@@ -54,9 +54,6 @@ const OUTBOX: usize = 512;
 const AT_ONCE: usize = 64;
 /// An event that waited longer is history, seconds.
 const HISTORY_S: f64 = 1.0;
-/// Component id of a receiver's reports in the telemetry log (`MAV_COMP_ID_ADSB`).
-const RECEIVER_SYSTEM: u8 = 200;
-const RECEIVER_COMPONENT: u8 = 156;
 /// Longest time without a tick.
 const TICK: Duration = Duration::from_millis(10);
 /// Longest wait at the end of a flight for a heartbeat with the mode from before.
@@ -85,9 +82,9 @@ pub struct FlyOptions {
     pub end_program: fn(),
 }
 
-enum Event {
-    Frame(Box<Frame>, f64),
-    Traffic(Box<Report>),
+enum InboxEvent {
+    Frame(Box<WireFrame>, f64),
+    Traffic(Box<PlaceReport>),
     Feed(Box<FeedStatus>),
 }
 
@@ -141,7 +138,7 @@ pub fn fly(
     };
     companion.set_notes(notes);
     companion.set_terrain(options.terrain.clone());
-    let shared = Arc::new(Shared::new(
+    let shared = Arc::new(FlightShared::new(
         Arc::clone(stop),
         options.config.vehicle.system_id,
     ));
@@ -163,14 +160,14 @@ pub fn fly(
     threads.push(spawn(&shared, "fga-ground", move |shared| {
         make_ground(shared, &to_make, &made_to);
     })?);
-    let mut pilot = Pilot {
+    let mut pilot = DecidingThread {
         companion: &mut companion,
         shared: &shared,
         parcels: &parcels,
         signing: signing.as_ref(),
         recorder: Recorder::begin(&shared, &options.out)?,
         notebook: Notebook::begin(&shared, &options.out, signing.clone(), left)?,
-        status: Status::begin(&shared, options.status)?,
+        status: StatusLine::begin(&shared, options.status)?,
         sequences: Sequences::default(),
         held: Vec::new(),
         ground: (orders, made),
@@ -212,9 +209,9 @@ pub fn fly(
 /// Starts the threads around the deciding one.
 fn start(
     options: &FlyOptions,
-    shared: &Arc<Shared>,
+    shared: &Arc<FlightShared>,
     signing: Option<&Signing>,
-    to: &SyncSender<Event>,
+    to: &SyncSender<InboxEvent>,
     (parcels, to_write): (&SyncSender<Parcel>, Receiver<Parcel>),
 ) -> io::Result<Vec<JoinHandle<()>>> {
     let (mut reader, writer) = open(&options.endpoint)?;
@@ -223,7 +220,7 @@ fn start(
     let mut threads = vec![
         spawn(shared, "fga-read", move |shared| {
             link::read(shared, reader, link_signing.as_ref(), |frame, heard_s| {
-                let _ = link_to.try_send(Event::Frame(Box::new(frame), heard_s));
+                let _ = link_to.try_send(InboxEvent::Frame(Box::new(frame), heard_s));
             });
         })?,
         spawn(shared, "fga-write", move |shared| {
@@ -246,7 +243,7 @@ fn start(
 
 /// Reads a receiver until the flight is over. No data of a receiver can end the flight or the other
 /// receivers.
-fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Event>) {
+fn read_traffic(shared: &FlightShared, endpoint: &ReceiverEndpoint, to: &SyncSender<InboxEvent>) {
     while !shared.is_over() {
         let reading = core::panic::AssertUnwindSafe(|| {
             receiver::read(
@@ -254,10 +251,10 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
                 || shared.now_s(),
                 &shared.over,
                 |report| {
-                    let _ = to.try_send(Event::Traffic(Box::new(report)));
+                    let _ = to.try_send(InboxEvent::Traffic(Box::new(report)));
                     true
                 },
-                |status| to.try_send(Event::Feed(Box::new(status))).is_ok(),
+                |status| to.try_send(InboxEvent::Feed(Box::new(status))).is_ok(),
             );
         });
         if std::panic::catch_unwind(reading).is_err() {
@@ -268,7 +265,7 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
 }
 
 /// Makes ground until the flight is over. No heights can end the flight.
-fn make_ground(shared: &Shared, orders: &Receiver<GroundOrder>, to: &SyncSender<MadeGround>) {
+fn make_ground(shared: &FlightShared, orders: &Receiver<GroundOrder>, to: &SyncSender<MadeGround>) {
     while !shared.is_over() {
         let Ok(order) = orders.recv_timeout(TICK) else {
             continue;
@@ -280,11 +277,14 @@ fn make_ground(shared: &Shared, orders: &Receiver<GroundOrder>, to: &SyncSender<
     }
 }
 
-/// The message with the flags and the datum of a report.
-fn with_quality(message: MavMessage, report: &Report) -> MavMessage {
-    let MavMessage::ADSB_VEHICLE(mut data) = message else {
-        return message;
+/// The message with the content of a report at a time, seconds.
+fn message_of(report: &PlaceReport, time_s: f64) -> MavMessage {
+    let sample = PlayedState {
+        time_s,
+        place: report.place,
+        velocity_mps: report.velocity_mps.unwrap_or_default(),
     };
+    let mut data = adsb_data(report.icao, &report.callsign, &sample);
     if report.velocity_mps.is_none() {
         data.flags.remove(
             AdsbFlags::ADSB_FLAGS_VALID_HEADING
@@ -305,14 +305,14 @@ fn with_quality(message: MavMessage, report: &Report) -> MavMessage {
 }
 
 /// The deciding thread.
-struct Pilot<'a> {
+struct DecidingThread<'a> {
     companion: &'a mut Companion,
-    shared: &'a Shared,
+    shared: &'a FlightShared,
     parcels: &'a SyncSender<Parcel>,
     signing: Option<&'a Signing>,
     recorder: Recorder,
     notebook: Notebook,
-    status: Status,
+    status: StatusLine,
     sequences: Sequences,
     /// Commands of a mode that wait until the disk has the note.
     held: Vec<Outgoing>,
@@ -321,8 +321,8 @@ struct Pilot<'a> {
     makes_ground: bool,
 }
 
-impl Pilot<'_> {
-    fn run(&mut self, events: &Receiver<Event>, watch: &mut dyn FnMut(&Companion)) {
+impl DecidingThread<'_> {
+    fn run(&mut self, events: &Receiver<InboxEvent>, watch: &mut dyn FnMut(&Companion)) {
         let signals = || self.shared.stop.load(Ordering::Relaxed);
         while signals() == 0 && locked(&self.shared.failed).is_none() && self.turn(events) {
             watch(self.companion);
@@ -352,7 +352,7 @@ impl Pilot<'_> {
     }
 
     /// Takes events, advances the time and sends; `false` when nothing can come any more.
-    fn turn(&mut self, events: &Receiver<Event>) -> bool {
+    fn turn(&mut self, events: &Receiver<InboxEvent>) -> bool {
         match events.recv_timeout(TICK) {
             Ok(event) => {
                 self.take(event);
@@ -392,32 +392,27 @@ impl Pilot<'_> {
         true
     }
 
-    fn take(&mut self, event: Event) {
+    fn take(&mut self, event: InboxEvent) {
         let now_s = self.shared.now_s();
         match event {
-            Event::Frame(frame, heard_s) => {
+            InboxEvent::Frame(frame, heard_s) => {
                 self.recorder.frame(self.shared, heard_s, frame.bytes());
                 if now_s - heard_s <= HISTORY_S {
                     self.companion.receive(&frame.header, &frame.message, now_s);
                 }
             }
-            Event::Traffic(report) => {
+            InboxEvent::Traffic(report) => {
                 self.record_report(&report, now_s);
                 self.companion.take_report(&report, now_s);
             }
-            Event::Feed(status) => self.companion.take_feed(*status, now_s),
+            InboxEvent::Feed(status) => self.companion.take_feed(*status, now_s),
         }
     }
 
     /// Adds a receiver's report to the telemetry log, as the message with the same content, so that
     /// the recording holds the whole input of the decisions.
-    fn record_report(&mut self, report: &Report, now_s: f64) {
-        let sample = Sample {
-            time_s: now_s,
-            place: report.place,
-            velocity_mps: report.velocity_mps.unwrap_or_default(),
-        };
-        let message = with_quality(adsb_message(report.icao, &report.callsign, &sample), report);
+    fn record_report(&mut self, report: &PlaceReport, now_s: f64) {
+        let message = message_of(report, now_s);
         let header = MavHeader {
             system_id: u32::from(RECEIVER_SYSTEM),
             component_id: RECEIVER_COMPONENT,

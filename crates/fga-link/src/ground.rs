@@ -17,7 +17,7 @@ use mavlink::dialects::ardupilotmega::MavFrame;
 pub use self::ahead::AboveGround;
 pub(crate) use self::ahead::each_second;
 pub(crate) use self::asked::AskedBlocks;
-use crate::mission::{Item, is_take_off_or_landing, item_position_m};
+use crate::mission::{ListItem, is_take_off_or_landing, item_position_m};
 
 /// The square reaches 3 km beyond this from the vehicle, metres …
 const AROUND_M: f64 = 3_000.0;
@@ -36,7 +36,7 @@ struct FlownLeg {
 
 /// The legs of a mission that lead over ground; a take-off and a landing are low by their nature, and over altitudes above the ground
 /// the vehicle keeps its height itself.
-fn legs(items: &[Item], frame: &LocalFrame, home_altitude_m: f64) -> Vec<FlownLeg> {
+fn legs(items: &[ListItem], frame: &LocalFrame, home_altitude_m: f64) -> Vec<FlownLeg> {
     let mut legs = Vec::new();
     let mut before = None;
     for (number, item) in (0_u16..).zip(items).skip(1) {
@@ -121,7 +121,7 @@ impl GroundOrder {
     pub(crate) fn new(
         square: Square,
         terrain: &Arc<Terrain>,
-        (items, home_altitude_m): (&[Item], f64),
+        (items, home_altitude_m): (&[ListItem], f64),
         clearance_m: f64,
     ) -> Self {
         Self {

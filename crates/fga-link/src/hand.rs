@@ -11,7 +11,7 @@ pub mod heading;
 mod reach;
 pub mod sticks;
 
-pub use reach::{Hand, Reach, Target};
+pub use reach::{Hand, HandReach, HandTarget};
 
 use crate::config::CommandMode;
 

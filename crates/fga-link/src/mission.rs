@@ -3,12 +3,12 @@
 mod download;
 
 use fga::Vec3;
-use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::{MISSION_ITEM_INT_DATA, MavCmd, MavFrame};
 
-use crate::number::degrees_from_e7;
+use crate::number::place_from_e7;
 
-pub use download::{Download, Item, MOST_ITEMS};
+pub use download::{Download, ListItem, MOST_ITEMS};
 
 /// Whether the autopilot takes off or lands at an item: nobody else may fly then.
 pub const fn is_take_off_or_landing(item: &MISSION_ITEM_INT_DATA) -> bool {
@@ -20,14 +20,6 @@ pub const fn is_take_off_or_landing(item: &MISSION_ITEM_INT_DATA) -> bool {
             | MavCmd::MAV_CMD_NAV_VTOL_LAND
             | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
     )
-}
-
-/// Latitude and longitude of an item, at an altitude in metres; `None` for an item without a place.
-pub fn place_of(item: &MISSION_ITEM_INT_DATA, altitude_m: f64) -> Option<Geodetic> {
-    if item.x == 0 && item.y == 0 {
-        return None;
-    }
-    Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)
 }
 
 /// The target of an item in the local frame, metres.
@@ -51,7 +43,7 @@ pub fn item_position_m(
             | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
             | MavCmd::MAV_CMD_NAV_TAKEOFF
     );
-    if !flown_to || (item.x == 0 && item.y == 0) {
+    if !flown_to {
         return None;
     }
     let altitude = f64::from(item.z);
@@ -66,14 +58,13 @@ pub fn item_position_m(
         }
         _ => return None,
     };
-    let place = Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)?;
-    let position_m = frame.to_local_m(place);
+    let position_m = frame.to_local_m(place_from_e7(item.x, item.y, altitude_m)?);
     position_m.is_finite().then_some(position_m)
 }
 
 /// The way ahead: its waypoints and the mission item of each.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Way {
+pub struct LegsAhead {
     /// Waypoints, metres, local frame; the first is the start of the present leg.
     pub waypoints_m: Vec<Vec3>,
     /// The mission item of each; `None` for a start that is no item.
@@ -112,12 +103,12 @@ fn flies_along(at_m: Vec3, begin_m: Vec3, end_m: Vec3) -> bool {
 /// It ends at a landing, where it circles, and at a counted jump: what follows is not a leg, or
 /// unknown.
 pub fn way_ahead(
-    items: &[Item],
+    items: &[ListItem],
     current: u16,
     from_m: Vec3,
     frame: &LocalFrame,
     home_altitude_m: f64,
-) -> Way {
+) -> LegsAhead {
     let place = |index: usize| {
         let item = items.get(index)?.as_ref()?;
         item_position_m(item, frame, home_altitude_m, from_m.z)
@@ -126,7 +117,7 @@ pub fn way_ahead(
     let before = (1..current)
         .rev()
         .find_map(|index| place(index).map(|at_m| (index, at_m)));
-    let mut way = Way::default();
+    let mut way = LegsAhead::default();
     let (item, begin_m) = match before {
         Some((index, at_m))
             if place(current).is_none_or(|to_m| flies_along(from_m, at_m, to_m)) =>
@@ -205,6 +196,7 @@ pub fn way_ahead(
 mod tests {
     use super::*;
     use fga_formats::geodesy::Earth;
+    use fga_formats::geodesy::Geodetic;
 
     pub(super) fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
         MISSION_ITEM_INT_DATA {
@@ -243,7 +235,7 @@ mod tests {
         let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
         let frame = LocalFrame::new(origin, Earth::Wgs84);
         let north = |n: i32| 370_000_000 + n * 10_000;
-        let items: Vec<Item> = [
+        let items: Vec<ListItem> = [
             item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000),
             item(1, MavCmd::MAV_CMD_NAV_WAYPOINT, north(1), -1_220_000_000),
             item(2, MavCmd::MAV_CMD_DO_CHANGE_SPEED, 0, 0),
@@ -268,7 +260,7 @@ mod tests {
     }
 
     /// The way north from the first item of a list of commands, one waypoint's distance apart.
-    fn way_of(commands: &[(MavCmd, f32, f32)]) -> Way {
+    fn way_of(commands: &[(MavCmd, f32, f32)]) -> LegsAhead {
         let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
         let frame = LocalFrame::new(origin, Earth::Wgs84);
         let home = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000);

@@ -9,6 +9,12 @@ pub const OWN_COMPONENT: u8 = 196;
 /// Component id of the autopilot.
 pub const AUTOPILOT: u8 = 1;
 
+/// Ids of a receiver of traffic, in the telemetry log and of the player: `MAV_COMP_ID_ADSB`.
+pub(crate) const RECEIVER_SYSTEM: u8 = 200;
+pub(crate) const RECEIVER_COMPONENT: u8 = 156;
+/// Time to wait for the vehicle's answer to a command or a request of an item before it is sent again, seconds.
+pub(crate) const ANSWER_S: f64 = 0.4;
+
 /// A message to send.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outgoing {

@@ -72,7 +72,7 @@ pub enum Update {
 
 /// The core's state, with its context.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State {
+pub struct OwnState {
     /// The state in the air mass; the position is over the ground.
     pub ownship: Ownship,
     /// Velocity over the ground, metres per second.

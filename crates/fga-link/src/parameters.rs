@@ -78,6 +78,11 @@ impl VehicleParameters {
         self.values.get(name).copied()
     }
 
+    /// System id of the vehicle's ground station; ArduPilot's own value while it is unknown.
+    pub fn ground_system(&self) -> f64 {
+        self.get("MAV_GCS_SYSID").unwrap_or(255.0)
+    }
+
     /// Whether every name has an answer or was given up; the needed ones are never given up.
     pub fn is_complete(&self) -> bool {
         WANTED.iter().all(|row| self.is_settled(row.0))
@@ -206,29 +211,8 @@ impl VehicleParameters {
         Some(deg.clamp(LEAST_BANK_DEG, 70.0).to_radians())
     }
 
-    /// The vehicle's limits for the core, at an airspeed.
+    /// The vehicle's limits for the core, with a largest bank, at an airspeed.
     pub fn vehicle(
-        &self,
-        config: &Config,
-        airspeed_mps: f64,
-        response: Response,
-    ) -> Option<Vehicle> {
-        let bank_rad = self.bank_limit_rad(config, airspeed_mps)?;
-        self.vehicle_at(bank_rad, config, airspeed_mps, response)
-    }
-
-    /// The vehicle's limits in need, at an airspeed; `response` describes the steep bank.
-    pub fn vehicle_in_need(
-        &self,
-        config: &Config,
-        airspeed_mps: f64,
-        response: Response,
-    ) -> Option<Vehicle> {
-        let bank_rad = self.bank_in_need_rad(config, airspeed_mps)?;
-        self.vehicle_at(bank_rad, config, airspeed_mps, response)
-    }
-
-    fn vehicle_at(
         &self,
         bank_rad: f64,
         config: &Config,
@@ -295,8 +279,9 @@ mod tests {
         parameters.take(&value("TECS_CLMB_MAX", 5.0));
         let mut config = Config::default();
         config.vehicle.vertical = true;
+        let bank_rad = parameters.bank_limit_rad(&config, 25.0).unwrap();
         let vehicle = parameters
-            .vehicle(&config, 25.0, Response::default())
+            .vehicle(bank_rad, &config, 25.0, Response::default())
             .unwrap();
         // 25² / (9.80665 · tan 45°)
         assert!((vehicle.turn_radius_m - 63.73).abs() < 0.01);
@@ -363,7 +348,8 @@ mod tests {
         parameters.take(&value("TECS_CLMB_MAX", 5.0));
         config.vehicle.vertical = true;
         assert_eq!(limit_deg(&parameters, &config), Some(1.0));
-        let vehicle = parameters.vehicle(&config, 25.0, Response::default());
+        let bank_rad = parameters.bank_limit_rad(&config, 25.0).unwrap();
+        let vehicle = parameters.vehicle(bank_rad, &config, 25.0, Response::default());
         assert!(vehicle.unwrap().can_climb());
         parameters.take(&value("ROLL_LIMIT_DEG", -45.0));
         assert_eq!(limit_deg(&parameters, &config), None);

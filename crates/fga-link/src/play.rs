@@ -8,17 +8,14 @@ use std::net::{TcpListener, TcpStream};
 use std::time::Instant;
 
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
-};
+use mavlink::dialects::ardupilotmega::{MavMessage, MavType};
 
-use crate::endpoint::{Endpoint, Writer, open};
+use crate::endpoint::{Endpoint, LinkWriter, open};
+use crate::outgoing::{RECEIVER_COMPONENT, RECEIVER_SYSTEM};
 use crate::player::{LineTranslator, LoggedLine, Played, sbs_lines};
+use crate::telling::heartbeat;
 use crate::wire::encode;
 
-/// System and component id of the player: an ADS-B receiver (`MAV_COMP_ID_ADSB`).
-const SYSTEM: u32 = 200;
-const COMPONENT: u8 = 156;
 /// Most readers of lines.
 const MOST_READERS: usize = 16;
 const STEP: Duration = Duration::from_millis(20);
@@ -58,7 +55,7 @@ pub struct PlayOptions {
 }
 
 struct Outputs {
-    writer: Option<Writer>,
+    writer: Option<LinkWriter>,
     sequence: u8,
     listener: Option<TcpListener>,
     readers: Vec<TcpStream>,
@@ -69,8 +66,8 @@ impl Outputs {
     fn message(&mut self, message: &MavMessage) {
         let Some(writer) = &self.writer else { return };
         let header = MavHeader {
-            system_id: SYSTEM,
-            component_id: COMPONENT,
+            system_id: u32::from(RECEIVER_SYSTEM),
+            component_id: RECEIVER_COMPONENT,
             sequence: self.sequence,
         };
         self.sequence = self.sequence.wrapping_add(1);
@@ -99,15 +96,13 @@ impl Outputs {
         }
     }
 
-    fn heartbeat(&mut self) {
-        self.message(&MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-            custom_mode: 0,
-            mavtype: MavType::MAV_TYPE_ADSB,
-            autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-            base_mode: MavModeFlag::empty(),
-            system_status: MavState::MAV_STATE_ACTIVE,
-            mavlink_version: 3,
-        }));
+    /// Takes new readers, and sends the heartbeat when it is due, at a time since the start in seconds.
+    fn turn(&mut self, real_s: f64, beat_s: &mut f64) {
+        self.accept();
+        if real_s >= *beat_s {
+            *beat_s = real_s + 1.0;
+            self.message(&heartbeat(MavType::MAV_TYPE_ADSB));
+        }
     }
 }
 
@@ -170,15 +165,11 @@ fn play_aircraft(
         if stop.load(Ordering::Relaxed) {
             return false;
         }
-        outputs.accept();
         let real_s = start.elapsed().as_secs_f64();
+        outputs.turn(real_s, &mut beat_s);
         let time_s = real_s * options.speed;
         if time_s > end_s {
             return true;
-        }
-        if real_s >= beat_s {
-            beat_s = real_s + 1.0;
-            outputs.heartbeat();
         }
         if real_s >= next_s {
             next_s = real_s + 1.0 / options.rate_hz;
@@ -212,12 +203,8 @@ fn play_log(
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            outputs.accept();
             let real_s = start.elapsed().as_secs_f64();
-            if real_s >= beat_s {
-                beat_s = real_s + 1.0;
-                outputs.heartbeat();
-            }
+            outputs.turn(real_s, &mut beat_s);
             let wait_s = (line.time_s - begin_s) / options.speed - real_s;
             if wait_s <= 0.0 {
                 break;

@@ -23,14 +23,14 @@ use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags, MavMessage,
 };
 
-use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16};
+use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16, velocity_mps};
 use crate::traffic::receiver::Joiner;
 use crate::traffic::report::tidy_callsign;
-use crate::traffic::{AltitudeReference, Source};
+use crate::traffic::{AltitudeReference, ReportSource};
 
 /// An aircraft at a moment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct PlayedState {
     /// Time from the start of the script, seconds.
     pub time_s: f64,
     /// Its position.
@@ -49,7 +49,7 @@ pub struct Played {
     /// Whether its altitudes are by pressure; else satellites measured them.
     pub is_by_pressure: bool,
     /// Its path, in order of time; a single sample is a straight line without end.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PlayedState>,
 }
 
 /// Longest gap between two samples that is played through, seconds.
@@ -58,13 +58,12 @@ const LONGEST_GAP_S: f64 = 30.0;
 impl Played {
     /// Its `ADSB_VEHICLE` message at a time; `None` as for [`Played::at`].
     pub fn message_at(&self, time_s: f64) -> Option<MavMessage> {
-        let sample = self.at(time_s)?;
-        let message = adsb_message(self.icao, &self.callsign, &sample);
-        Some(with_datum(message, self.is_by_pressure))
+        let data = adsb_data(self.icao, &self.callsign, &self.at(time_s)?);
+        Some(with_datum(data, self.is_by_pressure))
     }
 
     /// Its state at a time; `None` before, after, and in long gaps.
-    pub fn at(&self, time_s: f64) -> Option<Sample> {
+    pub fn at(&self, time_s: f64) -> Option<PlayedState> {
         let after = self
             .samples
             .partition_point(|sample| sample.time_s <= time_s);
@@ -72,7 +71,7 @@ impl Played {
         let ahead_s = time_s - from.time_s;
         let moved = |velocity_mps: Vec3| {
             let frame = LocalFrame::new(from.place, Earth::Wgs84);
-            Sample {
+            PlayedState {
                 time_s,
                 place: frame.to_geodetic(velocity_mps * ahead_s),
                 velocity_mps,
@@ -82,7 +81,7 @@ impl Played {
             Some(to) if to.time_s - from.time_s <= LONGEST_GAP_S => {
                 let share = ahead_s / (to.time_s - from.time_s);
                 let between = |a: f64, b: f64| a + (b - a) * share;
-                Some(Sample {
+                Some(PlayedState {
                     time_s,
                     place: Geodetic {
                         latitude_deg: between(from.place.latitude_deg, to.place.latitude_deg),
@@ -148,13 +147,8 @@ impl FromStr for Line {
         if !usable {
             return Err(error());
         }
-        let track_rad = track.to_radians();
-        let velocity_mps = Vec3::new(
-            speed * libm::sin(track_rad),
-            speed * libm::cos(track_rad),
-            climb,
-        );
-        let samples = vec![Sample {
+        let velocity_mps = velocity_mps(speed, track.to_radians(), climb);
+        let samples = vec![PlayedState {
             time_s: at_s,
             place,
             velocity_mps,
@@ -178,7 +172,7 @@ pub fn from_states(received: &Received) -> Vec<Played> {
         .filter(|track| !track.heard.is_empty())
         .map(|track| {
             number += 1;
-            let sample = |heard: &Heard| Sample {
+            let sample = |heard: &Heard| PlayedState {
                 time_s: heard.time_s,
                 place: heard.place,
                 velocity_mps: heard.velocity_mps.unwrap_or_default(),
@@ -215,11 +209,11 @@ pub fn from_recording(recording: &fga_formats::daa::Recording) -> Vec<Played> {
         .iter()
         .filter_map(|track| {
             number += 1;
-            let samples: Vec<Sample> = track
+            let samples: Vec<PlayedState> = track
                 .samples
                 .iter()
                 .filter_map(|sample| {
-                    Some(Sample {
+                    Some(PlayedState {
                         time_s: sample.time_s,
                         place: sample.place?,
                         velocity_mps: sample.velocity_mps,
@@ -245,12 +239,17 @@ pub fn read_log(log: impl Read) -> (Vec<LoggedLine>, Tally) {
 }
 
 /// The `ADSB_VEHICLE` message of an aircraft at a moment.
-pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
+pub fn adsb_message(icao: u32, callsign: &str, sample: &PlayedState) -> MavMessage {
+    MavMessage::ADSB_VEHICLE(adsb_data(icao, callsign, sample))
+}
+
+/// Its content; the altitude counts as geometric.
+pub(crate) fn adsb_data(icao: u32, callsign: &str, sample: &PlayedState) -> ADSB_VEHICLE_DATA {
     let velocity = sample.velocity_mps;
     let heading_deg = libm::atan2(velocity.x, velocity.y)
         .to_degrees()
         .rem_euclid(360.0);
-    MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+    ADSB_VEHICLE_DATA {
         ICAO_address: icao,
         lat: degrees_to_e7(sample.place.latitude_deg),
         lon: degrees_to_e7(sample.place.longitude_deg),
@@ -270,24 +269,19 @@ pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
         callsign: callsign.chars().take(8).collect::<String>().as_str().into(),
         emitter_type: AdsbEmitterType::ADSB_EMITTER_TYPE_LIGHT,
         tslc: 0,
-    })
-}
-
-/// A message with the datum of its altitude.
-fn with_datum(message: MavMessage, is_by_pressure: bool) -> MavMessage {
-    match message {
-        MavMessage::ADSB_VEHICLE(data) if is_by_pressure => {
-            MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
-                altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH,
-                ..data
-            })
-        }
-        other => other,
     }
 }
 
+/// The message with the datum of its altitude.
+fn with_datum(mut data: ADSB_VEHICLE_DATA, is_by_pressure: bool) -> MavMessage {
+    if is_by_pressure {
+        data.altitude_type = AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH;
+    }
+    MavMessage::ADSB_VEHICLE(data)
+}
+
 /// The BaseStation lines of an aircraft at a moment: position and velocity.
-pub fn sbs_lines(icao: u32, callsign: &str, sample: &Sample) -> String {
+pub fn sbs_lines(icao: u32, callsign: &str, sample: &PlayedState) -> String {
     let mut lines = Vec::new();
     let report = TrafficReport {
         address: icao,
@@ -310,7 +304,7 @@ pub struct LineTranslator(Joiner);
 
 impl Default for LineTranslator {
     fn default() -> Self {
-        Self(Joiner::new(Source::Sbs))
+        Self(Joiner::new(ReportSource::Sbs))
     }
 }
 
@@ -319,14 +313,14 @@ impl LineTranslator {
     pub fn message(&mut self, line: &LoggedLine) -> Option<MavMessage> {
         let message = line.report.as_ref().ok()?;
         let report = self.0.take(message, line.time_s)?;
-        let sample = Sample {
+        let sample = PlayedState {
             time_s: line.time_s,
             place: report.place,
             velocity_mps: report.velocity_mps?,
         };
         let is_by_pressure = report.quality.altitude == AltitudeReference::Pressure;
-        let message = adsb_message(report.icao, &report.callsign, &sample);
-        Some(with_datum(message, is_by_pressure))
+        let data = adsb_data(report.icao, &report.callsign, &sample);
+        Some(with_datum(data, is_by_pressure))
     }
 }
 

@@ -14,7 +14,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 use mavlink::{Message as _, MessageData as _};
 
-use crate::commands::Command;
+use crate::commands::VehicleCommand;
 use crate::number::single;
 use crate::outgoing::Outbox;
 
@@ -173,7 +173,7 @@ impl Rates {
                 PAUSE_S + SHOWS_AFTER_INTERVALS * asked_s
             };
             arrivals.again_s = Some(now_s + pause_s);
-            let command = Command::long(
+            let command = VehicleCommand::long(
                 MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
                 id as f32,
                 single(asked_s * 1e6),

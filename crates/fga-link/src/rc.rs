@@ -10,12 +10,11 @@
 //! | `x` | give the channels back to the transmitter |
 //! | `q` | give them back and end |
 
-use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
+use mavlink::dialects::ardupilotmega::MavMessage;
 
+use crate::commands::VehicleCommand;
 use crate::hand::sticks::override_message;
 use crate::mode::Mode;
-use crate::number::single;
-use crate::outgoing::AUTOPILOT;
 
 /// A step of a stick, microseconds.
 const STEP_US: u16 = 50;
@@ -43,7 +42,7 @@ impl Default for Sticks {
 
 /// The effect of a key besides moving a stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum KeyEffect {
     /// Nothing more.
     Nothing,
     /// A mode.
@@ -71,15 +70,15 @@ impl Keyboard {
     }
 
     /// Takes a byte from the terminal.
-    pub fn take(&mut self, byte: u8) -> Asked {
+    pub fn take(&mut self, byte: u8) -> KeyEffect {
         match (self.escape, byte) {
             (0, 0x1B) => {
                 self.escape = 1;
-                return Asked::Nothing;
+                return KeyEffect::Nothing;
             }
             (1, b'[' | b'O') => {
                 self.escape = 2;
-                return Asked::Nothing;
+                return KeyEffect::Nothing;
             }
             (2, letter) => {
                 self.escape = 0;
@@ -88,7 +87,7 @@ impl Keyboard {
                     b'B' => b's',
                     b'C' => b'd',
                     b'D' => b'a',
-                    _ => return Asked::Nothing,
+                    _ => return KeyEffect::Nothing,
                 };
                 return self.key(key);
             }
@@ -97,7 +96,7 @@ impl Keyboard {
         self.key(byte)
     }
 
-    fn key(&mut self, key: u8) -> Asked {
+    fn key(&mut self, key: u8) -> KeyEffect {
         let mut sticks = self.sticks.unwrap_or_default();
         match key {
             b'a' => sticks.roll_us = moved(sticks.roll_us, false),
@@ -107,24 +106,24 @@ impl Keyboard {
             b'+' | b'=' => sticks.throttle_us = moved(sticks.throttle_us, true),
             b'-' => sticks.throttle_us = moved(sticks.throttle_us, false),
             b'c' | b' ' => (sticks.roll_us, sticks.pitch_us) = (1500, 1500),
-            b'1' => return Asked::Mode(Mode(5)),
-            b'2' => return Asked::Mode(Mode::FBWB),
-            b'3' => return Asked::Mode(Mode::CRUISE),
-            b'4' => return Asked::Mode(Mode::AUTO),
-            b'5' => return Asked::Mode(Mode::RTL),
+            b'1' => return KeyEffect::Mode(Mode(5)),
+            b'2' => return KeyEffect::Mode(Mode::FBWB),
+            b'3' => return KeyEffect::Mode(Mode::CRUISE),
+            b'4' => return KeyEffect::Mode(Mode::AUTO),
+            b'5' => return KeyEffect::Mode(Mode::RTL),
             b'x' => {
                 self.sticks = None;
-                return Asked::Nothing;
+                return KeyEffect::Nothing;
             }
             // End of text (Ctrl-C) and end of transmission (Ctrl-D) too.
             b'q' | 3 | 4 => {
                 self.sticks = None;
-                return Asked::Quit;
+                return KeyEffect::Quit;
             }
-            _ => return Asked::Nothing,
+            _ => return KeyEffect::Nothing,
         }
         self.sticks = Some(sticks);
-        Asked::Nothing
+        KeyEffect::Nothing
     }
 
     /// The message that holds the sticks, or gives them back.
@@ -134,16 +133,9 @@ impl Keyboard {
     }
 }
 
-/// The message that asks for a mode.
+/// The message that asks for a mode, whichever the vehicle is in.
 pub fn mode_message(mode: Mode, target_system: u8) -> MavMessage {
-    MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-        command: MavCmd::MAV_CMD_DO_SET_MODE,
-        param1: 1.0,
-        param2: single(f64::from(mode.0)),
-        target_system,
-        target_component: AUTOPILOT,
-        ..COMMAND_LONG_DATA::DEFAULT
-    })
+    VehicleCommand::set_mode(mode, mode).message(target_system, 0)
 }
 
 #[cfg(test)]
@@ -164,8 +156,8 @@ mod tests {
         assert_eq!(keyboard.sticks().unwrap().roll_us, 1000);
         keyboard.take(b' ');
         assert_eq!(keyboard.sticks().unwrap(), Sticks::default());
-        assert_eq!(keyboard.take(b'4'), Asked::Mode(Mode::AUTO));
-        assert_eq!(keyboard.take(b'q'), Asked::Quit);
+        assert_eq!(keyboard.take(b'4'), KeyEffect::Mode(Mode::AUTO));
+        assert_eq!(keyboard.take(b'q'), KeyEffect::Quit);
         assert_eq!(keyboard.sticks(), None);
     }
 }

@@ -9,6 +9,7 @@
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
 use crate::config::ResponseConfig;
+use crate::ownship::FLYING_SPEED_MPS;
 
 /// Smallest bank that the estimate of the turn rate uses, radians.
 const LEAST_BANK_RAD: f64 = 0.15;
@@ -82,7 +83,7 @@ impl ResponseEstimate {
             return;
         };
         let gap_s = measured_s - last_s;
-        if !(0.005..LONGEST_GAP_S).contains(&gap_s) || airspeed_mps < 5.0 {
+        if !(0.005..LONGEST_GAP_S).contains(&gap_s) || airspeed_mps < FLYING_SPEED_MPS {
             return;
         }
         let bank_rate = (bank_rad - last_bank_rad) / gap_s;

@@ -6,6 +6,9 @@
 //!
 //! This computer's clock decides about no received frame: the clock may be years wrong, as on a computer without a battery before
 //! it receives the time. Times sent follow the newest time heard, as the protocol asks, and no less than the clock.
+//!
+//! The crate `mavlink` computes the signatures. Its `SigningData` refuses by this computer's clock, keeps no times for a later run and says
+//! of no frame why it was refused; so which frames are new is decided here.
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
@@ -13,10 +16,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use mavlink::MAVLinkV2MessageRaw;
+use mavlink::consts::v2::IFLAG_SIGNED;
 use serde::{Deserialize, Serialize};
 
-/// Flag of a signed frame.
-const FLAG_SIGNED: u8 = 0x01;
 /// Timestamps count tens of microseconds since the beginning of 2015.
 const BEGIN_UNIX_US: u128 = 1_420_070_400_000_000;
 const TICKS_PER_S: u64 = 100_000;
@@ -96,7 +98,7 @@ impl SigningState {
     }
 }
 
-struct Inner {
+struct SigningInner {
     /// Added to this computer's clock, s.
     clock_off_s: i64,
     key: [u8; 32],
@@ -107,7 +109,7 @@ struct Inner {
 
 /// Key and state of MAVLink 2 message signing, and whether it accepts unsigned frames.
 #[derive(Clone)]
-pub struct Signing(Arc<Inner>);
+pub struct Signing(Arc<SigningInner>);
 
 impl core::fmt::Debug for Signing {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -115,7 +117,7 @@ impl core::fmt::Debug for Signing {
     }
 }
 
-impl Inner {
+impl SigningInner {
     /// The present time as a timestamp; 0 before 2015.
     fn clock(&self) -> u64 {
         let since = SystemTime::now()
@@ -140,7 +142,7 @@ impl Signing {
         allow_unsigned: bool,
         clock_off_s: i64,
     ) -> Self {
-        Self(Arc::new(Inner {
+        Self(Arc::new(SigningInner {
             clock_off_s,
             key,
             link_id,
@@ -218,7 +220,7 @@ impl Signing {
     }
 
     fn refusal(&self, raw: &MAVLinkV2MessageRaw) -> Option<Refusal> {
-        if raw.incompatibility_flags() & FLAG_SIGNED == 0 {
+        if raw.incompatibility_flags() & IFLAG_SIGNED == 0 {
             return (!self.0.allow_unsigned).then_some(Refusal::Unsigned);
         }
         let mut signature = [0; 6];

@@ -1,17 +1,19 @@
 //! Outgoing reports: texts, collision messages, values, and the decision log.
 
+use fga::Vec3;
 use fga::avoider::Decision;
 use fga::situation::Obstacle;
 use fga_formats::decision;
 use mavlink::dialects::ardupilotmega::{
-    COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
-    MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
+    COLLISION_DATA, HEARTBEAT_DATA, MavAutopilot, MavCollisionAction, MavCollisionSrc,
+    MavCollisionThreatLevel, MavMessage, MavModeFlag, MavSeverity, MavState, MavType,
+    NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
 };
 use serde_json::Value;
 
 use crate::authority::{Authority, Severity};
 use crate::number::single;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 
 /// Longest text of one message.
 const LONGEST_TEXT: usize = 50;
@@ -36,6 +38,18 @@ pub fn text(severity: Severity, words: &str) -> MavMessage {
     })
 }
 
+/// The heartbeat of a component that is no autopilot.
+pub fn heartbeat(mavtype: MavType) -> MavMessage {
+    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+        mavtype,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+        base_mode: MavModeFlag::empty(),
+        system_status: MavState::MAV_STATE_ACTIVE,
+        mavlink_version: 3,
+        ..HEARTBEAT_DATA::DEFAULT
+    })
+}
+
 /// A named number; names have ten characters at most.
 pub fn value(name: &str, value: f64, time_boot_ms: u32) -> MavMessage {
     MavMessage::NAMED_VALUE_FLOAT(NAMED_VALUE_FLOAT_DATA {
@@ -45,11 +59,33 @@ pub fn value(name: &str, value: f64, time_boot_ms: u32) -> MavMessage {
     })
 }
 
-/// The `COLLISION` message for the threat of a decision.
+/// The `COLLISION` message about an obstacle: time of the closest approach, seconds, and where it is then, metres from the aircraft.
 pub fn collision(
+    id: u32,
+    (closest_s, offset_m): (f64, Vec3),
+    action: MavCollisionAction,
+    is_urgent: bool,
+) -> MavMessage {
+    MavMessage::COLLISION(COLLISION_DATA {
+        id,
+        time_to_minimum_delta: single(closest_s),
+        altitude_minimum_delta: single(offset_m.z.abs()),
+        horizontal_minimum_delta: single(libm::hypot(offset_m.x, offset_m.y)),
+        src: MavCollisionSrc::MAV_COLLISION_SRC_ADSB,
+        action,
+        threat_level: if is_urgent {
+            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_HIGH
+        } else {
+            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_LOW
+        },
+    })
+}
+
+/// The `COLLISION` message for the threat of a decision.
+pub fn collision_of(
     decision: &Decision,
     obstacles: &[Obstacle],
-    own: &State,
+    own: &OwnState,
     engaged: bool,
     id: u32,
 ) -> Option<MavMessage> {
@@ -58,29 +94,20 @@ pub fn collision(
     // Their positions on straight lines at the closest approach.
     let own_then_m = own.ownship.position_m + own.ground_velocity_mps * threat.closest_s;
     let offset_m = obstacle.position_after_m(threat.closest_s) - own_then_m;
-    let horizontal_m = libm::hypot(offset_m.x, offset_m.y);
-    let climbs = decision
-        .command
-        .stages()
-        .iter()
-        .any(|stage| stage.climb_rad.abs() > 0.02);
-    Some(MavMessage::COLLISION(COLLISION_DATA {
+    let mut stages = decision.command.stages().iter();
+    let climbs = stages.any(|stage| stage.climb_rad.abs() > 0.02);
+    let action = match (engaged, climbs) {
+        (false, _) => MavCollisionAction::MAV_COLLISION_ACTION_REPORT,
+        (true, true) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_PERPENDICULAR,
+        (true, false) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_HORIZONTALLY,
+    };
+    let is_urgent = engaged || threat.entry_s < 15.0;
+    Some(collision(
         id,
-        time_to_minimum_delta: single(threat.closest_s),
-        altitude_minimum_delta: single(offset_m.z.abs()),
-        horizontal_minimum_delta: single(horizontal_m),
-        src: MavCollisionSrc::MAV_COLLISION_SRC_ADSB,
-        action: match (engaged, climbs) {
-            (false, _) => MavCollisionAction::MAV_COLLISION_ACTION_REPORT,
-            (true, true) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_PERPENDICULAR,
-            (true, false) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_HORIZONTALLY,
-        },
-        threat_level: if engaged || threat.entry_s < 15.0 {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_HIGH
-        } else {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_LOW
-        },
-    }))
+        (threat.closest_s, offset_m),
+        action,
+        is_urgent,
+    ))
 }
 
 /// Three decimals: enough for a log.
@@ -100,7 +127,7 @@ fn round(value: &mut Value) {
 pub fn decision_line(
     time_s: f64,
     decision: &Decision,
-    own: &State,
+    own: &OwnState,
     authority: &Authority,
     above_ground_m: Option<f64>,
     names: impl Fn(u32) -> String,

@@ -1,16 +1,18 @@
 //! Telemetry logs (`.tlog`): every frame with the time at which it came or went.
 //!
 //! The format of the ground stations: a big-endian count of microseconds since 1970, then the
-//! frame, again and again.
+//! frame, again and again. The crate `mavlink` reads the frames; it says nothing of the bytes between them, so that the length of each is
+//! read here.
 
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead as _, BufReader, Read, Write};
 
 use fga_formats::tally::{LeftOut, Tally};
 use mavlink::dialects::ardupilotmega::MavMessage;
+use mavlink::{MAV_STX, MAV_STX_V2};
 
 use crate::config::TrafficConfig;
-use crate::traffic::{Report, Sender, Source};
-use crate::wire::{Frame, Framer};
+use crate::traffic::{PlaceReport, ReportSender, ReportSource};
+use crate::wire::{Framer, WireFrame};
 
 /// Writes a telemetry log.
 #[derive(Debug)]
@@ -65,8 +67,8 @@ impl Contents {
             let MavMessage::ADSB_VEHICLE(data) = &frame.message else {
                 continue;
             };
-            let sender = Sender::mavlink(Source::Mavlink, 0, frame.header.component_id);
-            let report = Report::from_adsb(data, sender, 0.0, config.position_sigma_m);
+            let sender = ReportSender::mavlink(ReportSource::Mavlink, 0, frame.header.component_id);
+            let report = PlaceReport::from_adsb(data, sender, 0.0, config.position_sigma_m);
             contents.traffic.take(&match report {
                 Ok(report) if -report.valid_s > config.drop_after_s => Err(LeftOut::TooOld),
                 Ok(_) => Ok(()),
@@ -83,28 +85,29 @@ pub struct Logged {
     /// Microseconds since 1970.
     pub unix_us: u64,
     /// The frame.
-    pub frame: Frame,
+    pub frame: WireFrame,
 }
 
 /// Reads a telemetry log; skips unintelligible frames, and damaged parts up to the next frame.
 #[derive(Debug)]
 pub struct TlogReader<R: Read> {
-    from: R,
+    from: BufReader<R>,
     /// Number of unintelligible frames and damaged parts, among them a frame that is cut off at the end.
     pub skipped: u64,
     /// Whether a frame was intelligible: the file is a telemetry log.
     is_one: bool,
 }
 
-/// First byte and header length of MAVLink 1 and 2 frames.
-const VERSION_1: u8 = 0xFE;
-const VERSION_2: u8 = 0xFD;
+/// Whether a frame begins with a byte.
+const fn begins(byte: u8) -> bool {
+    matches!(byte, MAV_STX | MAV_STX_V2)
+}
 
 impl<R: Read> TlogReader<R> {
     /// A log that reads from `from`.
-    pub const fn new(from: R) -> Self {
+    pub fn new(from: R) -> Self {
         Self {
-            from,
+            from: BufReader::new(from),
             skipped: 0,
             is_one: false,
         }
@@ -115,16 +118,12 @@ impl<R: Read> TlogReader<R> {
     /// # Errors
     /// Errors of the reader, or data that is no telemetry log from its first frame on.
     pub fn next_frame(&mut self) -> io::Result<Option<Logged>> {
-        loop {
-            let mut stamp = [0; 8];
-            if !self.fill(&mut stamp, false)? {
-                return Ok(None);
+        while !self.from.fill_buf()?.is_empty() {
+            let (mut stamp, mut begin) = ([0; 8], [0; 3]);
+            if !self.fill(&mut stamp)? || !self.fill(&mut begin)? {
+                break;
             }
-            let mut begin = [0; 3];
-            if !self.fill(&mut begin, true)? {
-                return Ok(None);
-            }
-            if !matches!(begin[0], VERSION_1 | VERSION_2) {
+            if !begins(begin[0]) {
                 if !self.is_one {
                     let message = format!(
                         "no telemetry log: a frame begins with {:#04x}, expected 0xfd or 0xfe",
@@ -134,23 +133,20 @@ impl<R: Read> TlogReader<R> {
                 }
                 self.skipped += 1;
                 if !self.find_frame(&mut stamp, &mut begin)? {
-                    return Ok(None);
+                    break;
                 }
             }
             let unix_us = u64::from_be_bytes(stamp);
             let [start, payload, flags] = begin;
-            let length = if start == VERSION_1 {
+            let length = if start == MAV_STX {
                 8 + usize::from(payload)
             } else {
                 12 + usize::from(payload) + if flags & 1 == 0 { 0 } else { 13 }
             };
-            let mut bytes = vec![0; length];
-            if let Some(slot) = bytes.get_mut(..3) {
-                slot.copy_from_slice(&begin);
-            }
-            let rest = bytes.get_mut(3..).unwrap_or_default();
-            if !self.fill(rest, true)? {
-                return Ok(None);
+            let mut bytes = begin.to_vec();
+            bytes.resize(length, 0);
+            if !self.fill(bytes.get_mut(begin.len()..).unwrap_or_default())? {
+                break;
             }
             let mut found = None;
             Framer::new(None).push(&bytes, |frame| found = Some(frame));
@@ -162,38 +158,31 @@ impl<R: Read> TlogReader<R> {
                 None => self.skipped += 1,
             }
         }
+        Ok(None)
     }
 
     /// Goes on byte by byte until a frame may begin after its time; `false` at the end of the file.
     fn find_frame(&mut self, stamp: &mut [u8; 8], begin: &mut [u8; 3]) -> io::Result<bool> {
-        while !matches!(begin[0], VERSION_1 | VERSION_2) {
+        while !begins(begin[0])
+            && let Some(next) = self.from.by_ref().bytes().next().transpose()?
+        {
             stamp.rotate_left(1);
             stamp[7] = begin[0];
             begin.rotate_left(1);
-            let mut next = [0];
-            if !self.fill(&mut next, false)? {
-                return Ok(false);
-            }
-            [begin[2]] = next;
+            begin[2] = next;
         }
-        Ok(true)
+        Ok(begins(begin[0]))
     }
 
-    /// Fills a buffer; `false` at the end of the file, which cuts a frame off where one is begun.
-    fn fill(&mut self, mut buffer: &mut [u8], is_begun: bool) -> io::Result<bool> {
-        let wanted = buffer.len();
-        while !buffer.is_empty() {
-            match self.from.read(buffer) {
-                Ok(0) => {
-                    self.skipped += u64::from(is_begun || buffer.len() < wanted);
-                    return Ok(false);
-                }
-                Ok(read) => buffer = buffer.get_mut(read..).unwrap_or_default(),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
+    /// Fills a buffer; `false` at the end of the file, which cuts a frame off.
+    fn fill(&mut self, buffer: &mut [u8]) -> io::Result<bool> {
+        match self.from.read_exact(buffer) {
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                self.skipped += 1;
+                Ok(false)
             }
+            filled => filled.map(|()| true),
         }
-        Ok(true)
     }
 }
 

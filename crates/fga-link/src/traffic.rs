@@ -30,8 +30,8 @@ pub mod threat;
 pub mod track;
 pub mod vertical;
 
-pub use class::{Class, Volumes};
+pub use class::{AircraftClass, Volumes};
 pub use defect::{Defect, Defects};
-pub use report::{AltitudeReference, Report, Sender, Source};
+pub use report::{AltitudeReference, PlaceReport, ReportSender, ReportSource};
 pub use table::TrackTable;
-pub use track::Track;
+pub use track::AircraftTrack;

@@ -2,31 +2,26 @@
 //!
 //! [`Framer`] takes bytes from a socket or a serial port, in pieces of any size, with
 //! noise between the frames, and yields whole messages with a right checksum (and signature, if a key
-//! is set). It never holds more than one frame and a read.
+//! is set). The crate `mavlink` finds the frames; it never holds more than one frame and a read.
+
+use alloc::collections::VecDeque;
 
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, MavMessage, OPEN_DRONE_ID_BASIC_ID_DATA, OPEN_DRONE_ID_LOCATION_DATA,
 };
 use mavlink::{
-    MAVLinkV1MessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, MessageData as _,
+    MAV_STX, MAVLinkMessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkReader, MavlinkVersion,
+    Message as _, MessageData as _,
 };
 
 pub use crate::signing::{Refusal, Signing, SigningCounts, Timestamps};
 
-/// First byte of a MAVLink 2 frame.
-const START: u8 = 0xFD;
-/// Start, nine bytes of header.
-const HEADER_LENGTH: usize = 10;
-const CHECKSUM_LENGTH: usize = 2;
-const SIGNATURE_LENGTH: usize = 13;
-/// Flag of a signed frame; a frame with any other incompatibility flag must be ignored.
-const FLAG_SIGNED: u8 = 0x01;
 /// Longest frame, bytes.
-pub const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
+const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
 
 /// A message with its sender and its bytes as received.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frame {
+pub struct WireFrame {
     /// Sender and sequence number.
     pub header: MavHeader,
     /// The message.
@@ -34,7 +29,7 @@ pub struct Frame {
     raw: MAVLinkV2MessageRaw,
 }
 
-impl Frame {
+impl WireFrame {
     /// The frame's bytes.
     pub fn bytes(&self) -> &[u8] {
         self.raw.raw_bytes()
@@ -46,31 +41,24 @@ impl Frame {
 pub struct FrameCounts {
     /// Messages passed on.
     pub good: u64,
-    /// Bytes that belonged to no valid frame.
-    pub skipped_bytes: u64,
     /// Frames with a wrong or missing signature.
     pub refused: u64,
-    /// Frames with a right checksum and content outside of the dialect.
-    pub not_understood: u64,
     /// The sender of a MAVLink 1 frame, where no MAVLink 2 frame came before it.
     pub version1: Option<u8>,
 }
 
-/// The first byte of a MAVLink 1 frame, and its length without the payload.
-const START_1: u8 = 0xFE;
-const AROUND_1: usize = 8;
-
-/// The sender of the first whole MAVLink 1 frame in some bytes.
+/// The sender of the first whole MAVLink 1 frame in some bytes: what begins like a longer frame hides none behind it.
 fn version1_sender(bytes: &[u8]) -> Option<u8> {
-    (0..bytes.len()).find_map(|from| {
-        let rest = bytes.get(from..)?;
-        let (start, payload) = (*rest.first()?, *rest.get(1)?);
-        let candidate = rest.get(..AROUND_1 + usize::from(payload))?;
-        let mut whole = [0; mavlink::consts::v1::FRAME_SIZE];
-        whole.get_mut(..candidate.len())?.copy_from_slice(candidate);
-        let raw = MAVLinkV1MessageRaw::from_bytes_unparsed(whole);
-        (start == START_1 && raw.has_valid_crc::<MavMessage>()).then(|| raw.system_id())
-    })
+    let starts = (0..bytes.len()).filter(|from| bytes.get(*from) == Some(&MAV_STX));
+    starts
+        .filter_map(|from| bytes.get(from..))
+        .find_map(|rest| {
+            let mut reader = MavlinkReader::with_capacity(LONGEST_FRAME, rest);
+            match reader.read_raw_message::<MavMessage>(MavlinkVersion::V1) {
+                Ok(MAVLinkMessageRaw::V1(raw)) => Some(raw.system_id()),
+                _ => None,
+            }
+        })
 }
 
 /// Messages about traffic: the places of listed words in their payloads, and the word that replaces an unlisted one.
@@ -109,9 +97,8 @@ fn message_of(id: u32, payload: &[u8]) -> Option<MavMessage> {
 }
 
 /// Finds frames in a stream of bytes.
-#[derive(Debug, Default)]
 pub struct Framer {
-    buffer: Vec<u8>,
+    reader: MavlinkReader<VecDeque<u8>>,
     signing: Option<Signing>,
     counts: FrameCounts,
 }
@@ -120,10 +107,14 @@ impl Framer {
     /// A framer; with `signing` it checks signatures.
     pub fn new(signing: Option<Signing>) -> Self {
         Self {
-            buffer: Vec::with_capacity(2 * LONGEST_FRAME),
+            reader: Self::reader(),
             signing,
             counts: FrameCounts::default(),
         }
+    }
+
+    fn reader() -> MavlinkReader<VecDeque<u8>> {
+        MavlinkReader::with_capacity(LONGEST_FRAME, VecDeque::new())
     }
 
     /// The counts so far.
@@ -133,70 +124,24 @@ impl Framer {
 
     /// Forgets a begun frame: for the end of a datagram or a connection.
     pub fn reset(&mut self) {
-        self.counts.skipped_bytes += self.buffer.len() as u64;
-        self.buffer.clear();
+        self.reader = Self::reader();
     }
 
     /// Takes bytes and calls `sink` for each whole message in them.
-    pub fn push(&mut self, mut bytes: &[u8], mut sink: impl FnMut(Frame)) {
+    pub fn push(&mut self, bytes: &[u8], mut sink: impl FnMut(WireFrame)) {
         if self.counts.good == 0 && self.counts.version1.is_none() {
             self.counts.version1 = version1_sender(bytes);
         }
-        while !bytes.is_empty() {
-            let room = 2 * LONGEST_FRAME - self.buffer.len().min(2 * LONGEST_FRAME - 1);
-            let (now, later) = bytes.split_at(room.min(bytes.len()));
-            self.buffer.extend_from_slice(now);
-            bytes = later;
-            self.take_frames(&mut sink);
+        self.reader.get_mut().extend(bytes);
+        while let Ok(MAVLinkMessageRaw::V2(raw)) = self
+            .reader
+            .read_raw_message::<MavMessage>(MavlinkVersion::V2)
+        {
+            self.take_frame(&raw, &mut sink);
         }
     }
 
-    fn take_frames(&mut self, sink: &mut impl FnMut(Frame)) {
-        let mut from = 0;
-        loop {
-            let rest = self.buffer.get(from..).unwrap_or_default();
-            let Some(start) = rest.iter().position(|byte| *byte == START) else {
-                self.counts.skipped_bytes += rest.len() as u64;
-                from = self.buffer.len();
-                break;
-            };
-            self.counts.skipped_bytes += start as u64;
-            from += start;
-            let rest = rest.get(start..).unwrap_or_default();
-            let (Some(&payload), Some(&flags)) = (rest.get(1), rest.get(2)) else {
-                break;
-            };
-            let signature = if flags & FLAG_SIGNED == 0 {
-                0
-            } else {
-                SIGNATURE_LENGTH
-            };
-            let length = HEADER_LENGTH + usize::from(payload) + CHECKSUM_LENGTH + signature;
-            if flags & !FLAG_SIGNED != 0 {
-                self.counts.skipped_bytes += 1;
-                from += 1;
-                continue;
-            }
-            let Some(candidate) = rest.get(..length) else {
-                break;
-            };
-            let mut whole = [0; LONGEST_FRAME];
-            if let Some(part) = whole.get_mut(..length) {
-                part.copy_from_slice(candidate);
-            }
-            let raw = MAVLinkV2MessageRaw::from_bytes_unparsed(whole);
-            if !raw.has_valid_crc::<MavMessage>() {
-                self.counts.skipped_bytes += 1;
-                from += 1;
-                continue;
-            }
-            from += length;
-            self.take_frame(&raw, sink);
-        }
-        self.buffer.drain(..from.min(self.buffer.len()));
-    }
-
-    fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(Frame)) {
+    fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(WireFrame)) {
         if let Some(signing) = &self.signing
             && !signing.accepts(raw)
         {
@@ -204,7 +149,6 @@ impl Framer {
             return;
         }
         let Some(message) = message_of(raw.message_id(), raw.payload()) else {
-            self.counts.not_understood += 1;
             return;
         };
         self.counts.good += 1;
@@ -213,7 +157,7 @@ impl Framer {
             component_id: raw.component_id(),
             sequence: raw.sequence(),
         };
-        sink(Frame {
+        sink(WireFrame {
             header,
             message,
             raw: *raw,
@@ -239,8 +183,10 @@ pub fn encode(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use mavlink::MAVLinkV1MessageRaw;
     use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, AdsbAltitudeType, PING_DATA};
+
+    use super::*;
 
     fn header(sequence: u8) -> MavHeader {
         MavHeader {
@@ -258,7 +204,7 @@ mod tests {
         })
     }
 
-    fn all(framer: &mut Framer, bytes: &[u8]) -> Vec<Frame> {
+    fn all(framer: &mut Framer, bytes: &[u8]) -> Vec<WireFrame> {
         let mut frames = Vec::new();
         framer.push(bytes, |frame| frames.push(frame));
         frames
@@ -275,13 +221,16 @@ mod tests {
         stream.extend_from_slice(&[0; 300]);
         for piece in [1, 2, 7, 64, 281, 5000] {
             let mut framer = Framer::new(None);
-            let frames: Vec<Frame> = stream
+            let frames: Vec<WireFrame> = stream
                 .chunks(piece)
                 .flat_map(|chunk| all(&mut framer, chunk))
                 .collect();
             assert_eq!(frames.len(), 20, "pieces of {piece}");
             assert_eq!(frames[19].message, attitude(19.0));
-            assert!(framer.buffer.len() < 2 * LONGEST_FRAME);
+            assert!(
+                framer.reader.get_ref().is_empty(),
+                "at most one frame waits"
+            );
         }
     }
 

@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::counts::{self, CountTable};
-use source::Sources;
+use source::{Names, Sources};
 
 const TABLE: &str = "crates/xtask/house.csv";
 
@@ -133,9 +133,9 @@ fn read_crate(src: &Path) -> Result<(Sources, usize), String> {
         let shipped = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
         lines.insert(module, shipped.lines().count());
     }
-    let shipped = lines
-        .iter()
-        .filter(|(module, _)| !sources.of_tests.contains(*module));
+    // A file below a module of tests is of tests too.
+    let in_tests = |up_to, of: &Names| sources.of_tests.contains(&of[..up_to]);
+    let shipped = (lines.iter()).filter(|(of, _)| !(1..=of.len()).any(|up_to| in_tests(up_to, of)));
     let lines = shipped.map(|(_, lines)| lines).sum();
     Ok((sources, lines))
 }

@@ -2,6 +2,9 @@
 //!
 //! Source: the message set `common` of MAVLink; frames of both versions. Signatures are not checked: a log says
 //! what was received.
+//!
+//! The eight messages that are read are framed here: the crate `mavlink`, on which the link builds, would bring its whole dialect into
+//! every program that reads a file.
 
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
@@ -74,24 +77,13 @@ impl<'a> LogFrame<'a> {
     fn of(record: &'a [u8]) -> Option<Self> {
         let frame = record.get(STAMP..)?;
         let size = usize::from(*frame.get(1)?);
+        let byte = |at: usize| frame.get(at).copied();
         let (head, trailer, system, component, message) = match frame.first()? {
-            0xfe => (
-                6,
-                0,
-                *frame.get(3)?,
-                *frame.get(4)?,
-                u32::from(*frame.get(5)?),
-            ),
+            0xfe => (6, 0, byte(3)?, byte(4)?, u32::from(byte(5)?)),
             0xfd => {
-                let message = [*frame.get(7)?, *frame.get(8)?, *frame.get(9)?, 0];
-                let trailer = if frame.get(2)? & 1 == 1 { 13 } else { 0 };
-                (
-                    10,
-                    trailer,
-                    *frame.get(5)?,
-                    *frame.get(6)?,
-                    u32::from_le_bytes(message),
-                )
+                let message = u32::from_le_bytes([byte(7)?, byte(8)?, byte(9)?, 0]);
+                let trailer = if byte(2)? & 1 == 1 { 13 } else { 0 };
+                (10, trailer, byte(5)?, byte(6)?, message)
             }
             _ => return None,
         };

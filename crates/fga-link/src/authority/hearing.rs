@@ -11,7 +11,7 @@
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavType};
 
-use crate::clock::{BootClock, Stamp};
+use crate::clock::{BootClock, BootStamp};
 use crate::mode::{Mode, ModeChange};
 use crate::outgoing::AUTOPILOT;
 
@@ -68,7 +68,7 @@ impl Beat {
 
 /// The relation of a heartbeat to the earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum BeatOrder {
     /// The newest one.
     New,
     /// A newer one came before it, or it is a copy: it has no meaning.
@@ -113,15 +113,15 @@ impl Default for Hearing {
 
 impl Hearing {
     /// Takes a heartbeat of the vehicle.
-    pub fn hear(&mut self, beat: Beat, now_s: f64) -> Verdict {
+    pub fn hear(&mut self, beat: Beat, now_s: f64) -> BeatOrder {
         let Some((last, last_s)) = self.last else {
             self.accept(beat, now_s);
-            return Verdict::New;
+            return BeatOrder::New;
         };
         let behind = last.sequence.wrapping_sub(beat.sequence);
         if now_s - last_s < OVERTAKEN_S && behind < 128 {
             if last.reports_the_same(beat) {
-                return Verdict::Overtaken;
+                return BeatOrder::Overtaken;
             }
             let again = self.suspect.is_some_and(|(suspect, since_s)| {
                 suspect.reports_the_same(beat)
@@ -130,7 +130,7 @@ impl Hearing {
             });
             if !again {
                 self.suspect = Some((beat, now_s));
-                return Verdict::Overtaken;
+                return BeatOrder::Overtaken;
             }
             self.contradicted_s = now_s;
         }
@@ -143,9 +143,9 @@ impl Hearing {
         }
         self.accept(beat, now_s);
         if self.contradicted_s == now_s {
-            Verdict::Contradicts
+            BeatOrder::Contradicts
         } else {
-            Verdict::New
+            BeatOrder::New
         }
     }
 
@@ -163,10 +163,10 @@ impl Hearing {
     /// Takes the vehicle's boot time of a regular message, which shows how late the link is.
     pub fn stamp(&mut self, boot_ms: u32, now_s: f64) {
         match self.clock.stamp(boot_ms, now_s) {
-            Stamp::New { measured_s } | Stamp::Restarted { measured_s } => {
+            BootStamp::New { measured_s } | BootStamp::Restarted { measured_s } => {
                 self.late_s = now_s - measured_s;
             }
-            Stamp::Old => {}
+            BootStamp::Old => {}
         }
     }
 
@@ -275,7 +275,7 @@ mod tests {
         assert!(hearing.permits(Mode::GUIDED, 2.5));
         assert!(!hearing.permits(Mode::AUTO, 2.0));
         assert!(!hearing.permits(Mode::GUIDED, 2.6), "nobody knows any more");
-        assert_eq!(hearing.hear(beat(90, Mode(0)), 2.25), Verdict::New);
+        assert_eq!(hearing.hear(beat(90, Mode(0)), 2.25), BeatOrder::New);
         assert!(!hearing.permits(Mode::GUIDED, 2.25));
         hearing.forget();
         assert!(!hearing.permits(Mode(0), 2.25));
@@ -288,17 +288,17 @@ mod tests {
         let change = |from, to| ModeChange { from, to };
         let mut hearing = steady(Mode::AUTO);
         assert!(hearing.ask(change(Mode::AUTO, Mode::GUIDED), 2.1));
-        assert_eq!(hearing.hear(beat(120, Mode::GUIDED), 7.0), Verdict::New);
+        assert_eq!(hearing.hear(beat(120, Mode::GUIDED), 7.0), BeatOrder::New);
         assert!(hearing.ask(change(Mode::GUIDED, Mode::AUTO), 7.1));
-        assert_eq!(hearing.hear(beat(130, Mode::AUTO), 7.25), Verdict::New);
+        assert_eq!(hearing.hear(beat(130, Mode::AUTO), 7.25), BeatOrder::New);
         assert!(hearing.ask(change(Mode::AUTO, Mode::GUIDED), 7.3));
-        assert_eq!(hearing.hear(beat(140, Mode::GUIDED), 7.5), Verdict::New);
+        assert_eq!(hearing.hear(beat(140, Mode::GUIDED), 7.5), BeatOrder::New);
         // Each only once, and nothing that was not asked for.
         hearing.hear(beat(150, Mode::AUTO), 7.75);
         hearing.hear(beat(160, Mode::GUIDED), 8.0);
         assert_eq!(
             hearing.hear(beat(170, Mode::AUTO), 8.25),
-            Verdict::Contradicts
+            BeatOrder::Contradicts
         );
         assert!(!hearing.ask(change(Mode::AUTO, Mode::GUIDED), 8.3));
     }
@@ -336,13 +336,19 @@ mod tests {
     #[test]
     fn an_overtaken_heartbeat_says_nothing() {
         let mut hearing = steady(Mode::AUTO);
-        assert_eq!(hearing.hear(beat(90, Mode::GUIDED), 2.05), Verdict::New);
-        assert_eq!(hearing.hear(beat(89, Mode::AUTO), 2.1), Verdict::Overtaken);
-        assert_eq!(hearing.hear(beat(89, Mode::AUTO), 2.1), Verdict::Overtaken);
+        assert_eq!(hearing.hear(beat(90, Mode::GUIDED), 2.05), BeatOrder::New);
+        assert_eq!(
+            hearing.hear(beat(89, Mode::AUTO), 2.1),
+            BeatOrder::Overtaken
+        );
+        assert_eq!(
+            hearing.hear(beat(89, Mode::AUTO), 2.1),
+            BeatOrder::Overtaken
+        );
         assert_eq!(hearing.mode(), Some(Mode::GUIDED));
         // Until it is out of sight nothing is commanded.
         assert!(!hearing.permits(Mode::GUIDED, 2.1));
-        assert_eq!(hearing.hear(beat(100, Mode::GUIDED), 2.5), Verdict::New);
+        assert_eq!(hearing.hear(beat(100, Mode::GUIDED), 2.5), BeatOrder::New);
         assert!(hearing.permits(Mode::GUIDED, 2.6));
         assert!(!hearing.is_contradicted(2.6));
     }
@@ -359,7 +365,7 @@ mod tests {
                 // The true ones, four a second, tell MANUAL.
                 if n % 3 == 1 {
                     let verdict = hearing.hear(beat(sequence, Mode(0)), now_s + 0.05);
-                    if verdict != Verdict::Overtaken {
+                    if verdict != BeatOrder::Overtaken {
                         seen_s = seen_s.min(now_s);
                         assert_eq!(hearing.mode(), Some(Mode(0)));
                     }
@@ -381,7 +387,10 @@ mod tests {
         // Three times within two seconds is too fast, a change after that time is not.
         hearing.hear(beat(110, Mode(5)), 4.3);
         assert!(!hearing.is_contradicted(4.3));
-        assert_eq!(hearing.hear(beat(120, Mode(0)), 4.45), Verdict::Contradicts);
+        assert_eq!(
+            hearing.hear(beat(120, Mode(0)), 4.45),
+            BeatOrder::Contradicts
+        );
         assert!(hearing.is_contradicted(7.4));
         assert!(!hearing.is_contradicted(7.5));
     }
@@ -409,9 +418,9 @@ mod tests {
     /// Now and then a frame under an old number says something else: only two soon after each other contradict.
     #[test]
     fn overtaken_heartbeats_of_another_mode_contradict_only_soon_after_each_other() {
-        for (later, verdict) in [(4, Verdict::Contradicts), (8, Verdict::Overtaken)] {
+        for (later, verdict) in [(4, BeatOrder::Contradicts), (8, BeatOrder::Overtaken)] {
             let mut hearing = Hearing::default();
-            let mut heard = Verdict::New;
+            let mut heard = BeatOrder::New;
             for n in 0_u8..=100 {
                 let now_s = 0.25 * f64::from(n);
                 hearing.hear(beat(n, Mode::AUTO), now_s);
@@ -439,7 +448,10 @@ mod tests {
             };
             hearing.hear(beat, 0.025 * f64::from(sequence))
         });
-        assert_eq!(verdicts, [Verdict::New, Verdict::New, Verdict::Contradicts]);
+        assert_eq!(
+            verdicts,
+            [BeatOrder::New, BeatOrder::New, BeatOrder::Contradicts]
+        );
     }
 
     #[test]

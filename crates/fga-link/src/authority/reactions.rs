@@ -74,7 +74,7 @@ pub enum Severity {
 
 /// The reaction to a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Reaction {
+pub struct FaultReaction {
     /// The fault.
     pub fault: Fault,
     /// The reaction on the mode during a manoeuvre.
@@ -90,7 +90,7 @@ pub struct Reaction {
 /// Rows of the table: fault, reaction on the mode, when it may act again, severity, message.
 macro_rules! rows {
     ($($fault:ident: $hand_back:ident, $rearm:ident, $severity:ident, $text:literal;)*) => {
-        [$(Reaction {
+        [$(FaultReaction {
             fault: Fault::$fault,
             hand_back: HandBack::$hand_back,
             rearm: Rearm::$rearm,
@@ -101,7 +101,7 @@ macro_rules! rows {
 }
 
 /// Every fault and its reaction: the table of `docs/fly-safety.md`.
-pub const REACTIONS: [Reaction; 15] = rows! {
+pub const REACTIONS: [FaultReaction; 15] = rows! {
     ModeChanged: LeaveAlone, Operator, Warning, "fga: mode changed by others, released";
     Disarmed: RestoreWhenHeard, Automatic, Notice, "fga: vehicle disarmed, released";
     BelowFloor: Restore, Automatic, Critical, "fga: below the floor, mode restored";
@@ -120,7 +120,7 @@ pub const REACTIONS: [Reaction; 15] = rows! {
 };
 
 /// The reaction to a fault.
-pub fn reaction(fault: Fault) -> &'static Reaction {
+pub fn reaction(fault: Fault) -> &'static FaultReaction {
     // The table holds every fault (tested); the first row is the most cautious reaction.
     REACTIONS
         .iter()

@@ -14,7 +14,7 @@ const ON_ITS_WAY_S: f64 = 30.0;
 
 /// Why the vehicle has changed to a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Origin {
+pub(super) enum ModeOrigin {
     /// It carried out a request of ours.
     Ours,
     /// It may have carried out one: no answer was heard.
@@ -101,25 +101,25 @@ impl Requests {
     }
 
     /// The vehicle has changed to a mode.
-    pub(super) fn origin(&mut self, mode: Mode, now_s: f64) -> Origin {
+    pub(super) fn origin(&mut self, mode: Mode, now_s: f64) -> ModeOrigin {
         if self.to != Some(mode) && self.earlier != Some(mode) {
-            return Origin::Others;
+            return ModeOrigin::Others;
         }
         if now_s - self.accepted_s <= ACCEPTED_FOR_S {
             match self.accepted {
                 Some(accepted) if accepted != mode => {}
                 Some(_) => {
                     self.accepted_s = f64::NEG_INFINITY;
-                    return Origin::Ours;
+                    return ModeOrigin::Ours;
                 }
-                None => return Origin::Unknown,
+                None => return ModeOrigin::Unknown,
             }
         }
         if !self.is_on_its_way(now_s) {
-            return Origin::Others;
+            return ModeOrigin::Others;
         }
         self.unanswered -= 1;
-        Origin::Unknown
+        ModeOrigin::Unknown
     }
 }
 
@@ -148,48 +148,48 @@ mod tests {
     fn what_was_accepted_is_ours_once_and_for_a_moment() {
         let mut requests = asked(1);
         requests.answered(true, 5.0);
-        assert_eq!(requests.origin(Mode::GUIDED, 6.5), Origin::Ours);
-        assert_eq!(requests.origin(Mode::GUIDED, 6.5), Origin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 6.5), ModeOrigin::Ours);
+        assert_eq!(requests.origin(Mode::GUIDED, 6.5), ModeOrigin::Others);
         let mut requests = asked(1);
         requests.answered(true, 5.0);
-        assert_eq!(requests.origin(Mode::GUIDED, 6.6), Origin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 6.6), ModeOrigin::Others);
         let mut requests = asked(1);
         requests.answered(true, 5.0);
-        assert_eq!(requests.origin(Mode::AUTO, 5.1), Origin::Others);
-        assert_eq!(requests.origin(Mode::GUIDED, 5.2), Origin::Ours);
+        assert_eq!(requests.origin(Mode::AUTO, 5.1), ModeOrigin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 5.2), ModeOrigin::Ours);
     }
 
     #[test]
     fn what_was_refused_is_nobodys() {
         let mut requests = asked(1);
         requests.answered(false, 5.0);
-        assert_eq!(requests.origin(Mode::GUIDED, 5.1), Origin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 5.1), ModeOrigin::Others);
     }
 
     #[test]
     fn each_request_without_an_answer_may_be_carried_out_once_within_thirty_seconds() {
         let mut requests = asked(2);
-        assert_eq!(requests.origin(Mode::GUIDED, 30.4), Origin::Unknown);
-        assert_eq!(requests.origin(Mode::GUIDED, 30.4), Origin::Unknown);
-        assert_eq!(requests.origin(Mode::GUIDED, 30.4), Origin::Others);
-        assert_eq!(asked(2).origin(Mode::GUIDED, 30.5), Origin::Others);
-        assert_eq!(asked(0).origin(Mode::GUIDED, 0.0), Origin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 30.4), ModeOrigin::Unknown);
+        assert_eq!(requests.origin(Mode::GUIDED, 30.4), ModeOrigin::Unknown);
+        assert_eq!(requests.origin(Mode::GUIDED, 30.4), ModeOrigin::Others);
+        assert_eq!(asked(2).origin(Mode::GUIDED, 30.5), ModeOrigin::Others);
+        assert_eq!(asked(0).origin(Mode::GUIDED, 0.0), ModeOrigin::Others);
         // A copy of an answer answers nothing.
         let mut requests = asked(1);
         requests.answered(true, 1.0);
-        assert_eq!(requests.origin(Mode::GUIDED, 1.1), Origin::Ours);
+        assert_eq!(requests.origin(Mode::GUIDED, 1.1), ModeOrigin::Ours);
         requests.answered(true, 1.2);
-        assert_eq!(requests.origin(Mode::GUIDED, 1.3), Origin::Others);
+        assert_eq!(requests.origin(Mode::GUIDED, 1.3), ModeOrigin::Others);
     }
 
     #[test]
     fn a_mode_that_is_doubted_is_nobodys_for_thirty_seconds() {
-        for (later_s, origin) in [(30.0, Origin::Unknown), (30.1, Origin::Others)] {
+        for (later_s, origin) in [(30.0, ModeOrigin::Unknown), (30.1, ModeOrigin::Others)] {
             let mut requests = Requests::NONE;
             requests.doubt(Mode::GUIDED, 0.0);
             requests.answered(true, later_s);
             requests.doubt(Mode::GUIDED, 0.0);
-            assert_eq!(requests.origin(Mode::AUTO, 0.1), Origin::Others);
+            assert_eq!(requests.origin(Mode::AUTO, 0.1), ModeOrigin::Others);
             assert_eq!(requests.origin(Mode::GUIDED, later_s), origin);
         }
     }
@@ -199,23 +199,23 @@ mod tests {
         let mut requests = asked(1);
         requests.asked(RETURN, 1.0);
         requests.answered(true, 1.1);
-        assert_eq!(requests.origin(Mode::AUTO, 1.2), Origin::Unknown);
+        assert_eq!(requests.origin(Mode::AUTO, 1.2), ModeOrigin::Unknown);
         // However long this program has run.
         let mut requests = Requests::NONE;
         requests.asked(TAKE, 20.0);
         requests.asked(RETURN, 30.0);
         requests.answered(true, 30.1);
-        assert_eq!(requests.origin(Mode::AUTO, 30.2), Origin::Unknown);
+        assert_eq!(requests.origin(Mode::AUTO, 30.2), ModeOrigin::Unknown);
         // Had the first one been answered, or been sent long ago, it would.
         let mut requests = asked(1);
         requests.answered(true, 0.1);
         requests.asked(RETURN, 1.0);
         requests.answered(true, 1.1);
-        assert_eq!(requests.origin(Mode::AUTO, 1.2), Origin::Ours);
+        assert_eq!(requests.origin(Mode::AUTO, 1.2), ModeOrigin::Ours);
         let mut requests = asked(1);
         requests.asked(RETURN, 30.1);
         requests.answered(true, 30.2);
-        assert_eq!(requests.origin(Mode::AUTO, 30.3), Origin::Ours);
+        assert_eq!(requests.origin(Mode::AUTO, 30.3), ModeOrigin::Ours);
     }
 
     /// A queue that ends delivers the newer request first, and the older one follows.
@@ -224,24 +224,24 @@ mod tests {
         for answers in 0..=2 {
             let mut requests = asked(2);
             requests.answered(true, 4.6);
-            assert_eq!(requests.origin(Mode::GUIDED, 4.7), Origin::Ours);
+            assert_eq!(requests.origin(Mode::GUIDED, 4.7), ModeOrigin::Ours);
             requests.asked(RETURN, 4.8);
             for _ in 0..answers {
                 requests.answered(true, 5.0);
             }
             // The vehicle returns, and carries out the older request later.
-            assert_eq!(requests.origin(Mode::AUTO, 5.1), Origin::Unknown);
+            assert_eq!(requests.origin(Mode::AUTO, 5.1), ModeOrigin::Unknown);
             if answers == 1 {
                 requests.answered(true, 7.9);
             }
             let late = if answers == 2 { 6.0 } else { 8.0 };
-            assert_eq!(requests.origin(Mode::GUIDED, late), Origin::Unknown);
+            assert_eq!(requests.origin(Mode::GUIDED, late), ModeOrigin::Unknown);
         }
     }
 
     #[test]
     fn an_answer_long_after_the_request_tells_nothing() {
-        for (answered_s, origin) in [(30.0, Origin::Ours), (30.1, Origin::Unknown)] {
+        for (answered_s, origin) in [(30.0, ModeOrigin::Ours), (30.1, ModeOrigin::Unknown)] {
             let mut requests = asked(1);
             requests.answered(true, answered_s);
             assert_eq!(requests.origin(Mode::GUIDED, answered_s + 0.1), origin);

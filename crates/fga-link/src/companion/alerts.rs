@@ -3,17 +3,15 @@
 use fga::avoider::{Start, Threat};
 use fga::situation::Obstacle;
 use fga_alerts::{Aircraft, AircraftId, Monitor, Pair, schemes};
-use mavlink::dialects::ardupilotmega::{
-    COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
-};
+use mavlink::dialects::ardupilotmega::{MavCollisionAction, MavMessage};
 use serde_json::json;
 
-use super::around::Around;
+use super::around::ObstaclesAround;
 use super::voice::Voice;
 use crate::authority::Severity;
 use crate::config::{AlertScheme, AlertsConfig};
-use crate::number::single;
-use crate::ownship::State;
+use crate::ownship::OwnState;
+use crate::telling;
 
 /// Time between the messages about alerting aircraft, seconds.
 const REPORT_EVERY_S: f64 = 0.5;
@@ -22,7 +20,7 @@ const MOST_REPORTED: usize = 8;
 
 /// The alert levels of one companion.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(super) struct AlertWatch {
     monitor: Monitor,
     /// The most levels that there are.
     most: usize,
@@ -40,7 +38,7 @@ struct Urgent {
     entry_s: Option<f64>,
 }
 
-impl Watch {
+impl AlertWatch {
     /// The levels of a configuration; `None` where they are off.
     pub(super) fn new(config: &AlertsConfig) -> Option<Self> {
         let settings = match config.levels {
@@ -58,7 +56,7 @@ impl Watch {
     }
 
     /// Takes the aircraft of a moment and says which one alerts most.
-    fn step(&mut self, time_s: f64, own: &State, obstacles: &[&Obstacle]) -> Option<Urgent> {
+    fn step(&mut self, time_s: f64, own: &OwnState, obstacles: &[&Obstacle]) -> Option<Urgent> {
         let ownship = aircraft(
             u64::MAX,
             own.ownship.position_m,
@@ -113,7 +111,12 @@ impl Watch {
 }
 
 /// An aircraft of which the velocity over the ground is given.
-fn aircraft(id: u64, position_m: fga::Vec3, over_ground_mps: fga::Vec3, own: &State) -> Aircraft {
+fn aircraft(
+    id: u64,
+    position_m: fga::Vec3,
+    over_ground_mps: fga::Vec3,
+    own: &OwnState,
+) -> Aircraft {
     let state = fga_alerts::State {
         position_m,
         velocity_mps: over_ground_mps - own.wind_mps,
@@ -121,14 +124,14 @@ fn aircraft(id: u64, position_m: fga::Vec3, over_ground_mps: fga::Vec3, own: &St
     Aircraft::new(AircraftId(id), state)
 }
 
-impl Watch {
+impl AlertWatch {
     /// Reports the alert level, and sends `COLLISION` about each alerting aircraft but the threat of the last decision, about
     /// which it is sent anyway. When a manoeuvre begins, where the levels say that.
     pub(super) fn watch(
         &mut self,
-        own: &State,
+        own: &OwnState,
         threat: Option<Threat>,
-        around: &Around,
+        around: &ObstaclesAround,
         voice: &mut Voice,
     ) -> Option<Start> {
         let now_s = voice.now_s();
@@ -153,7 +156,7 @@ impl Watch {
         })
     }
 
-    fn tell(&self, urgent: Option<&Urgent>, around: &Around, voice: &mut Voice) {
+    fn tell(&self, urgent: Option<&Urgent>, around: &ObstaclesAround, voice: &mut Voice) {
         let words = urgent.map_or("fga: no alert".to_owned(), |urgent| {
             let when = urgent
                 .entry_s
@@ -173,7 +176,13 @@ impl Watch {
         );
     }
 
-    fn report(&self, own: &State, threat: Option<Threat>, around: &Around, voice: &mut Voice) {
+    fn report(
+        &self,
+        own: &OwnState,
+        threat: Option<Threat>,
+        around: &ObstaclesAround,
+        voice: &mut Voice,
+    ) {
         let level_of = |id: u32| {
             let id = AircraftId(u64::from(id));
             let alert = self.monitor.alerts().iter().find(|alert| alert.id == id);
@@ -201,17 +210,6 @@ fn collision(id: u32, pair: &Pair, asks_for_maneuver: bool) -> MavMessage {
     let relative_m = pair.ownship.position_m - pair.intruder.position_m;
     let relative_mps = pair.ownship.velocity_mps - pair.intruder.velocity_mps;
     let then_m = relative_m + relative_mps * closest_s;
-    MavMessage::COLLISION(COLLISION_DATA {
-        id,
-        time_to_minimum_delta: single(closest_s),
-        altitude_minimum_delta: single(then_m.z.abs()),
-        horizontal_minimum_delta: single(libm::hypot(then_m.x, then_m.y)),
-        src: MavCollisionSrc::MAV_COLLISION_SRC_ADSB,
-        action: MavCollisionAction::MAV_COLLISION_ACTION_REPORT,
-        threat_level: if asks_for_maneuver {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_HIGH
-        } else {
-            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_LOW
-        },
-    })
+    let action = MavCollisionAction::MAV_COLLISION_ACTION_REPORT;
+    telling::collision(id, (closest_s, then_m), action, asks_for_maneuver)
 }

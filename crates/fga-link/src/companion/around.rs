@@ -1,89 +1,59 @@
 //! Who and what is around the aircraft: virtual obstacles, tracks, floor and ceiling?
 
-use fga::Vec3;
-use fga::situation::{Movement, Obstacle, ProtectedVolume};
+use fga::situation::{Movement, Obstacle};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 
-use super::route::Route;
+use super::route::LaidRoute;
 use super::voice::Voice;
 use crate::config::{Config, ConfigError, VirtualObstacle};
-use crate::ownship::State;
+use crate::number::velocity_mps;
+use crate::ownship::OwnState;
+use crate::traffic::class::volume_of;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
-use crate::traffic::report::{Quality, Sender};
 use crate::traffic::table::Wanted;
-use crate::traffic::threat::Ahead;
-use crate::traffic::{AltitudeReference, Class, Report, Source, TrackTable, Volumes};
+use crate::traffic::threat::WaysAhead;
+use crate::traffic::{TrackTable, Volumes};
 
 /// Identifier of the first virtual obstacle.
 const FIRST_VIRTUAL_ID: usize = 1_000;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
-fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume, f64)> {
-    let place = Geodetic::new(
-        obstacle.latitude_deg,
-        obstacle.longitude_deg,
-        obstacle.altitude_m,
-    )?;
-    let track_rad = obstacle.track_deg.to_radians();
-    let velocity = Vec3::new(
-        obstacle.speed_mps * libm::sin(track_rad),
-        obstacle.speed_mps * libm::cos(track_rad),
-        obstacle.climb_mps,
-    );
-    let volume = match obstacle.half_height_m {
-        Some(half_height_m) => ProtectedVolume::Cylinder {
-            radius_m: obstacle.radius_m,
-            half_height_m,
-        },
-        None => ProtectedVolume::Sphere {
-            radius_m: obstacle.radius_m,
-        },
-    };
-    let report = Report {
-        source: Source::Virtual,
-        sender: Sender {
-            source: Source::Virtual,
-            number: 0,
-        },
-        icao: 0,
-        key: None,
-        callsign: obstacle.name.clone(),
-        place,
-        velocity_mps: Some(velocity),
-        valid_s: 0.0,
-        movement: if obstacle.speed_mps == 0.0 && obstacle.climb_mps == 0.0 {
-            Movement::AtRest
-        } else {
-            Movement::Straight
-        },
-        class: Class::Crewed,
-        quality: Quality {
-            position_m: 0.0,
-            velocity_mps: 0.0,
-            velocity_sigma_is_known: true,
-            climb_is_known: true,
-            height_m: 0.0,
-            altitude: AltitudeReference::MeanSeaLevel,
-        },
-    };
-    Some((report, volume, 0.0))
+
+impl VirtualObstacle {
+    /// The obstacle at a time since the start, seconds.
+    fn at(&self, id: u32, frame: &LocalFrame, at_s: f64) -> Option<Obstacle> {
+        let place = Geodetic::new(self.latitude_deg, self.longitude_deg, self.altitude_m)?;
+        let track_rad = self.track_deg.to_radians();
+        let velocity_mps = velocity_mps(self.speed_mps, track_rad, self.climb_mps);
+        let velocity_mps = frame.velocity_mps(place, velocity_mps);
+        let position_m = frame.to_local_m(place) + velocity_mps * at_s;
+        let volume = volume_of(self.radius_m, self.half_height_m);
+        Some(Obstacle {
+            movement: if self.speed_mps == 0.0 && self.climb_mps == 0.0 {
+                Movement::AtRest
+            } else {
+                Movement::Straight
+            },
+            ..Obstacle::straight(id, position_m, velocity_mps, volume)
+        })
+    }
 }
 
 /// The surroundings.
 #[derive(Debug)]
-pub(super) struct Around {
+pub(super) struct ObstaclesAround {
     tracks: TrackTable,
-    /// The configuration's obstacles: a report each, the volume, and when they were at that place.
-    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
+    /// The configuration's obstacles.
+    virtual_obstacles: Vec<VirtualObstacle>,
     /// What a decision is about.
     obstacles: Vec<Obstacle>,
 }
 
-impl Around {
+impl ObstaclesAround {
     pub(super) fn new(config: &Config) -> Result<Self, ConfigError> {
         Ok(Self {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
-            virtual_reports: config.obstacle.iter().filter_map(virtual_report).collect(),
+            virtual_obstacles: config.obstacle.clone(),
             obstacles: Vec::new(),
         })
     }
@@ -108,11 +78,11 @@ impl Around {
         let index = usize::try_from(id).unwrap_or(usize::MAX);
         let own = index
             .checked_sub(FIRST_VIRTUAL_ID)
-            .and_then(|index| self.virtual_reports.get(index));
+            .and_then(|index| self.virtual_obstacles.get(index));
         match (id, own) {
             (FLOOR_ID, _) => "floor".to_owned(),
             (CEILING_ID, _) => "ceiling".to_owned(),
-            (_, Some((report, ..))) if !report.callsign.is_empty() => report.callsign.clone(),
+            (_, Some(own)) if !own.name.is_empty() => own.name.clone(),
             (_, Some(_)) => "virtual obstacle".to_owned(),
             _ => "fence".to_owned(),
         }
@@ -127,32 +97,28 @@ impl Around {
     /// Gathers the obstacles at `at_s`, in seconds, of the aircraft in its state then.
     pub(super) fn gather(
         &mut self,
-        (state, at_s): (&State, f64),
+        (state, at_s): (&OwnState, f64),
         frame: Option<&LocalFrame>,
-        route: &Route,
+        route: &LaidRoute,
         config: &Config,
         voice: &mut Voice,
     ) {
         self.obstacles.clear();
         let own_m = state.ownship.position_m;
         let within_m = config.surveillance_m(state.ownship.airspeed_mps);
-        if let Some(frame) = frame {
-            for (id, (report, volume, since_s)) in (FIRST_VIRTUAL_ID..).zip(&self.virtual_reports) {
-                let Ok(id) = u32::try_from(id) else { break };
-                let velocity_mps =
-                    frame.velocity_mps(report.place, report.velocity_mps.unwrap_or(Vec3::ZERO));
-                let position_m = frame.to_local_m(report.place) + velocity_mps * (at_s - since_s);
-                if (position_m - own_m).length() - volume.bounding_radius_m() < within_m {
-                    self.obstacles.push(Obstacle {
-                        movement: report.movement,
-                        ..Obstacle::straight(id, position_m, velocity_mps, *volume)
-                    });
-                }
-            }
-        }
+        let is_near = |obstacle: &Obstacle| {
+            let away_m = (obstacle.position_m - own_m).length();
+            away_m - obstacle.volume.bounding_radius_m() < within_m
+        };
+        let virtual_obstacles = frame.into_iter().flat_map(|frame| {
+            let numbered = (FIRST_VIRTUAL_ID..).zip(&self.virtual_obstacles);
+            numbered.filter_map(move |(id, own)| own.at(u32::try_from(id).ok()?, frame, at_s))
+        });
+        self.obstacles.extend(virtual_obstacles.filter(is_near));
         let (met_m, left_m) = route.left_m(own_m);
         let own = (own_m, state.ground_velocity_mps);
-        self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
+        self.tracks
+            .set_ahead(WaysAhead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
             at_s,
             own_m,
@@ -168,7 +134,7 @@ impl Around {
     }
 
     /// Adds floor and ceiling of a vehicle that can climb, where neither the aircraft nor its way comes near them.
-    pub(super) fn add_layers(&mut self, state: &State, route: &Route, config: &Config) {
+    pub(super) fn add_layers(&mut self, state: &OwnState, route: &LaidRoute, config: &Config) {
         let own_m = state.ownship.position_m;
         let home_z = own_m.z - state.above_home_m;
         let clearance_m = 2.0 * config.protection.margin_m;
@@ -197,10 +163,11 @@ impl Around {
 
 #[cfg(test)]
 mod tests {
+    use fga::Vec3;
     use fga::situation::Ownship;
 
     use super::*;
-    use crate::mission::Way;
+    use crate::mission::LegsAhead;
 
     #[test]
     fn floor_and_ceiling_count_where_neither_the_aircraft_nor_its_way_is_near() {
@@ -209,8 +176,8 @@ mod tests {
         config.limits.ceiling_m = Some(300.0);
         config.protection.margin_m = 10.0;
         let layers = |own_m: f64, way_m: f64| {
-            let mut around = Around::new(&config).unwrap();
-            let state = State {
+            let mut around = ObstaclesAround::new(&config).unwrap();
+            let state = OwnState {
                 ownship: Ownship {
                     position_m: Vec3::Z * own_m,
                     course_rad: 0.0,
@@ -224,11 +191,11 @@ mod tests {
                 pitch_rad: 0.0,
                 course_rate_radps: 0.0,
             };
-            let way = Way {
+            let way = LegsAhead {
                 waypoints_m: vec![Vec3::Z * way_m],
-                ..Way::default()
+                ..LegsAhead::default()
             };
-            around.add_layers(&state, &Route::of(way, 0), &config);
+            around.add_layers(&state, &LaidRoute::of(way, 0), &config);
             let names = around.obstacles().iter().map(|o| around.name(o.id));
             names.collect::<Vec<_>>()
         };

@@ -6,14 +6,14 @@ use fga::vehicle::Vehicle;
 use super::Companion;
 use crate::authority::{Authority, Fault, Severity};
 use crate::mode::Mode;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 
 /// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
 const ENDS_CLEAR_M: f64 = 30.0;
 
 impl Companion {
     /// Takes over, goes on, or hands back; `true` where a manoeuvre has just begun.
-    pub(super) fn authorize(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
+    pub(super) fn authorize(&mut self, decision: &Decision, state: &OwnState, now_s: f64) -> bool {
         let is_ready = self.keeper.state() == Authority::Ready;
         let begins = is_ready
             && self.handover.wants_control(decision, now_s)
@@ -47,10 +47,10 @@ impl Companion {
         true
     }
 
-    fn hand_back(&mut self, decision: &Decision, state: &State, now_s: f64) {
+    fn hand_back(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         let climbs = self.vehicle().is_some_and(Vehicle::can_climb);
         let on_leg = self.route.is_on_leg(state, climbs);
-        let turns_onto_leg = self.route.turns_onto_leg(&decision.command);
+        let turns_onto_leg = self.route.turns_onto_leg(&decision.command, state);
         let is_back = self
             .handover
             .is_back(decision, on_leg, turns_onto_leg, now_s);
@@ -73,7 +73,7 @@ impl Companion {
     }
 
     /// Decides whether to fly on through a gap of the telemetry.
-    fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
+    fn judge_gap(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         if !self.flies_blind(now_s) {
             self.gap.end();
             return;
@@ -106,7 +106,7 @@ impl Companion {
     }
 
     /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`.
-    pub(super) fn given_back_collides(&self, state: &State, clear_m: f64) -> bool {
+    pub(super) fn given_back_collides(&self, state: &OwnState, clear_m: f64) -> bool {
         self.vehicle().is_some_and(|vehicle| {
             let rate_radps = vehicle.course_rate_radps();
             self.route

@@ -8,10 +8,10 @@ use serde_json::json;
 
 use super::voice::Voice;
 use crate::authority::Severity;
-use crate::mission::Item;
+use crate::mission::ListItem;
 use crate::number;
 use crate::parameters::VehicleParameters;
-use crate::traffic::fence::Fence;
+use crate::traffic::fence::VehicleFence;
 
 /// Bit of `FENCE_TYPE`: circles and polygons.
 const FENCE_TYPE_PLACES: u16 = 4;
@@ -23,7 +23,7 @@ const FENCE_ACTS_IN_GUIDED: [f64; 2] = [6.0, 7.0];
 /// The fence in the local frame.
 #[derive(Debug, Default)]
 pub(super) struct Boundary {
-    fence: Fence,
+    fence: VehicleFence,
     /// Its number among the fences that were read; 0 before the first.
     number: u32,
     /// Whether the vehicle's status says that its fence is enabled.
@@ -35,7 +35,7 @@ pub(super) struct Boundary {
 impl Boundary {
     /// The local frame has moved.
     pub(super) fn forget(&mut self) {
-        self.fence = Fence::default();
+        self.fence = VehicleFence::default();
         self.number = 0;
     }
 
@@ -48,7 +48,7 @@ impl Boundary {
     /// Lays a fence that has been read, unless it is the present one; `true` if there is now any zone that is new.
     pub(super) fn lay(
         &mut self,
-        (items, number): (&[Item], u32),
+        (items, number): (&[ListItem], u32),
         frame: &LocalFrame,
         voice: &mut Voice,
     ) -> bool {
@@ -56,7 +56,7 @@ impl Boundary {
         if before == number {
             return false;
         }
-        self.fence = Fence::new(items, frame);
+        self.fence = VehicleFence::new(items, frame);
         let incomplete = self.fence.incomplete;
         let content = json!({ "items": items.len(), "incomplete": incomplete });
         voice.note("fence", content);

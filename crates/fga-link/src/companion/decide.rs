@@ -10,11 +10,11 @@ use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
 
-use super::decider::Decider;
-use super::route::Moment;
+use super::decider::CompanionPilot;
+use super::route::RouteMoment;
 use super::{Companion, Decided};
 use crate::mode::Mode;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 use crate::telling;
 
 /// A change of airspeed or response that requires new limits, as a share.
@@ -39,8 +39,34 @@ impl Companion {
         }
     }
 
+    /// After telemetry: decides and commands when due.
+    pub(super) fn prompted(&mut self, now_s: f64) {
+        // The target that follows the plan goes out first: a search may take longer.
+        if now_s >= self.due.command_s - 0.2 / self.config.command.rate_hz {
+            self.command(now_s);
+        }
+        // A little early is better than a whole period late.
+        let slack_s = 0.2 * self.config.command.decision_period_s;
+        if now_s >= self.due.decision_s - slack_s {
+            self.decide(now_s);
+            let reason = self.decided.map(|decided| decided.decision.record.reason);
+            let is_new = matches!(
+                reason,
+                Some(
+                    Reason::ManeuverChosen
+                        | Reason::ManeuverReplaced
+                        | Reason::BestAvailable
+                        | Reason::RejoinChosen
+                )
+            );
+            if is_new {
+                self.command(now_s);
+            }
+        }
+    }
+
     /// Tells the operator and the log of a decision.
-    fn report(&mut self, decision: &Decision, state: &State, now_s: f64) {
+    fn report(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
         if decision.record.in_need && self.keeper.commands() {
             self.told.need(&mut self.voice);
         }
@@ -56,7 +82,7 @@ impl Companion {
     }
 
     /// The decision about a state; `None` until the vehicle's limits are known.
-    fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
+    fn decision_for(&mut self, state: &OwnState, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
         self.renew_decider()?;
         self.look_around(state, now_s);
@@ -65,7 +91,7 @@ impl Companion {
             .boundary
             .zones(&self.parameters, state.ownship.position_m);
         let ground = self.over.raised(self.growth_m(now_s));
-        let step = |mut decider: Decider, bounds| {
+        let step = |mut decider: CompanionPilot, bounds| {
             let decision = decider.step(&self.situation(state, bounds, now_s));
             (decider, decision)
         };
@@ -105,7 +131,7 @@ impl Companion {
     }
 
     /// Looks at the way that the vehicle would fly by itself; another one needs another plan.
-    fn renew_way(&mut self, state: &State) {
+    fn renew_way(&mut self, state: &OwnState) {
         let Some(heard) = self.session.mode() else {
             return;
         };
@@ -114,7 +140,7 @@ impl Companion {
             return;
         }
         let decider = self.decider.as_ref();
-        let moment = Moment {
+        let moment = RouteMoment {
             own_m: state.ownship.position_m,
             track_rad: course_of(state.ground_velocity_mps),
             mode: owed.unwrap_or(heard),
@@ -131,11 +157,11 @@ impl Companion {
     }
 
     /// Gathers what the decision is about, and reports what the alerts and the fence say of it.
-    fn look_around(&mut self, state: &State, now_s: f64) {
+    fn look_around(&mut self, state: &OwnState, now_s: f64) {
         let at = (state, self.lead.acts_s(now_s));
         let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
         self.around.gather(at, frame, route, &self.config, voice);
-        let vehicle = self.decider.as_ref().map(Decider::vehicle);
+        let vehicle = self.decider.as_ref().map(CompanionPilot::vehicle);
         if vehicle.is_some_and(Vehicle::can_climb) {
             self.around.add_layers(state, route, &self.config);
         }
@@ -160,7 +186,7 @@ impl Companion {
 
     fn situation<'a>(
         &'a self,
-        state: &State,
+        state: &OwnState,
         (zones, ground): (&'a [Zone<'a>], Option<&'a Ground<'a>>),
         now_s: f64,
     ) -> Situation<'a> {
@@ -178,7 +204,7 @@ impl Companion {
     }
 
     /// The state with the climb that lasts: a vehicle that keeps its altitude climbs and sinks by some degrees in a turn, and levels off.
-    pub(super) fn lasting(&self, state: &State) -> State {
+    pub(super) fn lasting(&self, state: &OwnState) -> OwnState {
         let waypoint_m = self.route.waypoints_m().get(1);
         let to_climb_m = waypoint_m.map_or(0.0, |m| m.z - state.ownship.position_m.z);
         let follows_mission = !self.keeper.commands()
@@ -191,7 +217,7 @@ impl Companion {
             climb_rad: 0.0,
             ..state.ownship
         };
-        State {
+        OwnState {
             ownship,
             ground_velocity_mps: ownship.velocity_mps() + state.wind_mps,
             ..*state
@@ -200,15 +226,15 @@ impl Companion {
 
     /// The limits in need: only a hand that commands a bank can bank more.
     fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
-        if !self.hand.commands_bank() {
-            return None;
-        }
+        let bank_rad = self
+            .bank_in_need_rad()
+            .filter(|_| self.hand.commands_bank())?;
         let response = Response {
             dead_time_s: 0.0,
             ..self.lead.steep_response()
         };
         self.parameters
-            .vehicle_in_need(&self.config, airspeed_mps, response)
+            .vehicle(bank_rad, &self.config, airspeed_mps, response)
     }
 
     /// Makes the decider, or gives it the vehicle's present limits.
@@ -218,9 +244,10 @@ impl Companion {
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
+        let bank_rad = self.bank_limit_rad()?;
         let wanted = self
             .parameters
-            .vehicle(&self.config, airspeed_mps, response)?;
+            .vehicle(bank_rad, &self.config, airspeed_mps, response)?;
         let in_need = self.vehicle_in_need(airspeed_mps);
         if let Some(decider) = &mut self.decider {
             decider.set_vehicle_in_need(in_need);
@@ -228,12 +255,12 @@ impl Companion {
             // Worse limits count at once; better ones only between manoeuvres, or where no proof rests on the limits.
             let worse = wanted.course_rate_radps() < known.course_rate_radps();
             let idle = decider.state() == AvoiderState::Cruise;
-            if differs(&wanted, known) && (worse || idle || !decider.proves()) {
+            if differs(&wanted, known) && (worse || idle || !decider.certifies()) {
                 decider.retune(&wanted);
             }
             return Some(());
         }
-        match Decider::new(&self.config, wanted) {
+        match CompanionPilot::new(&self.config, wanted) {
             Ok(decider) => {
                 self.decider = Some(decider);
                 Some(())

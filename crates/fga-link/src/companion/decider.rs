@@ -19,12 +19,12 @@ const LATE_SCORE: f64 = 0.9;
 
 /// The pilot of a companion.
 #[derive(Debug, Clone)]
-pub(super) enum Decider {
+pub(super) enum CompanionPilot {
     Avoider(Box<Avoider>),
     Paper(Box<PaperPilot>),
 }
 
-impl Decider {
+impl CompanionPilot {
     pub(super) fn new(config: &Config, vehicle: Vehicle) -> Result<Self, SettingsError> {
         let protection = &config.protection;
         let decision_period_s = config.command.decision_period_s;
@@ -69,12 +69,6 @@ impl Decider {
         }
     }
 
-    /// Whether it has proven a manoeuvre with its limits. Algorithm 4 follows its circle by the airspeed that the vehicle flies
-    /// now.
-    pub(super) const fn proves(&self) -> bool {
-        matches!(self, Self::Avoider(_))
-    }
-
     /// The limits of plans in need; `None` where they are the ordinary ones.
     pub(super) fn vehicle_in_need(&self) -> Option<&Vehicle> {
         match self {
@@ -98,7 +92,8 @@ impl Decider {
         }
     }
 
-    /// Whether its manoeuvres are certified, so that they may be flown on without telemetry.
+    /// Whether its manoeuvres are certified with its limits, so that they may be flown on without telemetry. Algorithm 4 follows its circle by
+    /// the airspeed that the vehicle flies now.
     pub(super) const fn certifies(&self) -> bool {
         matches!(self, Self::Avoider(_))
     }

@@ -8,69 +8,53 @@ const LOST_S: f64 = 1.0;
 /// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
 
-/// A missing condition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Lacking {
-    Link,
-    Contradiction,
-    Rate,
-    Telemetry,
-    Disarmed,
-    Height,
-    Slow,
-    Mode,
-    Mission,
-    TakeOffOrLanding,
-    Limits,
-    FenceAction,
-    BankLimit,
-    Decision,
-    TwoVehicles,
-    Listens,
-    TwoSenders,
-    FeedUnreadable,
-    FeedSilent,
-    OtherAvoider,
-    SlowLink,
-    Ground,
+/// The missing conditions: how the operator reads each.
+macro_rules! conditions {
+    ($($condition:ident: $severity:ident, $words:literal;)*) => {
+        /// A missing condition.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum Lacking {
+            $($condition),*
+        }
+
+        impl Lacking {
+            #[cfg(test)]
+            const ALL: &[Self] = &[$(Self::$condition),*];
+
+            /// What the operator reads, and how severe that is.
+            const fn report(self) -> (Severity, &'static str) {
+                match self {
+                    $(Self::$condition => (Severity::$severity, concat!("fga: not ready: ", $words))),*
+                }
+            }
+        }
+    };
 }
 
-impl Lacking {
-    /// What the operator reads.
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Link => "fga: not ready: no heartbeat",
-            Self::Contradiction => "fga: not ready: heartbeats contradict",
-            Self::Rate => "fga: not ready: telemetry comes too seldom",
-            Self::Telemetry => "fga: not ready: no fresh telemetry",
-            Self::Disarmed => "fga: not ready: vehicle is disarmed",
-            Self::Height => "fga: not ready: too low",
-            Self::Slow => "fga: not ready: too slow to fly a turn",
-            Self::Mode => "fga: not ready: mode is not to be taken over",
-            Self::Mission => "fga: not ready: mission is not known",
-            Self::TakeOffOrLanding => "fga: not ready: take-off or landing",
-            Self::FenceAction => "fga: not ready: FENCE_ACTION uses GUIDED",
-            Self::Listens => "fga: not ready: listens for other vehicles",
-            Self::TwoSenders => "fga: not ready: two senders with one id",
-            Self::TwoVehicles => "fga: not ready: two vehicles, set system_id",
-            Self::Limits => "fga: not ready: vehicle's limits not known",
-            Self::OtherAvoider => "fga: not ready: AVD_F_ACTION avoids by itself",
-            Self::SlowLink => "fga: not ready: link answers too late",
-            Self::BankLimit => "fga: not ready: bank limit cannot be flown",
-            Self::Decision => "fga: not ready: no decision possible",
-            Self::FeedUnreadable => "fga: not ready: traffic feed not understood",
-            Self::FeedSilent => "fga: not ready: no traffic feed",
-            Self::Ground => "fga: not ready: the ground is not made yet",
-        }
-    }
-
-    /// The operator's own action is no news for the operator.
-    const fn severity(self) -> Severity {
-        match self {
-            Self::Mode | Self::Disarmed | Self::TakeOffOrLanding => Severity::Info,
-            _ => Severity::Warning,
-        }
-    }
+// The operator's own action is no news for the operator.
+conditions! {
+    Link: Warning, "no heartbeat";
+    Contradiction: Warning, "heartbeats contradict";
+    Rate: Warning, "telemetry comes too seldom";
+    Telemetry: Warning, "no fresh telemetry";
+    Disarmed: Info, "vehicle is disarmed";
+    Height: Warning, "too low";
+    Slow: Warning, "too slow to fly a turn";
+    Mode: Info, "mode is not to be taken over";
+    Mission: Warning, "mission is not known";
+    TakeOffOrLanding: Info, "take-off or landing";
+    FenceAction: Warning, "FENCE_ACTION uses GUIDED";
+    Listens: Warning, "listens for other vehicles";
+    TwoSenders: Warning, "two senders with one id";
+    TwoVehicles: Warning, "two vehicles, set system_id";
+    Limits: Warning, "vehicle's limits not known";
+    OtherAvoider: Warning, "AVD_F_ACTION avoids by itself";
+    SlowLink: Warning, "link answers too late";
+    BankLimit: Warning, "bank limit cannot be flown";
+    Decision: Warning, "no decision possible";
+    FeedUnreadable: Warning, "traffic feed not understood";
+    FeedSilent: Warning, "no traffic feed";
+    Ground: Warning, "the ground is not made yet";
 }
 
 /// The reports about readiness and need.
@@ -79,7 +63,7 @@ impl Lacking {
     clippy::struct_excessive_bools,
     reason = "each report is made once, by itself"
 )]
-pub(super) struct Told {
+pub(super) struct OperatorReports {
     /// Missing now, and since when, seconds.
     lacking: Option<(Lacking, f64)>,
     /// Whether the operator has read that the companion is ready.
@@ -95,7 +79,7 @@ pub(super) struct Told {
     airspeed_fails_s: Option<f64>,
 }
 
-impl Told {
+impl OperatorReports {
     /// A manoeuvre begins.
     pub(super) const fn begin(&mut self) {
         self.need = false;
@@ -152,7 +136,8 @@ impl Told {
         if now_s - since_s >= after_s && self.last != Some(lacking) {
             self.ready = false;
             self.last = Some(lacking);
-            voice.tell(lacking.severity(), lacking.words());
+            let (severity, words) = lacking.report();
+            voice.tell(severity, words);
         }
     }
 }
@@ -163,37 +148,14 @@ mod tests {
 
     #[test]
     fn every_text_fits_into_one_message() {
-        for lacking in [
-            Lacking::Link,
-            Lacking::Contradiction,
-            Lacking::Rate,
-            Lacking::Telemetry,
-            Lacking::Disarmed,
-            Lacking::Height,
-            Lacking::Slow,
-            Lacking::Mode,
-            Lacking::Mission,
-            Lacking::TakeOffOrLanding,
-            Lacking::Limits,
-            Lacking::FenceAction,
-            Lacking::BankLimit,
-            Lacking::Decision,
-            Lacking::TwoVehicles,
-            Lacking::Listens,
-            Lacking::TwoSenders,
-            Lacking::FeedUnreadable,
-            Lacking::FeedSilent,
-            Lacking::OtherAvoider,
-            Lacking::SlowLink,
-            Lacking::Ground,
-        ] {
-            assert!(lacking.words().len() <= 50, "{lacking:?}");
+        for lacking in Lacking::ALL {
+            assert!(lacking.report().1.len() <= 50, "{lacking:?}");
         }
     }
 
     #[test]
     fn what_is_missing_is_told_once_after_a_while_and_sooner_where_it_was_there() {
-        let (mut told, mut voice) = (Told::default(), Voice::default());
+        let (mut told, mut voice) = (OperatorReports::default(), Voice::default());
         let mut texts_at = |lacking, now_s| {
             told.lacking(lacking, voice.at(now_s));
             voice.texts()

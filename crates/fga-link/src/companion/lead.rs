@@ -9,7 +9,7 @@ use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, MavMessage, TIMESYNC_DATA}
 use super::trips::Trips;
 use crate::commanded::Commanded;
 use crate::config::ResponseConfig;
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnState, OwnshipEstimate};
 use crate::response::ResponseEstimate;
 
 /// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
@@ -64,7 +64,7 @@ impl Lead {
         ownship: &mut OwnshipEstimate,
         in_need: bool,
         now_s: f64,
-    ) -> Option<State> {
+    ) -> Option<OwnState> {
         let response = if in_need {
             self.steep_response()
         } else {
@@ -74,7 +74,7 @@ impl Lead {
     }
 
     /// The state at this moment.
-    pub(super) fn state_now(&self, ownship: &mut OwnshipEstimate, now_s: f64) -> Option<State> {
+    pub(super) fn state_now(&self, ownship: &mut OwnshipEstimate, now_s: f64) -> Option<OwnState> {
         ownship.state_at(now_s, &self.commanded_lately, &self.response.response())
     }
 

@@ -7,16 +7,14 @@
 
 use fga::Vec3;
 use mavlink::dialects::ardupilotmega::{
-    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_INT_DATA,
-    MavMissionResult, MavMissionType, NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA,
-    STATUSTEXT_DATA,
+    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_INT_DATA, MavMessage,
+    MavMissionResult, MavMissionType, STATUSTEXT_DATA,
 };
 
-use super::rally::Rally;
-use super::target::{OwnTarget, Reported};
+use super::target::OwnTarget;
 use super::voice::Voice;
 use super::watched::Watched;
-use crate::mission::{Item, item_position_m};
+use crate::mission::{ListItem, item_position_m};
 use crate::outgoing::OWN_COMPONENT;
 use crate::ownship::OwnshipEstimate;
 
@@ -32,6 +30,9 @@ const FENCE_COUNT_S: f64 = 2.0;
 const FENCE_ITEM_S: f64 = 0.1;
 /// Interval between downloads of the fence, seconds.
 const FENCE_AGAIN_S: f64 = 10.0;
+/// The same two intervals for the rally points, seconds.
+const RALLY_COUNT_S: f64 = 1.5;
+const RALLY_POINT_S: f64 = 0.15;
 
 /// The vehicle's lists, and its place in the mission.
 #[derive(Debug)]
@@ -43,14 +44,14 @@ pub(super) struct Lists {
     target: OwnTarget,
     hinted: bool,
     probed_s: f64,
+    /// The number of the mission that was probed last.
+    probed_number: u32,
     probes: u16,
     /// Probes left at the pace of a hint: a list may have changed while it was read.
     brisk: u16,
     fence: Watched,
     fence_due_s: f64,
-    rally: Rally,
-    /// Numbers of the vehicle's lists, if it sends them.
-    ids: [Option<u32>; 3],
+    rally: Watched,
 }
 
 impl Lists {
@@ -58,19 +59,27 @@ impl Lists {
     pub(super) fn new(use_fence: bool, use_rally: bool) -> Self {
         let mission = MavMissionType::MAV_MISSION_TYPE_MISSION;
         let fence = MavMissionType::MAV_MISSION_TYPE_FENCE;
+        let rally = MavMissionType::MAV_MISSION_TYPE_RALLY;
+        let of_mission = ["mission", "items", "fga: the mission has changed"];
+        let of_rally = ["rally", "points", "fga: the rally points have changed"];
         Self {
-            mission: Watched::new(mission, true, f64::INFINITY, f64::INFINITY),
+            mission: Watched::new(mission, Some(of_mission), true, [f64::INFINITY; 2]),
             item: None,
             total: None,
             target: OwnTarget::default(),
             hinted: false,
             probed_s: f64::NEG_INFINITY,
+            probed_number: 0,
             probes: 0,
             brisk: 0,
-            fence: Watched::new(fence, use_fence, FENCE_COUNT_S, FENCE_ITEM_S),
+            fence: Watched::new(fence, None, use_fence, [FENCE_COUNT_S, FENCE_ITEM_S]),
             fence_due_s: f64::NEG_INFINITY,
-            rally: Rally::new(use_rally),
-            ids: [None; 3],
+            rally: Watched::new(
+                rally,
+                Some(of_rally),
+                use_rally,
+                [RALLY_COUNT_S, RALLY_POINT_S],
+            ),
         }
     }
 
@@ -80,28 +89,28 @@ impl Lists {
     }
 
     /// The mission, once read.
-    pub(super) fn mission(&self) -> Option<&[Item]> {
+    pub(super) fn mission(&self) -> Option<&[ListItem]> {
         self.mission.items()
     }
 
     /// An item of the mission, also of one that is being read for the first time.
     pub(super) fn mission_item(&self, index: u16) -> Option<&MISSION_ITEM_INT_DATA> {
-        self.mission.download().item(index)
+        self.mission.download.item(index)
     }
 
     /// Number of missions read so far that differed from the one before.
     pub(super) const fn mission_number(&self) -> u32 {
-        self.mission.download().changes()
+        self.mission.download.changes()
     }
 
     /// The fence, once read, and the number of fences so far.
-    pub(super) fn fence(&self) -> Option<(&[Item], u32)> {
-        Some((self.fence.items()?, self.fence.download().changes()))
+    pub(super) fn fence(&self) -> Option<(&[ListItem], u32)> {
+        Some((self.fence.items()?, self.fence.download.changes()))
     }
 
-    /// The rally points.
-    pub(super) const fn rally(&self) -> &Rally {
-        &self.rally
+    /// The rally points, once read.
+    pub(super) fn rally(&self) -> Option<&[ListItem]> {
+        self.rally.items()
     }
 
     /// The vehicle's own target in its present mode, metres, local frame.
@@ -138,11 +147,13 @@ impl Lists {
         Some(at_m.with_z(height_m))
     }
 
+    const fn all(&mut self) -> [&mut Watched; 3] {
+        [&mut self.mission, &mut self.fence, &mut self.rally]
+    }
+
     /// The vehicle was heard for the first time.
     pub(super) fn begin(&mut self) {
-        self.mission.read_again();
-        self.fence.read_again();
-        self.rally.read_again();
+        self.all().into_iter().for_each(Watched::read_again);
     }
 
     /// The mode has changed, and so the target; or the local frame.
@@ -150,62 +161,33 @@ impl Lists {
         self.target.mode_changed(now_s);
     }
 
-    /// Takes a number of items; `true` if the fence has been read.
-    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) -> bool {
-        if self.mission.take_count(data, voice) {
-            self.mission_arrived(voice);
-        }
-        self.rally.take_count(data, voice);
-        self.fence.take_count(data, voice)
-    }
-
-    /// Takes an item; `true` if the fence has been read.
-    pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) -> bool {
-        if self.mission.take_item(data, voice) {
-            self.mission_arrived(voice);
-        }
-        self.rally.take_point(data, voice);
-        self.fence.take_item(data, voice)
-    }
-
-    fn mission_arrived(&mut self, voice: &mut Voice) {
-        let words = "fga: the mission has changed";
-        if self.mission.report(("mission", "items"), words, voice) {
-            self.brisk = 2 * PROBED_ITEMS;
+    /// Takes a number of items.
+    pub(super) fn take_count(&mut self, data: &MISSION_COUNT_DATA, voice: &mut Voice) {
+        for list in self.all() {
+            list.take_count(data, voice);
         }
     }
 
-    /// Takes a target that the vehicle reports by its place; `in_auto` while it flies its mission.
-    pub(super) fn take_position_target(
+    /// Takes an item.
+    pub(super) fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA, voice: &mut Voice) {
+        for list in self.all() {
+            list.take_item(data, voice);
+        }
+    }
+
+    /// Takes a target that the vehicle reports by its place, or by distance and bearing; `in_auto` while it flies its mission.
+    pub(super) fn take_target(
         &mut self,
-        data: &POSITION_TARGET_GLOBAL_INT_DATA,
+        message: &MavMessage,
         ownship: &OwnshipEstimate,
         in_auto: bool,
         now_s: f64,
     ) {
-        let reported = OwnTarget::of_place(data, ownship);
-        self.take_target(reported, ownship, in_auto, now_s);
-    }
-
-    /// The same for one that it reports by distance and bearing.
-    pub(super) fn take_nav(
-        &mut self,
-        data: &NAV_CONTROLLER_OUTPUT_DATA,
-        ownship: &OwnshipEstimate,
-        in_auto: bool,
-        now_s: f64,
-    ) {
-        let reported = self.target.of_bearing(data, ownship, now_s);
-        self.take_target(reported, ownship, in_auto, now_s);
-    }
-
-    fn take_target(
-        &mut self,
-        reported: Option<Reported>,
-        ownship: &OwnshipEstimate,
-        in_auto: bool,
-        now_s: f64,
-    ) {
+        let reported = match message {
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => OwnTarget::of_place(data, ownship),
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.target.of_bearing(data, ownship, now_s),
+            _ => None,
+        };
         let item_m = self.item_place_m(ownship).filter(|_| in_auto);
         if self.target.take(reported, item_m, now_s) {
             self.hinted = true;
@@ -215,7 +197,7 @@ impl Lists {
     /// Takes the present item, and the numbers of the lists.
     pub(super) fn take_current(&mut self, data: &MISSION_CURRENT_DATA) {
         let before = self.item.replace(data.seq);
-        self.mission.read_first(data.seq);
+        self.mission.download.read_first(data.seq);
         if before.is_some_and(|before| data.seq != before) {
             self.hinted = true;
         }
@@ -227,22 +209,8 @@ impl Lists {
             }
         }
         let told = [data.mission_id, data.fence_id, data.rally_points_id];
-        let mut changed = [false; 3];
-        for ((known, told), changed) in self.ids.iter_mut().zip(told).zip(&mut changed) {
-            // A vehicle without such a number sends 0.
-            if told != 0 {
-                *changed = known.replace(told).is_some_and(|known| known != told);
-            }
-        }
-        let [mission, fence, rally] = changed;
-        if mission {
-            self.mission.read_again();
-        }
-        if fence {
-            self.fence.read_again();
-        }
-        if rally {
-            self.rally.read_again();
+        for (list, number) in self.all().into_iter().zip(told) {
+            list.take_number(number);
         }
     }
 
@@ -266,30 +234,37 @@ impl Lists {
         if !(uploaded || for_us && !accepted) {
             return;
         }
-        match data.mission_type {
-            MavMissionType::MAV_MISSION_TYPE_MISSION if uploaded => self.mission.read_again(),
-            MavMissionType::MAV_MISSION_TYPE_MISSION => self.mission.refused(),
-            MavMissionType::MAV_MISSION_TYPE_FENCE if uploaded => self.fence.read_again(),
-            MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence.refused(),
-            MavMissionType::MAV_MISSION_TYPE_RALLY if uploaded => self.rally.read_again(),
-            MavMissionType::MAV_MISSION_TYPE_RALLY => self.rally.refused(data.mavtype),
-            MavMissionType::MAV_MISSION_TYPE_ALL => {}
+        let list = match data.mission_type {
+            MavMissionType::MAV_MISSION_TYPE_MISSION => &mut self.mission,
+            MavMissionType::MAV_MISSION_TYPE_FENCE => &mut self.fence,
+            MavMissionType::MAV_MISSION_TYPE_RALLY => {
+                // A vehicle may have no such list.
+                if !uploaded && data.mavtype == MavMissionResult::MAV_MISSION_UNSUPPORTED {
+                    self.rally.leave();
+                }
+                return self.rally.read_again();
+            }
+            MavMissionType::MAV_MISSION_TYPE_ALL => return,
+        };
+        if uploaded {
+            list.read_again();
+        } else {
+            list.refused();
         }
     }
 
-    /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre. `true` if the fence has been
-    /// read.
-    pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) -> bool {
+    /// Goes on reading, and requests what would show another list; `engaged` in a manoeuvre.
+    pub(super) fn tick(&mut self, engaged: bool, voice: &mut Voice) {
         let now_s = voice.now_s();
-        if self.mission.tick(voice) {
-            self.mission_arrived(voice);
+        self.mission.tick(voice);
+        if !self.mission.is_busy() {
+            self.fence.tick(voice);
         }
-        let has_fence = !self.mission.is_busy() && self.fence.tick(voice);
         self.probe_mission(voice);
         let is_read = !self.mission.is_busy();
         self.fence.look(is_read, voice);
-        if is_read && !self.fence.is_busy() {
-            self.rally.tick(voice);
+        if is_read && !self.fence.is_busy() && !self.rally.tick(voice) {
+            self.rally.look(true, voice);
         }
         // Now and then the whole fence.
         if self.fence.is_busy() {
@@ -297,12 +272,15 @@ impl Lists {
         } else if now_s >= self.fence_due_s && self.fence.items().is_some() && !engaged {
             self.fence.read_again();
         }
-        has_fence
     }
 
     /// Requests the present item, and those ahead in turn.
     fn probe_mission(&mut self, voice: &mut Voice) {
         let (system, now_s) = (voice.system(), voice.now_s());
+        let number = self.mission_number();
+        if core::mem::replace(&mut self.probed_number, number) != number {
+            self.brisk = 2 * PROBED_ITEMS;
+        }
         let since_s = now_s - self.probed_s;
         let brisk = self.hinted || self.brisk > 0;
         let due = since_s >= PROBE_S || (brisk && since_s >= HINTED_PROBE_S);
@@ -320,6 +298,6 @@ impl Lists {
         let item = item
             .saturating_add(half * (1 + turn % PROBED_ITEMS))
             .min(last);
-        voice.send(self.mission.download().item_request(item, system));
+        voice.send(self.mission.download.item_request(item, system));
     }
 }

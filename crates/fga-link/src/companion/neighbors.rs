@@ -7,10 +7,10 @@ use fga::Vec3;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot};
 
-use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::geodesy::LocalFrame;
 
 use super::voice::Voice;
-use crate::number::degrees_from_e7;
+use crate::number::flown;
 use crate::outgoing::AUTOPILOT;
 
 /// Without an id in the configuration the companion listens for this long for a second vehicle, seconds: each sends its heartbeat
@@ -75,16 +75,10 @@ impl Senders {
         frame: &LocalFrame,
         now_s: f64,
     ) {
-        let place = Geodetic::new(
-            degrees_from_e7(data.lat),
-            degrees_from_e7(data.lon),
-            f64::from(data.alt) * 1e-3,
-        );
-        let Some(at_m) = place.map(|place| frame.to_local_m(place)) else {
+        let Some((place, velocity_mps)) = flown(data) else {
             return;
         };
-        let velocity_mps =
-            Vec3::new(f64::from(data.vy), f64::from(data.vx), -f64::from(data.vz)) * 0.01;
+        let at_m = frame.to_local_m(place);
         let stood = self.place.replace((data.time_boot_ms, at_m, velocity_mps));
         let Some((last_ms, last_m, last_mps)) = stood else {
             return;

@@ -1,10 +1,13 @@
 //! What is known now: the state, how old it is, and what is missing to act on it.
 
+use fga::avoider::State as AvoiderState;
+use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
+use serde_json::json;
 
 use super::Companion;
 use super::boundary::acts_in_guided;
-use super::decider::Decider;
+use super::decider::CompanionPilot;
 use super::gap::{self, MOST_BLIND_S};
 use super::lacking::Lacking;
 use super::session::SILENT_S;
@@ -12,7 +15,7 @@ use super::trips::round_trip_of;
 use crate::authority::{Authority, Fault};
 use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
-use crate::ownship::State;
+use crate::ownship::{FLYING_SPEED_MPS, OwnState};
 
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
@@ -24,7 +27,7 @@ const SLOW_SHARE: f64 = 0.7;
 
 impl Companion {
     /// The state to decide about, with what is missing reported; `None` while it is not known.
-    pub(super) fn observe(&mut self, now_s: f64) -> Option<State> {
+    pub(super) fn observe(&mut self, now_s: f64) -> Option<OwnState> {
         self.lead.follow(now_s);
         let fresh = !self.is_blind(now_s);
         let state = if fresh || self.flies_blind(now_s) {
@@ -56,7 +59,7 @@ impl Companion {
     }
 
     /// The state at the moment at which a command sent now takes effect.
-    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
+    pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<OwnState> {
         let in_need = self.is_in_need();
         self.lead.state(&mut self.ownship, in_need, now_s)
     }
@@ -80,7 +83,7 @@ impl Companion {
     /// Whether the companion flies on without telemetry.
     pub(super) fn flies_blind(&self, now_s: f64) -> bool {
         self.keeper.commands()
-            && self.decider.as_ref().is_some_and(Decider::certifies)
+            && self.decider.as_ref().is_some_and(CompanionPilot::certifies)
             && self.decided.is_some()
             && self.is_blind(now_s)
             && self.telemetry_age_s(now_s) <= MOST_BLIND_S
@@ -110,7 +113,10 @@ impl Companion {
 
     /// Measured airspeed, or cruise airspeed, metres per second.
     pub(super) fn airspeed_mps(&self) -> Option<f64> {
-        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
+        let measured = self
+            .ownship
+            .airspeed_mps()
+            .filter(|v| *v > FLYING_SPEED_MPS);
         measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
     }
 
@@ -149,6 +155,33 @@ impl Companion {
         }
     }
 
+    /// Moves the local frame if the aircraft is far from its origin and nothing threatens;
+    /// the companion then learns everything in the old frame again.
+    pub(super) fn renew_frame(&mut self, now_s: f64) {
+        let busy = self
+            .decider
+            .as_ref()
+            .is_some_and(|decider| decider.state() != AvoiderState::Cruise);
+        if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
+            return;
+        }
+        self.around.tracks_mut().clear();
+        self.boundary.forget();
+        self.over.forget();
+        self.route.forget();
+        self.lists.mode_changed(now_s);
+        self.forget_plan();
+        if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
+            self.voice.note(
+                "frame",
+                json!({
+                    "latitude_deg": origin.latitude_deg,
+                    "longitude_deg": origin.longitude_deg,
+                }),
+            );
+        }
+    }
+
     /// Whether decisions are made.
     pub(super) fn can_decide(&self, now_s: f64) -> bool {
         self.undecided_s
@@ -172,73 +205,44 @@ impl Companion {
     }
 
     /// The missing condition for a take-over, or for flying on.
-    pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
+    pub(super) fn lacking(&self, now_s: f64, state: Option<&OwnState>) -> Option<Lacking> {
         let engaged = self.keeper.is_engaged();
         let link_lost_s = self.config.safety.link_lost_s;
         if let Some(lacking) = self.session.lacking(link_lost_s, engaged, now_s) {
             return Some(lacking);
         }
         let mode = self.session.mode()?;
-        // Before all that changes with the mode: two avoiders would take turns.
-        if !engaged && self.parameters.avoids_by_itself() {
-            return Some(Lacking::OtherAvoider);
-        }
-        if !engaged && self.lead.is_too_long(now_s) {
-            return Some(Lacking::SlowLink);
-        }
-        if !self.rates.is_usable() {
-            return Some(Lacking::Rate);
-        }
-        if self.is_blind(now_s) {
-            return Some(Lacking::Telemetry);
-        }
-        // Before the vehicle is armed the operator can still mend it.
-        if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
-            return Some(lacking);
-        }
-        if !self.session.is_armed() {
-            return Some(Lacking::Disarmed);
-        }
-        // It stands or rolls.
-        let Some(state) = state else {
-            return Some(if self.takes_off_or_lands() {
-                Lacking::TakeOffOrLanding
-            } else {
-                Lacking::Slow
-            });
-        };
-        let floor_m = self.config.limits.floor_m;
+        let owed = self.keeper.owed().filter(|_| engaged);
+        let in_auto = owed.unwrap_or(mode) == Mode::AUTO;
+        let takes_off_or_lands = self.takes_off_or_lands();
+        let can_bank = self.bank_limit_rad().is_some();
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
-        let high_enough = state.above_home_m >= floor_m + 5.0
-            || (engaged && state.above_home_m >= floor_m - 10.0);
-        if !high_enough {
-            return Some(Lacking::Height);
-        }
-        if !engaged && self.is_slow() {
-            return Some(Lacking::Slow);
-        }
-        if !(engaged || self.take_over.contains(&mode)) {
-            return Some(Lacking::Mode);
-        }
-        let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(mode);
-        if mode == Mode::AUTO && !self.lists.is_way_known(now_s) {
-            return Some(Lacking::Mission);
-        }
-        if mode == Mode::AUTO && !engaged && self.takes_off_or_lands() {
-            return Some(Lacking::TakeOffOrLanding);
-        }
-        if !self.parameters.is_sufficient() {
-            return Some(Lacking::Limits);
-        }
-        if !engaged && acts_in_guided(&self.parameters) {
-            return Some(Lacking::FenceAction);
-        }
-        if !engaged && self.over.is_awaited() {
-            return Some(Lacking::Ground);
-        }
-        if self.bank_limit_rad().is_none() {
-            return Some(Lacking::BankLimit);
-        }
-        (!self.can_decide(now_s)).then_some(Lacking::Decision)
+        let above_floor_m = if engaged { -10.0 } else { 5.0 };
+        let lowest_m = self.config.limits.floor_m + above_floor_m;
+        let is_high = state.is_some_and(|state| state.above_home_m >= lowest_m);
+        let conditions = [
+            // Before all that changes with the mode: two avoiders would take turns.
+            (!engaged && self.parameters.avoids_by_itself()).then_some(Lacking::OtherAvoider),
+            (!engaged && self.lead.is_too_long(now_s)).then_some(Lacking::SlowLink),
+            (!self.rates.is_usable()).then_some(Lacking::Rate),
+            self.is_blind(now_s).then_some(Lacking::Telemetry),
+            // Before the vehicle is armed the operator can still mend it.
+            self.feeds.lacking().filter(|_| !engaged),
+            (!self.session.is_armed()).then_some(Lacking::Disarmed),
+            // Without a state it stands or rolls.
+            (state.is_none() && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
+            state.is_none().then_some(Lacking::Slow),
+            (!is_high).then_some(Lacking::Height),
+            (!engaged && self.is_slow()).then_some(Lacking::Slow),
+            (!engaged && !self.take_over.contains(&mode)).then_some(Lacking::Mode),
+            (in_auto && !self.lists.is_way_known(now_s)).then_some(Lacking::Mission),
+            (in_auto && !engaged && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
+            (!self.parameters.is_sufficient()).then_some(Lacking::Limits),
+            (!engaged && acts_in_guided(&self.parameters)).then_some(Lacking::FenceAction),
+            (!engaged && self.over.is_awaited()).then_some(Lacking::Ground),
+            (!can_bank).then_some(Lacking::BankLimit),
+            (!self.can_decide(now_s)).then_some(Lacking::Decision),
+        ];
+        conditions.into_iter().flatten().next()
     }
 }

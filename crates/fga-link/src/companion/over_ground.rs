@@ -15,15 +15,15 @@ use mavlink::dialects::ardupilotmega::{
 };
 use serde_json::json;
 
-use super::around::Around;
+use super::around::ObstaclesAround;
 use super::lists::Lists;
-use super::route::Route;
+use super::route::LaidRoute;
 use super::voice::Voice;
 use crate::authority::Keeper;
-use crate::commands::Command;
+use crate::commands::VehicleCommand;
 use crate::config::TerrainSource;
 use crate::ground::{AskedBlocks, GroundOrder, MadeGround, Square};
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnState, OwnshipEstimate};
 
 /// The ground is looked up here and each second ahead in the present turn, so often.
 const LOOKS_AHEAD: u8 = 6;
@@ -189,7 +189,7 @@ impl OverGround {
     /// Asks for ground, and orders it where the present one does not serve any more.
     pub(super) fn order(
         &mut self,
-        route: &Route,
+        route: &LaidRoute,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         voice: &mut Voice,
@@ -218,12 +218,12 @@ impl OverGround {
         self.ordered = Some(square);
         // Each half second; a vehicle without a rangefinder never sends it.
         let id = DISTANCE_SENSOR_DATA::ID as f32;
-        let asks = Command::long(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, id, 0.5e6);
+        let asks = VehicleCommand::long(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, id, 0.5e6);
         voice.send(asks.message(voice.system(), 0));
     }
 
     /// Asks for what is missing, and takes what has come.
-    fn ask(&mut self, frame: &LocalFrame, at_m: Vec3, route: &Route, voice: &mut Voice) {
+    fn ask(&mut self, frame: &LocalFrame, at_m: Vec3, route: &LaidRoute, voice: &mut Voice) {
         let now_s = voice.now_s();
         let GroundSource::Asked(source, asked, terrain) = &mut self.heights else {
             return;
@@ -317,8 +317,8 @@ impl OverGround {
     pub(super) fn watch(
         &mut self,
         decision: &Decision,
-        state: &State,
-        around: &Around,
+        state: &OwnState,
+        around: &ObstaclesAround,
         keeper: &Keeper,
         voice: &mut Voice,
     ) {
@@ -373,7 +373,7 @@ impl OverGround {
         &mut self,
         distance_m: f64,
         at_m: Vec3,
-        own: &State,
+        own: &OwnState,
         voice: &mut Voice,
     ) {
         let Some((ground, above_m)) = self

@@ -7,10 +7,10 @@ use mavlink::dialects::ardupilotmega::MavCmd;
 use serde_json::json;
 
 use super::lists::Lists;
-use super::route::{Route, way_to};
+use super::route::{LaidRoute, way_to};
 use super::voice::Voice;
-use crate::commands::{Command, Commands};
-use crate::mission::{Item, Way, item_position_m};
+use crate::commands::{Commands, VehicleCommand};
+use crate::mission::{LegsAhead, ListItem, item_position_m};
 use crate::number::single;
 use crate::ownship::OwnshipEstimate;
 use crate::parameters::VehicleParameters;
@@ -22,7 +22,7 @@ const NEAR_WAYPOINT_M: f64 = 30.0;
 
 /// What a manoeuvre has passed of the way.
 #[derive(Debug, Default)]
-pub(super) struct Passing {
+pub(super) struct PassedItems {
     /// Index of the waypoint that the vehicle flies to when it gets AUTO back, and the vehicle's item when that was found.
     next: usize,
     known: Option<u16>,
@@ -45,7 +45,7 @@ fn restarts_mission(parameters: &VehicleParameters) -> bool {
 
 /// The first of some indices of a way whose waypoint is the vehicle's present item.
 fn flown_to(
-    way: &Way,
+    way: &LegsAhead,
     item: Option<u16>,
     mut indices: impl Iterator<Item = usize>,
 ) -> Option<usize> {
@@ -63,15 +63,18 @@ fn command_name(lists: &Lists, item: u16) -> String {
 
 fn set_item(item: u16, commands: &mut Commands, voice: &mut Voice) {
     let command = MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT;
-    commands.send(Command::long(command, single(f64::from(item)), 0.0), true);
+    commands.send(
+        VehicleCommand::long(command, single(f64::from(item)), 0.0),
+        true,
+    );
     voice.note("set-item", json!({ "item": item }));
 }
 
-impl Passing {
+impl PassedItems {
     /// A manoeuvre begins: from here on waypoints are passed without the vehicle.
     pub(super) fn begin_maneuver(
         &mut self,
-        route: &Route,
+        route: &LaidRoute,
         item: Option<u16>,
         parameters: &VehicleParameters,
     ) {
@@ -82,7 +85,7 @@ impl Passing {
     /// Another way is laid, perhaps in a manoeuvre.
     pub(super) fn begin_way(
         &mut self,
-        route: &Route,
+        route: &LaidRoute,
         own_m: Vec3,
         lists: &Lists,
         ownship: &OwnshipEstimate,
@@ -101,7 +104,7 @@ impl Passing {
         self.begin(route, lists.item());
     }
 
-    fn begin(&mut self, route: &Route, item: Option<u16>) {
+    fn begin(&mut self, route: &LaidRoute, item: Option<u16>) {
         let (way, leg) = (route.way(), route.leg());
         // The decider and the vehicle pass a waypoint at different moments: after a manoeuvre that a fault ended, the vehicle flies to
         // one that the decider has long passed.
@@ -119,14 +122,14 @@ impl Passing {
     }
 
     /// Measures how near the aircraft comes to each waypoint.
-    pub(super) fn watch(&mut self, way: &Way, own_m: Vec3) {
+    pub(super) fn watch(&mut self, way: &LegsAhead, own_m: Vec3) {
         for (nearest_m, waypoint_m) in self.nearest_m.iter_mut().zip(&way.waypoints_m) {
             *nearest_m = nearest_m.min((own_m - *waypoint_m).truncate().length());
         }
     }
 
     /// The waypoints of the way that this manoeuvre has passed and the vehicle has not.
-    fn passed(&mut self, route: &Route, item: Option<u16>) -> Range<usize> {
+    fn passed(&mut self, route: &LaidRoute, item: Option<u16>) -> Range<usize> {
         let way = route.way();
         if item != self.known {
             self.known = item;
@@ -149,7 +152,7 @@ impl Passing {
     fn tell_passed(
         &mut self,
         passed: Range<usize>,
-        way: &Way,
+        way: &LegsAhead,
         near_m: f64,
         lists: &Lists,
         voice: &mut Voice,
@@ -180,7 +183,7 @@ impl Passing {
     /// repeated request runs a command twice.
     pub(super) fn item_is_set(
         &mut self,
-        route: &Route,
+        route: &LaidRoute,
         lists: &Lists,
         parameters: &VehicleParameters,
         commands: &mut Commands,
@@ -252,7 +255,7 @@ impl Passing {
             return;
         };
         if let Some((items, frame)) = lists.mission().zip(ownship.frame()) {
-            let is_flown = |item: &Item| {
+            let is_flown = |item: &ListItem| {
                 item.as_ref()
                     .is_some_and(|item| item_position_m(item, frame, 0.0, 0.0).is_some())
             };
@@ -275,13 +278,13 @@ mod tests {
     use super::*;
 
     /// A way over the items 1, 2, 4 and 5; item 3 is a command, run on the way to item 4.
-    fn route(leg: usize) -> Route {
-        let way = Way {
+    fn route(leg: usize) -> LaidRoute {
+        let way = LegsAhead {
             waypoints_m: (0..4).map(|n| Vec3::X * 1e3 * f64::from(n)).collect(),
             items: vec![Some(1), Some(2), Some(4), Some(5)],
             commands: vec![vec![], vec![], vec![3], vec![]],
         };
-        Route::of(way, leg)
+        LaidRoute::of(way, leg)
     }
 
     fn lists(item: u16) -> Lists {
@@ -296,8 +299,8 @@ mod tests {
     #[test]
     fn the_vehicle_is_asked_to_go_on_after_the_last_passed_waypoint_until_it_answers() {
         let (mut commands, mut voice) = (Commands::default(), Voice::default());
-        let (mut passing, parameters) = (Passing::default(), VehicleParameters::default());
-        let mut is_set = |passing: &mut Passing, leg, item, now_s| {
+        let (mut passing, parameters) = (PassedItems::default(), VehicleParameters::default());
+        let mut is_set = |passing: &mut PassedItems, leg, item, now_s| {
             let (route, lists) = (route(leg), lists(item));
             let set =
                 passing.item_is_set(&route, &lists, &parameters, &mut commands, voice.at(now_s));
@@ -321,14 +324,14 @@ mod tests {
     #[test]
     fn a_mission_that_begins_again_goes_on_once_the_vehicle_has_auto_back() {
         let (mut commands, mut voice) = (Commands::default(), Voice::default());
-        let (mut passing, mut parameters) = (Passing::default(), VehicleParameters::default());
+        let (mut passing, mut parameters) = (PassedItems::default(), VehicleParameters::default());
         parameters.take(&PARAM_VALUE_DATA {
             param_id: "MIS_RESTART".into(),
             param_value: 1.0,
             ..PARAM_VALUE_DATA::DEFAULT
         });
         let ownship = OwnshipEstimate::default();
-        let mut back = |passing: &mut Passing| {
+        let mut back = |passing: &mut PassedItems| {
             passing.has_auto_back(&lists(2), &ownship, &mut commands, voice.at(1.0));
             let waits = commands.is_waiting(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
             commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);

@@ -10,15 +10,15 @@ use fga_formats::terrain::LocalGround;
 
 use crate::authority::Authority;
 use crate::ground::AboveGround;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 
 /// The last decision and its input.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct FlightPicture {
     /// Time of the decision's state, seconds since the companion began.
     pub time_s: f64,
     /// The aircraft at that moment.
-    pub own: State,
+    pub own: OwnState,
     /// The decision.
     pub decision: Decision,
     /// Name of the threat, if any.

@@ -1,10 +1,5 @@
 //! The effect of each message.
 
-use alloc::sync::Arc;
-
-use fga::avoider::{Reason, State as AvoiderState};
-use fga_formats::geodesy::LocalFrame;
-use fga_formats::terrain::Terrain;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
@@ -15,13 +10,10 @@ use super::Companion;
 use super::over_ground::distance_m;
 use super::session::{News, Noted, SILENT_S};
 use crate::authority::{Beat, Fault, reaction};
-use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
-use crate::ground::{GroundOrder, MadeGround};
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::traffic::receiver::FeedStatus;
 
 impl Companion {
     /// Takes a message.
@@ -181,28 +173,20 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                let has_fence = self.lists.take_count(data, &mut self.voice);
-                if has_fence {
-                    self.lay_fence();
-                }
+                self.lists.take_count(data, &mut self.voice);
+                self.lay_fence();
             }
             MavMessage::MISSION_ITEM_INT(data) => {
-                let has_fence = self.lists.take_item(data, &mut self.voice);
-                if has_fence {
-                    self.lay_fence();
-                }
+                self.lists.take_item(data, &mut self.voice);
+                self.lay_fence();
             }
             MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
             MavMessage::MISSION_ACK(data) => self.lists.take_ack(data),
             MavMessage::STATUSTEXT(data) => self.lists.take_text(data),
-            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => {
+            MavMessage::POSITION_TARGET_GLOBAL_INT(_) | MavMessage::NAV_CONTROLLER_OUTPUT(_) => {
                 let in_auto = self.session.mode() == Some(Mode::AUTO);
                 self.lists
-                    .take_position_target(data, &self.ownship, in_auto, now_s);
-            }
-            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
-                let in_auto = self.session.mode() == Some(Mode::AUTO);
-                self.lists.take_nav(data, &self.ownship, in_auto, now_s);
+                    .take_target(message, &self.ownship, in_auto, now_s);
             }
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
             MavMessage::COMMAND_ACK(data) => {
@@ -229,75 +213,11 @@ impl Companion {
         }
     }
 
-    /// Gives it the heights of the ground, before the flight.
-    pub fn set_terrain(&mut self, terrain: Option<Arc<Terrain>>) {
-        if let Some(terrain) = terrain {
-            self.over.set_terrain(terrain);
-        }
-    }
-
-    /// Ground to make, if any is due: [`GroundOrder::make`] takes longer than a decision may.
-    pub fn ground_order(&mut self) -> Option<GroundOrder> {
-        self.over.take_order()
-    }
-
-    /// Makes the ground that is due, where nobody waits for a decision.
-    pub fn make_ground(&mut self, now_s: f64) {
-        if let Some(order) = self.ground_order() {
-            self.take_ground(order.make(), now_s);
-        }
-    }
-
-    /// Takes ground that was made, and what it means for the mission.
-    pub fn take_ground(&mut self, made: MadeGround, now_s: f64) {
-        let is_here = |frame| made.square.is_in(frame);
-        if self.ownship.frame().is_some_and(is_here) {
-            self.over.take_ground(made, self.voice.at(now_s));
-        }
-    }
-
-    /// Takes what a receiver has given so far.
-    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
-        self.feeds.take(status, self.voice.at(now_s));
-    }
-
-    /// The end of the status line about feeds; empty while all of them are well.
-    pub fn feeds_in_words(&self) -> String {
-        self.feeds.words()
-    }
-
     fn after_update(&mut self, update: Update, now_s: f64) {
         if update == Update::Restarted {
             self.fault(Fault::AutopilotRestarted, now_s);
             self.rates.restart();
             self.forget_plan();
-        }
-    }
-
-    /// Moves the local frame if the aircraft is far from its origin and nothing threatens;
-    /// the companion then learns everything in the old frame again.
-    fn renew_frame(&mut self, now_s: f64) {
-        let busy = self
-            .decider
-            .as_ref()
-            .is_some_and(|decider| decider.state() != AvoiderState::Cruise);
-        if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
-            return;
-        }
-        self.around.tracks_mut().clear();
-        self.boundary.forget();
-        self.over.forget();
-        self.route.forget();
-        self.lists.mode_changed(now_s);
-        self.forget_plan();
-        if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
-            self.voice.note(
-                "frame",
-                json!({
-                    "latitude_deg": origin.latitude_deg,
-                    "longitude_deg": origin.longitude_deg,
-                }),
-            );
         }
     }
 
@@ -322,65 +242,5 @@ impl Companion {
         if self.config.command.mode == CommandMode::Paper {
             self.voice.warn("fga: Algorithm 4 knows no fence");
         }
-    }
-
-    pub(super) fn command_ended(&mut self, outcome: Outcome, now_s: f64) {
-        let (command, refused) = match outcome {
-            Outcome::Accepted(_) => return,
-            Outcome::Refused(command, result) => (command, Some(result)),
-            Outcome::Unanswered(command) => (command, None),
-        };
-        let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
-        self.voice.note(
-            "refused",
-            json!({ "command": format!("{:?}", command.command), "result": result }),
-        );
-        match command.command {
-            MavCmd::MAV_CMD_DO_SET_MODE => {
-                let actions = self.keeper.mode_refused(now_s);
-                self.perform(&actions, now_s);
-            }
-            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.keeper.commands() => {
-                self.fault(Fault::NotFollowing, now_s);
-            }
-            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
-                self.voice.warn("fga: mission item not set");
-            }
-            _ => {}
-        }
-    }
-
-    /// After telemetry: decides and commands when due.
-    fn prompted(&mut self, now_s: f64) {
-        // The target that follows the plan goes out first: a search may take longer.
-        if now_s >= self.due.command_s - 0.2 / self.config.command.rate_hz {
-            self.command(now_s);
-        }
-        // A little early is better than a whole period late.
-        let slack_s = 0.2 * self.config.command.decision_period_s;
-        if now_s >= self.due.decision_s - slack_s {
-            self.decide(now_s);
-            let reason = self.decided.map(|decided| decided.decision.record.reason);
-            let is_new = matches!(
-                reason,
-                Some(
-                    Reason::ManeuverChosen
-                        | Reason::ManeuverReplaced
-                        | Reason::BestAvailable
-                        | Reason::RejoinChosen
-                )
-            );
-            if is_new {
-                self.command(now_s);
-            }
-        }
-    }
-
-    pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
-        if self.session.is_dry_run() {
-            return;
-        }
-        self.commands.send(Command::set_mode(to, from), true);
-        self.send_commands(now_s);
     }
 }

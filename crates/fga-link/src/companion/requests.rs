@@ -68,9 +68,8 @@ impl Companion {
     /// Whether a system may arm and disarm this component: the ground station of the configuration,
     /// else the vehicle's.
     fn is_ground_station(&self, system: u8) -> bool {
-        let vehicles = || self.parameters.get("MAV_GCS_SYSID").unwrap_or(255.0);
         let ground = match self.config.link.ground_system_id {
-            0 => vehicles(),
+            0 => self.parameters.ground_system(),
             system_id => f64::from(system_id),
         };
         f64::from(system) == ground

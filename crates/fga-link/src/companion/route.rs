@@ -3,15 +3,15 @@
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
 use fga::maneuver::Maneuver;
-use fga::situation::{Obstacle, ObstacleKind};
+use fga::situation::{Obstacle, ObstacleKind, Ownship};
 use serde_json::json;
 
 use super::lists::Lists;
-use super::rally::SAME_TARGET_M;
+use super::rally::{ReturnPlaces, SAME_TARGET_M};
 use super::voice::Voice;
-use crate::mission::{Way, way_ahead};
+use crate::mission::{LegsAhead, way_ahead};
 use crate::mode::Mode;
-use crate::ownship::{OwnshipEstimate, State};
+use crate::ownship::{OwnState, OwnshipEstimate};
 use crate::parameters::VehicleParameters;
 
 /// Length of the line in CRUISE, metres.
@@ -30,7 +30,7 @@ const GIVEN_BACK_STEP_S: f64 = 0.2;
 
 /// The aircraft when its way is looked at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moment {
+pub(super) struct RouteMoment {
     /// Where it is, metres, and its course over the ground, radians.
     pub(super) own_m: Vec3,
     pub(super) track_rad: f64,
@@ -44,8 +44,8 @@ pub(super) struct Moment {
 
 /// The way, and the leg of it that is flown.
 #[derive(Debug, Default)]
-pub(super) struct Route {
-    way: Way,
+pub(super) struct LaidRoute {
+    way: LegsAhead,
     /// Index of the waypoint at the start of the present leg.
     leg: usize,
     mode: Option<Mode>,
@@ -55,9 +55,9 @@ pub(super) struct Route {
     mission: Option<u32>,
 }
 
-impl Route {
+impl LaidRoute {
     #[cfg(test)]
-    pub(super) fn of(way: Way, leg: usize) -> Self {
+    pub(super) fn of(way: LegsAhead, leg: usize) -> Self {
         Self {
             way,
             leg,
@@ -65,7 +65,7 @@ impl Route {
         }
     }
 
-    pub(super) const fn way(&self) -> &Way {
+    pub(super) const fn way(&self) -> &LegsAhead {
         &self.way
     }
 
@@ -102,7 +102,7 @@ impl Route {
     /// Whether another way counts from here on.
     pub(super) fn renew(
         &mut self,
-        at: &Moment,
+        at: &RouteMoment,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         parameters: &VehicleParameters,
@@ -110,16 +110,17 @@ impl Route {
     ) -> bool {
         let now_s = voice.now_s();
         let is_laid = self.mode == Some(at.mode);
-        let return_place_m = || {
-            let (home_m, frame) = (lists.home_m(ownship, at.own_m.z), ownship.frame());
-            let rally = lists.rally();
-            rally.return_place_m(at.own_m, home_m, frame, parameters)
+        let rally = ReturnPlaces {
+            items: lists.rally(),
+            own_m: at.own_m,
+            frame: ownship.frame(),
         };
+        let home_m = lists.home_m(ownship, at.own_m.z);
+        let return_place_m = || rally.return_place_m(home_m, parameters);
         let lays = match at.mode {
             Mode::RTL if at.is_engaged && is_laid => {
-                let (rally, laid_m) = (lists.rally(), self.way.waypoints_m.last().copied());
-                let to_m = return_place_m();
-                let other_m = rally.other_return_place_m(at.own_m, to_m, laid_m, ownship.frame());
+                let laid_m = self.way.waypoints_m.last().copied();
+                let other_m = rally.other_return_place_m(return_place_m(), laid_m);
                 other_m.is_some() && self.lay_line(at.own_m, other_m)
             }
             Mode::AUTO => {
@@ -158,10 +159,10 @@ impl Route {
 
     /// Lays a way to one place, or none; always `true`.
     fn lay_line(&mut self, own_m: Vec3, to_m: Option<Vec3>) -> bool {
-        self.way = Way {
+        self.way = LegsAhead {
             waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
             items: vec![None, None],
-            ..Way::default()
+            ..LegsAhead::default()
         };
         true
     }
@@ -173,7 +174,7 @@ impl Route {
     }
 
     /// Whether the line of CRUISE still leads where the aircraft flies.
-    fn leads_along(&self, at: &Moment) -> bool {
+    fn leads_along(&self, at: &RouteMoment) -> bool {
         let mut waypoints_m = self.way.waypoints_m.iter();
         let Some(from_m) = waypoints_m.next() else {
             return false;
@@ -189,7 +190,7 @@ impl Route {
     /// `false` if it stays the same.
     fn renew_mission_way(
         &mut self,
-        at: &Moment,
+        at: &RouteMoment,
         lists: &Lists,
         ownship: &OwnshipEstimate,
         now_s: f64,
@@ -202,10 +203,10 @@ impl Route {
             if is_laid && self.mission.is_none() && self.leads_to(to_m) {
                 return false;
             }
-            self.way = Way {
+            self.way = LegsAhead {
                 waypoints_m: vec![at.own_m, to_m],
                 items: vec![None, lists.item()],
-                ..Way::default()
+                ..LegsAhead::default()
             };
             self.mission = None;
             return true;
@@ -254,17 +255,21 @@ impl Route {
         begin_m.zip(self.way.waypoints_m.get(self.leg + 1).copied())
     }
 
-    /// Whether a command is the course of the leg: the last turn of the way back, or the leg itself.
-    pub(super) fn turns_onto_leg(&self, command: &Maneuver) -> bool {
-        self.leg_m()
-            .zip(command.stage_at(0.0))
-            .is_some_and(|((from, to), stage)| {
-                wrap_pi(stage.course_rad - course_of(to - from)).abs() < ON_LEG_RAD
-            })
+    /// Whether a command leads along the leg in this wind: the last turn of the way back, or the leg itself.
+    pub(super) fn turns_onto_leg(&self, command: &Maneuver, state: &OwnState) -> bool {
+        let leg_and_stage = self.leg_m().zip(command.stage_at(0.0));
+        leg_and_stage.is_some_and(|((from, to), stage)| {
+            let turned = Ownship {
+                course_rad: stage.course_rad,
+                ..state.ownship
+            };
+            let track_rad = course_of(turned.velocity_mps() + state.wind_mps);
+            wrap_pi(track_rad - course_of(to - from)).abs() < ON_LEG_RAD
+        })
     }
 
     /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
-    pub(super) fn is_on_leg(&self, state: &State, climbs: bool) -> bool {
+    pub(super) fn is_on_leg(&self, state: &OwnState, climbs: bool) -> bool {
         let Some((from, to)) = self.leg_m() else {
             return true;
         };
@@ -285,7 +290,7 @@ impl Route {
     /// its next waypoint, at `rate_radps`, and flies there.
     pub(super) fn given_back_collides(
         &self,
-        state: &State,
+        state: &OwnState,
         rate_radps: f64,
         obstacles: &[Obstacle],
         clear_m: f64,
@@ -326,7 +331,7 @@ pub(super) fn way_to(
     own_m: Vec3,
     lists: &Lists,
     ownship: &OwnshipEstimate,
-) -> Option<Way> {
+) -> Option<LegsAhead> {
     let home_m = ownship.home_altitude_m()?;
     Some(way_ahead(
         lists.mission()?,
@@ -339,21 +344,23 @@ pub(super) fn way_to(
 
 #[cfg(test)]
 mod tests {
-    use fga::situation::{Ownship, ProtectedVolume};
+    use core::f64::consts::FRAC_PI_6;
+
+    use fga::situation::ProtectedVolume;
 
     use super::*;
 
-    fn corner() -> Route {
-        let way = Way {
+    fn corner() -> LaidRoute {
+        let way = LegsAhead {
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e3, Vec3::new(1e3, 1e3, 0.0)],
             items: vec![Some(1), Some(2), Some(3)],
-            ..Way::default()
+            ..LegsAhead::default()
         };
-        Route::of(way, 0)
+        LaidRoute::of(way, 0)
     }
 
-    fn flies(at_m: Vec3, course_rad: f64) -> State {
-        State {
+    fn flies(at_m: Vec3, course_rad: f64) -> OwnState {
+        OwnState {
             ownship: Ownship {
                 position_m: at_m,
                 course_rad,
@@ -378,7 +385,13 @@ mod tests {
         assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.07), true));
         assert!(!route.is_on_leg(&flies(at(0.0, 13.0), 0.0), true));
         assert!(route.is_on_leg(&flies(at(0.0, 13.0), 0.0), false));
-        assert!(route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
+        let turn = |course_rad| Maneuver::turn(0.0, course_rad, 0.0);
+        assert!(route.turns_onto_leg(&turn(0.05), &flies(at(0.0, 0.0), 0.0)));
+        // 10 m/s from the left: 30° into the wind lead along the leg.
+        let mut crabs = flies(at(0.0, 0.0), 0.0);
+        crabs.wind_mps = Vec3::NEG_Y * 10.0;
+        assert!(route.turns_onto_leg(&turn(FRAC_PI_6), &crabs));
+        assert!(!route.turns_onto_leg(&turn(0.0), &crabs));
         assert_eq!(
             route.left_m(at(40.0, 0.0)),
             (at(0.0, 0.0), &route.way.waypoints_m[1..])
@@ -386,17 +399,17 @@ mod tests {
         // The next leg leads north.
         route.fly_leg(1);
         assert!(!route.is_on_leg(&flies(at(0.0, 0.0), 0.0), true));
-        assert!(!route.turns_onto_leg(&Maneuver::turn(0.0, 0.05, 0.0)));
+        assert!(!route.turns_onto_leg(&turn(0.05), &flies(at(0.0, 0.0), 0.0)));
         assert_eq!(route.leg_item(), Some(3));
     }
 
     #[test]
     fn in_cruise_a_line_holds_until_the_aircraft_leaves_it_and_no_plan_is_busy() {
-        let (mut route, mut voice) = (Route::default(), Voice::default());
+        let (mut route, mut voice) = (LaidRoute::default(), Voice::default());
         let (lists, ownship) = (Lists::new(false, false), OwnshipEstimate::default());
         let parameters = VehicleParameters::default();
         let mut renews = |y, track_rad, is_busy| {
-            let moment = Moment {
+            let moment = RouteMoment {
                 own_m: Vec3::new(100.0, y, 0.0),
                 track_rad,
                 mode: Mode::CRUISE,

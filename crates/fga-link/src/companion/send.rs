@@ -1,14 +1,15 @@
 //! The outgoing messages: heartbeat, requests, targets, values.
 
 use fga::situation::Obstacle;
-use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
-};
+use mavlink::dialects::ardupilotmega::{MavCmd, MavType};
+use serde_json::json;
 
 use super::Companion;
 use crate::authority::{Authority, Fault};
-use crate::hand::{Hand, Reach, Target};
-use crate::ownship::State;
+use crate::commands::{CommandEnd, VehicleCommand};
+use crate::hand::{Hand, HandReach, HandTarget};
+use crate::mode::Mode;
+use crate::ownship::OwnState;
 use crate::telling;
 
 /// Time between targets until the vehicle has confirmed the mode, seconds.
@@ -19,14 +20,8 @@ impl Companion {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
             // From the beginning: a peer that waits on a UDP port answers only to a first message.
-            self.voice.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-                custom_mode: 0,
-                mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
-                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-                base_mode: MavModeFlag::empty(),
-                system_status: MavState::MAV_STATE_ACTIVE,
-                mavlink_version: 3,
-            }));
+            let kind = MavType::MAV_TYPE_ONBOARD_CONTROLLER;
+            self.voice.send(telling::heartbeat(kind));
         }
         let Some(system) = self.vehicle_system() else {
             return;
@@ -37,9 +32,8 @@ impl Companion {
             .tick(attitude_s, now_s, system, self.voice.outbox());
         self.parameters.tick(now_s, system, self.voice.outbox());
         let engaged = self.keeper.is_engaged();
-        if self.lists.tick(engaged, &mut self.voice) {
-            self.lay_fence();
-        }
+        self.lists.tick(engaged, &mut self.voice);
+        self.lay_fence();
         let age_s = self.telemetry_age_s(now_s);
         if let Some(request) = self.lead.request(age_s, system, now_s) {
             self.voice.send(request);
@@ -65,6 +59,40 @@ impl Companion {
         let outcome = self.commands.tick(now_s, system, asks, self.voice.outbox());
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
+        }
+    }
+
+    pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
+        if self.session.is_dry_run() {
+            return;
+        }
+        self.commands.send(VehicleCommand::set_mode(to, from), true);
+        self.send_commands(now_s);
+    }
+
+    pub(super) fn command_ended(&mut self, outcome: CommandEnd, now_s: f64) {
+        let (command, refused) = match outcome {
+            CommandEnd::Accepted(_) => return,
+            CommandEnd::Refused(command, result) => (command, Some(result)),
+            CommandEnd::Unanswered(command) => (command, None),
+        };
+        let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
+        self.voice.note(
+            "refused",
+            json!({ "command": format!("{:?}", command.command), "result": result }),
+        );
+        match command.command {
+            MavCmd::MAV_CMD_DO_SET_MODE => {
+                let actions = self.keeper.mode_refused(now_s);
+                self.perform(&actions, now_s);
+            }
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.keeper.commands() => {
+                self.fault(Fault::NotFollowing, now_s);
+            }
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
+                self.voice.warn("fga: mission item not set");
+            }
+            _ => {}
         }
     }
 
@@ -128,7 +156,7 @@ impl Companion {
         self.due.collision_s = now_s + 0.5;
         let id = self.around.number(threat.id);
         let engaged = self.keeper.is_engaged();
-        let message = telling::collision(
+        let message = telling::collision_of(
             &decided.decision,
             self.around.obstacles(),
             &decided.own,
@@ -160,7 +188,7 @@ impl Companion {
     }
 
     /// Commands the decision; returns the bank that the vehicle should take up, radians.
-    fn fly(&mut self, state: &State, now_s: f64) -> Option<f64> {
+    fn fly(&mut self, state: &OwnState, now_s: f64) -> Option<f64> {
         let decided = self.decided?;
         let normal_rad = self.bank_limit_rad()?;
         let decider = self.decider.as_ref()?;
@@ -173,7 +201,7 @@ impl Companion {
         let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
         let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
         self.with_hand(now_s, |hand, reach| {
-            let target = Target {
+            let target = HandTarget {
                 maneuver: &decided.decision.command,
                 elapsed_s,
                 own: state,
@@ -199,10 +227,10 @@ impl Companion {
     fn with_hand<T>(
         &mut self,
         now_s: f64,
-        act: impl FnOnce(&mut dyn Hand, &mut Reach<'_>) -> T,
+        act: impl FnOnce(&mut dyn Hand, &mut HandReach<'_>) -> T,
     ) -> Option<T> {
         let system = self.session.commanded_system()?;
-        let mut reach = Reach {
+        let mut reach = HandReach {
             outbox: self.voice.outbox(),
             commands: &mut self.commands,
             parameters: &self.parameters,

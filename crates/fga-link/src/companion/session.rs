@@ -11,7 +11,7 @@ use fga_formats::geodesy::LocalFrame;
 use super::lacking::Lacking;
 use super::neighbors::{Neighbors, Senders};
 use super::voice::Voice;
-use crate::authority::{Beat, Fault, Hearing, Owed, Severity, Verdict, reaction};
+use crate::authority::{Beat, BeatOrder, Fault, Hearing, Owed, Severity, reaction};
 use crate::mode::{Mode, ModeChange};
 use crate::restart::Note;
 
@@ -22,17 +22,6 @@ const NOTED_S: f64 = 3.0;
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 /// Without a heartbeat for this long the vehicle is silent, seconds.
 pub(super) const SILENT_S: f64 = 1.2;
-
-/// The vehicle according to its heartbeats.
-#[derive(Debug, Clone, Copy)]
-struct Heard {
-    system_id: u8,
-    mode: Mode,
-    armed: bool,
-    /// Its first heartbeat and its last one, seconds.
-    since_s: f64,
-    heartbeat_s: f64,
-}
 
 /// The news of a plane's heartbeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,8 +59,9 @@ pub(super) struct Session {
     /// The configured vehicle; `None` takes the first plane.
     configured: Option<u8>,
     dry_run: bool,
-    heard: Option<Heard>,
-    /// Decides whether the companion may command a mode.
+    /// System id of the vehicle, and when it was first heard, seconds.
+    heard: Option<(u8, f64)>,
+    /// The vehicle's heartbeats, which decide whether the companion may command a mode.
     hearing: Hearing,
     /// The vehicle's time since boot in its last attitude, milliseconds.
     boot_ms: u32,
@@ -116,7 +106,7 @@ impl Session {
 
     /// System id of the vehicle, once heard.
     pub(super) fn system(&self) -> Option<u8> {
-        self.heard.map(|heard| heard.system_id)
+        self.heard.map(|(system_id, _)| system_id)
     }
 
     /// System id of the vehicle, where it may be commanded.
@@ -126,16 +116,16 @@ impl Session {
 
     /// The vehicle's mode, once heard.
     pub(super) fn mode(&self) -> Option<Mode> {
-        self.heard.map(|heard| heard.mode)
+        self.hearing.mode()
     }
 
     pub(super) fn is_armed(&self) -> bool {
-        self.heard.is_some_and(|heard| heard.armed)
+        self.hearing.is_armed()
     }
 
     /// Time since the last heartbeat, seconds; `None` before the first.
     pub(super) fn silent_s(&self, now_s: f64) -> Option<f64> {
-        self.heard.map(|heard| now_s - heard.heartbeat_s)
+        self.hearing.heard_s().map(|heard_s| now_s - heard_s)
     }
 
     /// The vehicle's time since boot, milliseconds.
@@ -157,15 +147,15 @@ impl Session {
 
     /// What about the vehicle forbids a take-over, or flying on.
     pub(super) fn lacking(&self, link_lost_s: f64, engaged: bool, now_s: f64) -> Option<Lacking> {
-        let heard = self.heard.filter(|h| now_s - h.heartbeat_s <= link_lost_s);
-        let Some(heard) = heard else {
+        let is_heard = self.silent_s(now_s).is_some_and(|s| s <= link_lost_s);
+        let Some((_, since_s)) = self.heard.filter(|_| is_heard) else {
             return Some(Lacking::Link);
         };
         if self.hearing.is_contradicted(now_s) {
             Some(Lacking::Contradiction)
         } else if self.neighbors.is_ambiguous(now_s) {
             Some(Lacking::TwoVehicles)
-        } else if self.wanted().is_none() && self.neighbors.may_come(heard.since_s, now_s) {
+        } else if self.wanted().is_none() && self.neighbors.may_come(since_s, now_s) {
             Some(Lacking::Listens)
         } else {
             (!engaged && self.senders.are_two(now_s)).then_some(Lacking::TwoSenders)
@@ -185,9 +175,9 @@ impl Session {
     /// Takes a heartbeat of a plane.
     pub(super) fn hear(&mut self, system: u8, beat: Beat, voice: &mut Voice) -> News {
         let now_s = voice.now_s();
-        let Beat { mode, armed, .. } = beat;
+        let mode = beat.mode;
         let wanted = self.wanted();
-        let Some(heard) = &mut self.heard else {
+        let Some((ours, _)) = self.heard else {
             if wanted.is_some_and(|wanted| wanted != system) {
                 self.neighbors.hear_other(system);
                 self.tell_left(system, mode, voice);
@@ -197,45 +187,36 @@ impl Session {
                 return News::Nothing;
             }
             self.hearing.hear(beat, now_s);
-            self.heard = Some(Heard {
-                system_id: system,
-                mode,
-                armed,
-                since_s: now_s,
-                heartbeat_s: now_s,
-            });
+            self.heard = Some((system, now_s));
             self.connected(system, mode, voice);
             return News::First;
         };
-        if heard.system_id != system {
+        if ours != system {
             if wanted.is_none() {
                 self.neighbors.hear_plane(system, voice);
             }
             return News::Nothing;
         }
+        let (mode_was, was_armed) = (self.mode().unwrap_or(mode), self.is_armed());
+        let silent_s = self.silent_s(now_s).unwrap_or(0.0);
         let verdict = self.hearing.hear(beat, now_s);
-        if verdict == Verdict::Overtaken {
+        if verdict == BeatOrder::Overtaken {
             return News::Nothing;
         }
-        let before = *heard;
-        heard.mode = mode;
-        heard.armed = self.hearing.is_armed();
-        heard.heartbeat_s = now_s;
-        let disarmed = before.armed && !heard.armed;
         self.leave_notes(system, mode, voice);
-        if mode != before.mode {
+        if mode != mode_was {
             voice.note("mode", json!({ "mode": mode.to_string() }));
         }
-        let contradicts = verdict == Verdict::Contradicts && now_s >= self.contradiction_due_s;
+        let contradicts = verdict == BeatOrder::Contradicts && now_s >= self.contradiction_due_s;
         if contradicts {
             self.contradiction_due_s = now_s + CONTRADICTION_AGAIN_S;
         }
         News::Next {
             mode,
-            mode_was: before.mode,
-            silent_s: now_s - before.heartbeat_s,
+            mode_was,
+            silent_s,
             contradicts,
-            disarmed,
+            disarmed: was_armed && !self.is_armed(),
         }
     }
 
@@ -318,7 +299,7 @@ impl Session {
         owned: Mode,
         may_arrive: bool,
     ) -> Option<Note> {
-        let heard = self.heard.filter(|_| !self.dry_run)?;
+        let system_id = self.commanded_system()?;
         if let Some(note) = self.notes.last() {
             // A note of another vehicle is another program's.
             return Some(*note);
@@ -326,9 +307,9 @@ impl Session {
         let boot_ms = self.noted_boot_ms.unwrap_or(self.boot_ms);
         let note = Note::new(
             Owed {
-                system_id: heard.system_id,
+                system_id,
                 owned,
-                previous: owed.unwrap_or(heard.mode),
+                previous: owed.or(self.mode())?,
             },
             boot_ms,
         );

@@ -1,12 +1,11 @@
 //! Where does the vehicle itself say that it flies, and does its mission say the same?
 
 use fga::Vec3;
-use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{
     NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA,
 };
 
-use crate::number::degrees_from_e7;
+use crate::number::place_from_e7;
 use crate::ownship::OwnshipEstimate;
 
 /// The vehicle's target belongs to its present mode from this long after a change of mode, s.
@@ -76,11 +75,9 @@ impl OwnTarget {
         data: &POSITION_TARGET_GLOBAL_INT_DATA,
         ownship: &OwnshipEstimate,
     ) -> Option<Reported> {
-        let (latitude, longitude) = (degrees_from_e7(data.lat_int), degrees_from_e7(data.lon_int));
-        let place = Geodetic::new(latitude, longitude, 0.0);
-        let known = place.filter(|_| data.lat_int != 0 || data.lon_int != 0)?;
+        let place = place_from_e7(data.lat_int, data.lon_int, 0.0)?;
         Some(Reported {
-            position_m: ownship.frame()?.to_local_m(known),
+            position_m: ownship.frame()?.to_local_m(place),
             within_m: OTHER_TARGET_M,
         })
     }

@@ -12,8 +12,11 @@ use mavlink::dialects::ardupilotmega::{
 use super::Companion;
 use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
-use crate::traffic::report::{Key, Quality, adsb_address, adsb_place};
-use crate::traffic::{AltitudeReference, Class, Defect, Defects, Report, Sender, Source};
+use crate::traffic::receiver::FeedStatus;
+use crate::traffic::report::{Quality, TrackKey, adsb_address, adsb_place};
+use crate::traffic::{
+    AircraftClass, AltitudeReference, Defect, Defects, PlaceReport, ReportSender, ReportSource,
+};
 
 /// σ of a sensor's position without a configuration, metres, and as a share of its distance.
 const SENSOR_SIGMA_M: f64 = 10.0;
@@ -44,7 +47,8 @@ impl Companion {
     ) -> bool {
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
         let on_board = Some(system) == self.vehicle_system();
-        let sender = |source| Sender::mavlink(source, system, header.component_id);
+        let sender = |source| ReportSender::mavlink(source, system, header.component_id);
+        let remote = sender(ReportSource::RemoteId);
         let report = match message {
             MavMessage::ADSB_VEHICLE(data)
                 if self.ownship.is_silent(now_s) && self.held_reports.len() < MOST_HELD =>
@@ -55,7 +59,7 @@ impl Companion {
             MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
                 let (remote_id, _) = self.around.tracks_mut().remote_id();
-                remote_id.take_basic_id(data, sender(Source::RemoteId), now_s);
+                remote_id.take_basic_id(data, remote, now_s);
                 None
             }
             // Without an identity of the transmitter, messages of the vehicle's system describe the
@@ -70,16 +74,16 @@ impl Companion {
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
                 let (remote_id, levels) = self.around.tracks_mut().remote_id();
-                let taken = remote_id.take_location(data, sender(Source::RemoteId), levels, now_s);
+                let taken = remote_id.take_location(data, remote, levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
                 let (remote_id, levels) = self.around.tracks_mut().remote_id();
-                let taken = remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s);
+                let taken = remote_id.take_pack(data, remote, levels, now_s);
                 self.with_position(taken, now_s)
             }
             MavMessage::OBSTACLE_DISTANCE_3D(data) => {
-                let sender = sender(Source::Sensor);
+                let sender = sender(ReportSource::Sensor);
                 let sigma_m = self.sensor_sigma_m(system, header.component_id);
                 // A stranger's sensor sees from another place.
                 if on_board || sigma_m.is_some() {
@@ -97,7 +101,11 @@ impl Companion {
     }
 
     /// The report of Remote ID; an aircraft without a position is counted.
-    fn with_position(&mut self, taken: Result<Option<Report>, Key>, now_s: f64) -> Option<Report> {
+    fn with_position(
+        &mut self,
+        taken: Result<Option<PlaceReport>, TrackKey>,
+        now_s: f64,
+    ) -> Option<PlaceReport> {
         taken.unwrap_or_else(|key| {
             self.count_defect(Defect::NoPosition, key, None, now_s);
             None
@@ -124,23 +132,23 @@ impl Companion {
         data: &ADSB_VEHICLE_DATA,
         header: MavHeader,
         now_s: f64,
-    ) -> Option<Report> {
+    ) -> Option<PlaceReport> {
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
         let own = self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         let configured = self.sensor_sigma_m(system, header.component_id);
         let source = match configured {
-            _ if own => Source::AutopilotList,
-            Some(_) => Source::Sensor,
-            None => Source::Mavlink,
+            _ if own => ReportSource::AutopilotList,
+            Some(_) => ReportSource::Sensor,
+            None => ReportSource::Mavlink,
         };
         let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
-        let sender = Sender::mavlink(source, system, header.component_id);
+        let sender = ReportSender::mavlink(source, system, header.component_id);
         let sent_s = now_s - self.ownship.queued_s();
-        let report = Report::from_adsb(data, sender, sent_s, sigma_m);
+        let report = PlaceReport::from_adsb(data, sender, sent_s, sigma_m);
         if let Err(defect) = report {
             let key = match adsb_address(data) {
-                0 => Key::Unnamed(sender),
-                icao => Key::Address(icao),
+                0 => TrackKey::Unnamed(sender),
+                icao => TrackKey::Address(icao),
             };
             self.count_defect(defect, key, adsb_place(data), now_s);
         }
@@ -152,24 +160,24 @@ impl Companion {
                 GeometricDatum::Ellipsoid => AltitudeReference::Ellipsoid,
             };
         }
-        if source == Source::Sensor && report.icao != 0 {
+        if source == ReportSource::Sensor && report.icao != 0 {
             // A sensor numbers its detections; its numbers are no addresses.
             let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
-            report.key = Some(Key::Seen(sender, number));
+            report.key = Some(TrackKey::Seen(sender, number));
             report.icao = 0;
         }
         Some(report)
     }
 
     /// Takes a report of traffic, from a receiver or a message.
-    pub fn take_report(&mut self, report: &Report, now_s: f64) {
+    pub fn take_report(&mut self, report: &PlaceReport, now_s: f64) {
         self.voice.at(now_s);
         let Some(frame) = self.ownship.frame() else {
             return;
         };
         let mut report = report.clone();
         let home_m = self.ownship.home_altitude_m().unwrap_or(0.0);
-        let is_slow = report.class != Class::GliderBalloon
+        let is_slow = report.class != AircraftClass::GliderBalloon
             && report.velocity_mps.is_some_and(|v| v.length() < SLOW_MPS);
         let highest_m = if is_slow { HIGHEST_SLOW_M } else { HIGHEST_M };
         let likely_m = home_m - FARTHEST_BELOW_M..highest_m;
@@ -198,7 +206,7 @@ impl Companion {
 
     /// Counts a defect, and reports the first of its kind within the surveillance radius to the operator; an aircraft
     /// without any position may be near.
-    fn count_defect(&mut self, defect: Defect, key: Key, place: Option<Geodetic>, now_s: f64) {
+    fn count_defect(&mut self, defect: Defect, key: TrackKey, place: Option<Geodetic>, now_s: f64) {
         let range_m = place.zip(self.ownship.frame()).and_then(|(place, frame)| {
             let off_m = frame.to_local_m(place) - self.ownship.position_m(now_s)?;
             Some(libm::hypot(off_m.x, off_m.y))
@@ -206,13 +214,24 @@ impl Companion {
         let airspeed_mps = self.ownship.airspeed_mps().unwrap_or_default();
         let surveillance_m = self.config.surveillance_m(airspeed_mps);
         let is_near = range_m.is_none_or(|m| m <= surveillance_m);
-        let is_own = matches!(key, Key::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
+        let is_own =
+            matches!(key, TrackKey::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
         if is_own {
             return;
         }
         if let Some(words) = self.defects.count(defect, key, is_near) {
             self.voice.warn(&words);
         }
+    }
+
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.feeds.take(status, self.voice.at(now_s));
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        self.feeds.words()
     }
 
     /// The defects of reports so far.
@@ -233,10 +252,10 @@ impl Companion {
     fn sensor_report(
         &mut self,
         data: &OBSTACLE_DISTANCE_3D_DATA,
-        sender: Sender,
+        sender: ReportSender,
         sigma_m: f64,
         now_s: f64,
-    ) -> Option<Report> {
+    ) -> Option<PlaceReport> {
         let offset = Vec3::new(f64::from(data.x), f64::from(data.y), f64::from(data.z));
         let distance_m = offset.length();
         let farthest_m = f64::from(data.max_distance).min(SENSOR_REACH_M);
@@ -259,29 +278,16 @@ impl Companion {
         let frame = self.ownship.frame()?;
         let place = frame.to_geodetic(state.ownship.position_m + east_north_up);
         let key = match data.obstacle_id {
-            UNNUMBERED => Key::Unnamed(sender),
-            number => Key::Seen(sender, number),
+            UNNUMBERED => TrackKey::Unnamed(sender),
+            number => TrackKey::Seen(sender, number),
         };
-        Some(Report {
-            source: sender.source,
-            sender,
-            icao: 0,
+        let sigma_m = libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m);
+        let quality = Quality::of_position(sigma_m, AltitudeReference::MeanSeaLevel);
+        Some(PlaceReport {
             key: Some(key),
-            callsign: String::new(),
-            place,
-            velocity_mps: None,
-            valid_s: now_s,
             // It may be any flying object.
             movement: Movement::SMALL_UAS,
-            class: Class::Crewed,
-            quality: Quality {
-                position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
-                velocity_mps: 0.0,
-                velocity_sigma_is_known: false,
-                climb_is_known: false,
-                height_m: 0.0,
-                altitude: AltitudeReference::MeanSeaLevel,
-            },
+            ..PlaceReport::of_position(sender, place, now_s, quality)
         })
     }
 

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::voice::Voice;
 use crate::authority::Severity;
-use crate::mission::{Download, Item};
+use crate::mission::{Download, ListItem};
 
 /// Time for requesting the items one after the other, all of them, seconds.
 const SEEN_S: f64 = 1.2;
@@ -13,9 +13,13 @@ const SEEN_S: f64 = 1.2;
 /// A list, and when it is looked at again.
 #[derive(Debug)]
 pub(super) struct Watched {
-    download: Download,
+    pub(super) download: Download,
+    /// Names of the list and of its items in the log, and what the operator reads of another one; `None` where somebody else reports it.
+    names: Option<[&'static str; 3]>,
     /// Whether the list matters.
     is_used: bool,
+    /// The vehicle's number for it, if it sends one.
+    number: Option<u32>,
     /// The number of the download that was reported.
     told: u32,
     /// Interval of requests for the number of items, and the least one of requests for an item, seconds.
@@ -30,13 +34,15 @@ impl Watched {
     /// Nothing is read yet. The number of items and an item are requested at these intervals, seconds.
     pub(super) const fn new(
         kind: MavMissionType,
+        names: Option<[&'static str; 3]>,
         is_used: bool,
-        count_every_s: f64,
-        item_every_s: f64,
+        [count_every_s, item_every_s]: [f64; 2],
     ) -> Self {
         Self {
             download: Download::new(kind),
+            names,
             is_used,
+            number: None,
             told: 0,
             count_every_s,
             item_every_s,
@@ -46,12 +52,8 @@ impl Watched {
         }
     }
 
-    pub(super) const fn download(&self) -> &Download {
-        &self.download
-    }
-
     /// The last complete list.
-    pub(super) fn items(&self) -> Option<&[Item]> {
+    pub(super) fn items(&self) -> Option<&[ListItem]> {
         self.download.items()
     }
 
@@ -71,9 +73,16 @@ impl Watched {
         }
     }
 
-    /// Reads this item before the others.
-    pub(super) const fn read_first(&mut self, index: u16) {
-        self.download.read_first(index);
+    /// Takes the vehicle's number for the list: another one is another list. A vehicle without such a number sends 0.
+    pub(super) fn take_number(&mut self, number: u32) {
+        if number != 0
+            && self
+                .number
+                .replace(number)
+                .is_some_and(|known| known != number)
+        {
+            self.read_again();
+        }
     }
 
     /// The vehicle refuses an item: the list has changed while it was read.
@@ -114,30 +123,21 @@ impl Watched {
         self.close(is_read, voice)
     }
 
-    fn close(&self, is_read: bool, voice: &mut Voice) -> bool {
-        if is_read {
-            voice.send(self.download.closing(voice.system()));
-        }
-        is_read
-    }
-
-    /// Reports a list that has been read, where it differs from the one before: in the log as a number of items by this name, and where
-    /// there was one before to the operator in these words. Whether it differs.
-    pub(super) fn report(
-        &mut self,
-        (kind, items): (&str, &str),
-        words: &str,
-        voice: &mut Voice,
-    ) -> bool {
-        let changes = self.download.changes();
-        let before = core::mem::replace(&mut self.told, changes);
-        if before == changes {
+    /// Ends a download that is complete, and reports a list that differs from the one before.
+    fn close(&mut self, is_read: bool, voice: &mut Voice) -> bool {
+        if !is_read {
             return false;
         }
-        let count = self.items().map_or(0, <[_]>::len);
-        voice.note(kind, json!({ items: count }));
-        if before > 0 {
-            voice.tell(Severity::Notice, words);
+        voice.send(self.download.closing(voice.system()));
+        let before = core::mem::replace(&mut self.told, self.download.changes());
+        if let Some([kind, items, words]) = self.names
+            && before != self.told
+        {
+            let count = self.items().map_or(0, <[_]>::len);
+            voice.note(kind, json!({ items: count }));
+            if before > 0 {
+                voice.tell(Severity::Notice, words);
+            }
         }
         true
     }
@@ -171,7 +171,9 @@ mod tests {
     #[test]
     fn a_list_of_four_is_seen_again_within_1_2_s_and_counted_every_2_s() {
         let (mut voice, kind) = (Voice::default(), MavMissionType::MAV_MISSION_TYPE_FENCE);
-        let mut list = Watched::new(kind, true, 2.0, 0.1);
+        let words = "fga: another fence";
+        let names = Some(["fence", "items", words]);
+        let mut list = Watched::new(kind, names, true, [2.0, 0.1]);
         list.look(true, voice.at(0.0));
         assert!(voice.take_messages().is_empty(), "nothing known yet");
         list.read_again();
@@ -190,9 +192,6 @@ mod tests {
             assert_eq!(list.take_item(&item, &mut voice), seq == 3);
         }
         assert_eq!(voice.take_messages().len(), 1, "it is closed");
-        let words = "fga: another fence";
-        assert!(list.report(("fence", "items"), words, &mut voice));
-        assert!(!list.report(("fence", "items"), words, &mut voice));
         assert_eq!(voice.texts(), 0, "the first one is no change");
         let log = voice.take_log();
         assert!(log.len() == 1 && log[0]["kind"] == "fence" && log[0]["items"] == 4);

@@ -1,29 +1,26 @@
 //! The moment in words and as a picture: the threat, a line for a terminal, what a viewer draws.
 
-use fga::avoider::Decision;
+use fga::avoider::{Decision, Threat};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::ObstacleKind;
 
 use super::Companion;
-use super::picture::Picture;
+use super::picture::FlightPicture;
 use crate::ground::{AboveGround, each_second};
 
 impl Companion {
+    /// The threat of the last decision with its name.
+    fn threat(&self) -> Option<(String, Threat)> {
+        let threat = self.decided?.decision.record.threat?;
+        Some((self.around.name(threat.id), threat))
+    }
+
     pub(super) fn tell_threat(&mut self) {
-        let threat = self
-            .decided
-            .and_then(|decided| decided.decision.record.threat);
-        let words = match threat {
-            Some(threat) => {
-                let name = self.around.name(threat.id);
-                format!(
-                    "fga: avoiding {name}, {:.0} s away",
-                    threat.entry_s.max(0.0)
-                )
-            }
-            None => "fga: avoiding".to_owned(),
-        };
-        self.voice.warn(&words);
+        let words = self.threat().map(|(name, threat)| {
+            let entry_s = threat.entry_s.max(0.0);
+            format!("fga: avoiding {name}, {entry_s:.0} s away")
+        });
+        self.voice.warn(words.as_deref().unwrap_or("fga: avoiding"));
     }
 
     /// Name of the obstacle that a decision is about.
@@ -53,16 +50,9 @@ impl Companion {
         let state = self
             .decided
             .map_or("-", |decided| decided.decision.state.name());
-        let threat =
-            self.decided
-                .and_then(|d| d.decision.record.threat)
-                .map_or(String::new(), |threat| {
-                    format!(
-                        " | {} in {:.0} s",
-                        self.around.name(threat.id),
-                        threat.entry_s.max(0.0)
-                    )
-                });
+        let threat = self.threat().map_or(String::new(), |(name, threat)| {
+            format!(" | {name} in {:.0} s", threat.entry_s.max(0.0))
+        });
         let unseen = match self.defects.unseen() {
             0 => String::new(),
             count => format!(", {count} unseen"),
@@ -94,19 +84,18 @@ impl Companion {
     }
 
     /// The picture of the last decision; `None` before the first.
-    pub fn picture(&self) -> Option<Picture> {
+    pub fn picture(&self) -> Option<FlightPicture> {
         let decided = self.decided?;
-        let threat = decided.decision.record.threat;
         let beings = self
             .around
             .obstacles()
             .iter()
             .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
-        Some(Picture {
+        Some(FlightPicture {
             time_s: decided.for_s,
             own: decided.own,
             decision: decided.decision,
-            threat_name: threat.map(|threat| self.around.name(threat.id)),
+            threat_name: self.threat().map(|(name, _)| name),
             authority: self.keeper.state(),
             vehicle: *self.vehicle()?,
             obstacles: beings

@@ -3,7 +3,7 @@
 use fga_formats::error::toml_sentence;
 
 use super::{Config, ConfigError, LimitsConfig};
-use crate::number::Checked;
+use crate::number::RangeCheck;
 
 /// Checks keys by their names, each with its least and its largest value; an absent key is in any range.
 macro_rules! ranges {
@@ -82,7 +82,7 @@ impl Config {
             alerts,
             ..
         } = self;
-        let mut checked = Checked::default();
+        let mut checked = RangeCheck::default();
         let lowest_ceiling_m = limits.floor_m + 1.0;
         ranges!(checked {
             vehicle.max_bank_deg: 10.0, 70.0;

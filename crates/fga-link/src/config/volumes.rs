@@ -4,8 +4,8 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
 
-use super::{CommandMode, Config, ConfigError, NMAC, VolumeConfig, VolumesConfig};
-use crate::traffic::{Class, Volumes};
+use super::{CommandMode, Config, ConfigError, NMAC, VolumesConfig};
+use crate::traffic::class::{AircraftClass, Volumes, volume_of};
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
 const CRUISE_MPS: f64 = 22.0;
@@ -44,34 +44,24 @@ impl Config {
     }
 
     /// The protected volume about an aircraft of a class.
-    pub fn volume(&self, class: Class) -> ProtectedVolume {
+    pub fn volume(&self, class: AircraftClass) -> ProtectedVolume {
         let protection = &self.protection;
-        let VolumeConfig {
-            radius_m,
-            half_height_m,
-        } = match (protection.radius_m, class) {
-            (Some(radius_m), _) => match protection.half_height_m {
-                Some(half_height_m) => VolumeConfig {
-                    radius_m,
-                    half_height_m,
-                },
-                None => return ProtectedVolume::Sphere { radius_m },
-            },
-            (None, Class::Crewed) => self.volumes.crewed,
-            (None, Class::SmallUnmanned) => self.volumes.small_unmanned,
-            (None, Class::GliderBalloon) => self.volumes.glider_balloon,
-        };
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
+        if let Some(radius_m) = protection.radius_m {
+            return volume_of(radius_m, protection.half_height_m);
         }
+        let volume = match class {
+            AircraftClass::Crewed => self.volumes.crewed,
+            AircraftClass::SmallUnmanned => self.volumes.small_unmanned,
+            AircraftClass::GliderBalloon => self.volumes.glider_balloon,
+        };
+        volume_of(volume.radius_m, Some(volume.half_height_m))
     }
 
     /// The distance beyond which obstacles are not considered at an airspeed, metres.
     pub fn surveillance_m(&self, airspeed_mps: f64) -> f64 {
         let protection = &self.protection;
         protection.surveillance_m.unwrap_or_else(|| {
-            let volume = self.volume(Class::Crewed);
+            let volume = self.volume(AircraftClass::Crewed);
             surveillance::derived_m(
                 airspeed_mps,
                 protection.horizon_s,
@@ -97,7 +87,7 @@ impl Config {
                 "Algorithm 4 (command.mode \"paper\") knows no ground: terrain has no effect";
             warnings.push(words.to_owned());
         }
-        let crewed = self.volume(Class::Crewed);
+        let crewed = self.volume(AircraftClass::Crewed);
         if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
             warnings.push(format!(
                 "crewed aircraft get {} x +-{} m, less than a near mid-air collision with one, {} x +-{} m",
@@ -142,7 +132,11 @@ impl Config {
 impl Volumes {
     /// Those of a configuration.
     pub fn new(config: &Config) -> Self {
-        let classes = [Class::Crewed, Class::SmallUnmanned, Class::GliderBalloon];
+        let classes = [
+            AircraftClass::Crewed,
+            AircraftClass::SmallUnmanned,
+            AircraftClass::GliderBalloon,
+        ];
         let [crewed, small_unmanned, glider_balloon] = classes.map(|class| config.volume(class));
         Self {
             crewed,
@@ -177,7 +171,7 @@ mod tests {
         use mavlink::dialects::ardupilotmega::AdsbEmitterType as Emitter;
         let config = Config::default();
         let room = |emitter| {
-            let volume = config.volume(Class::of(emitter));
+            let volume = config.volume(AircraftClass::of(emitter));
             (volume.radius_m(), volume.half_height_m())
         };
         for crewed in [
@@ -197,7 +191,9 @@ mod tests {
         }
         assert!(config.warnings().is_empty());
         let text = "[volumes]\nsmall_unmanned = { radius_m = 100.0, half_height_m = 40.0 }\n";
-        let volume = Config::parse(text).unwrap().volume(Class::SmallUnmanned);
+        let volume = Config::parse(text)
+            .unwrap()
+            .volume(AircraftClass::SmallUnmanned);
         assert_eq!((volume.radius_m(), volume.half_height_m()), (100.0, 40.0));
         let small = Config::parse("[protection]\nradius_m = 60.0\n").unwrap();
         assert!(small.warnings()[0].contains("less than a near mid-air collision"));

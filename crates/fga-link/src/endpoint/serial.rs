@@ -1,10 +1,11 @@
 //! A serial port, which is opened again when it was pulled out.
 
+use core::time::Duration;
 use std::io::{self, Write as _};
 
 use serialport::{ClearBuffer, SerialPort};
 
-use super::stream::{ByteStream, Halves, READ_TIMEOUT, Received, locked};
+use super::stream::{ByteStream, Halves, LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked};
 
 /// An open port.
 type Port = Box<dyn SerialPort>;
@@ -16,7 +17,7 @@ pub(super) struct SerialReader {
     stream: ByteStream<Port>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct SerialWriter(Halves<Port>);
 
 /// Opens a port.
@@ -34,24 +35,28 @@ fn open_port(path: &str, baud: u32) -> io::Result<(Port, Port)> {
     Ok((port, copy))
 }
 
-impl SerialReader {
-    pub(super) fn read(&mut self, buffer: &mut [u8]) -> Received {
+impl ReadingHalf for SerialReader {
+    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> LinkRead {
         let (path, baud) = (&self.path, self.baud);
         self.stream.read(buffer, false, || open_port(path, baud))
     }
 
-    /// Discards what waits to be read.
-    pub(super) fn clear(&self) {
+    /// Discards what waits to be read, all at once.
+    fn wait_for(&self, _time: Duration) -> bool {
         if let Some(port) = self.stream.own() {
             // The next read opens a failed port again.
             let _ = port.clear(ClearBuffer::Input);
         }
+        false
+    }
+
+    fn discard(&mut self, _buffer: &mut [u8]) -> bool {
+        false
     }
 }
 
-impl SerialWriter {
-    /// Sends; `false` without a port or after a failure.
-    pub(super) fn write(&self, bytes: &[u8]) -> bool {
+impl WritingHalf for SerialWriter {
+    fn write(&self, bytes: &[u8]) -> bool {
         let mut port = locked(&self.0);
         port.as_mut()
             .is_some_and(|port| port.write_all(bytes).is_ok())

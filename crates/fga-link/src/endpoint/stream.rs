@@ -1,6 +1,7 @@
 //! A stream of bytes that is opened again when it is lost, shared by its two halves.
 
 use alloc::sync::Arc;
+use core::fmt::Debug;
 use core::time::Duration;
 use std::io::{self, Read};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,13 +13,42 @@ const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
 
 /// The result of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Received {
+pub enum LinkRead {
     /// This number of bytes of a stream, or one datagram.
     Bytes(usize),
     /// Nothing came in time.
     Nothing,
     /// The connection is new: a begun frame is lost.
     NewConnection,
+}
+
+/// The reading half of a socket or a port.
+pub(super) trait ReadingHalf: Debug + Send {
+    /// Reads once; what `is_silent` may be connected again.
+    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> LinkRead;
+
+    /// Sets the time-out of a read; `false` if there is nothing more to read from.
+    fn wait_for(&self, time: Duration) -> bool;
+
+    /// Reads what is discarded; `false` if nothing came.
+    fn discard(&mut self, buffer: &mut [u8]) -> bool;
+
+    /// From now on it answers only senders named by [`Self::answer_sender`].
+    fn be_wary(&mut self) {}
+
+    /// From now on it answers the sender of the last datagram.
+    fn answer_sender(&self) {}
+
+    /// Whether each read is a separate datagram.
+    fn is_datagrams(&self) -> bool {
+        false
+    }
+}
+
+/// The writing half of a socket or a port.
+pub(super) trait WritingHalf: Debug + Send + Sync {
+    /// Sends; `false` without a peer or after a failure.
+    fn write(&self, bytes: &[u8]) -> bool;
 }
 
 /// What both halves have of a stream.
@@ -69,11 +99,11 @@ impl<T: Read> ByteStream<T> {
         buffer: &mut [u8],
         is_given_up: bool,
         open: impl FnOnce() -> io::Result<(T, T)>,
-    ) -> Received {
+    ) -> LinkRead {
         if let Some(own) = &mut self.own {
             match own.read(buffer) {
-                Ok(count) if count > 0 => return Received::Bytes(count),
-                Err(error) if nothing_came(&error) && !is_given_up => return Received::Nothing,
+                Ok(count) if count > 0 => return LinkRead::Bytes(count),
+                Err(error) if nothing_came(&error) && !is_given_up => return LinkRead::Nothing,
                 _ => {
                     self.own = None;
                     *locked(&self.shared) = None;
@@ -82,10 +112,10 @@ impl<T: Read> ByteStream<T> {
         }
         if let Ok(opened) = open() {
             self.take(opened);
-            return Received::NewConnection;
+            return LinkRead::NewConnection;
         }
         std::thread::sleep(RECONNECT_PAUSE);
-        Received::Nothing
+        LinkRead::Nothing
     }
 
     /// Reads what is discarded; `false` if nothing came.

@@ -5,7 +5,7 @@ use core::time::Duration;
 use std::io::{self, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
 
-use super::stream::{ByteStream, Halves, READ_TIMEOUT, Received, locked};
+use super::stream::{ByteStream, Halves, LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked};
 
 /// Time-out of an attempt to connect.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -28,7 +28,7 @@ pub(super) struct TcpReader {
     stream: ByteStream<TcpStream>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct TcpWriter(Halves<TcpStream>);
 
 /// Connects to an address when it is read.
@@ -66,8 +66,8 @@ fn adopt(stream: TcpStream) -> io::Result<(TcpStream, TcpStream)> {
     Ok((stream, copy))
 }
 
-impl TcpReader {
-    pub(super) fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> Received {
+impl ReadingHalf for TcpReader {
+    fn read(&mut self, buffer: &mut [u8], is_silent: bool) -> LinkRead {
         let peer = &self.peer;
         let connect = || match peer {
             Peer::Address(address) => TcpStream::connect_timeout(address, CONNECT_TIMEOUT),
@@ -77,21 +77,18 @@ impl TcpReader {
         stream.read(buffer, is_silent, || connect().and_then(adopt))
     }
 
-    /// Sets the time-out of a read; `false` without a connection.
-    pub(super) fn wait_for(&self, time: Duration) -> bool {
+    fn wait_for(&self, time: Duration) -> bool {
         let own = self.stream.own();
         own.is_some_and(|stream| stream.set_read_timeout(Some(time)).is_ok())
     }
 
-    /// Reads what is discarded; `false` if nothing came.
-    pub(super) fn discard(&mut self, buffer: &mut [u8]) -> bool {
+    fn discard(&mut self, buffer: &mut [u8]) -> bool {
         self.stream.discard(buffer)
     }
 }
 
-impl TcpWriter {
-    /// Sends; `false` without a connection or after a failure.
-    pub(super) fn write(&self, bytes: &[u8]) -> bool {
+impl WritingHalf for TcpWriter {
+    fn write(&self, bytes: &[u8]) -> bool {
         let mut guard = locked(&self.0);
         let done = guard
             .as_mut()

@@ -43,18 +43,15 @@ fn endpoints_are_read() {
 
 #[test]
 fn a_waiting_port_answers_its_senders() {
-    let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
-    let ReaderKind::Udp(udp) = &waiting.kind else {
-        panic!("not a UDP port")
-    };
-    let port = udp.socket.local_addr().unwrap();
+    let (mut waiting, answer) = udp::open("127.0.0.1:0".parse().unwrap(), None).unwrap();
+    let port = waiting.socket.local_addr().unwrap();
     assert!(!answer.write(b"nobody"));
     let (mut calling, call) = open(&Endpoint::UdpOut(port.to_string())).unwrap();
     assert!(call.write(b"here"));
     let mut buffer = [0; 64];
-    while waiting.read(&mut buffer) == Received::Nothing {}
+    while waiting.read(&mut buffer, false) == LinkRead::Nothing {}
     assert!(answer.write(b"there"));
-    while calling.read(&mut buffer) == Received::Nothing {}
+    while calling.read(&mut buffer) == LinkRead::Nothing {}
     assert_eq!(&buffer[..5], b"there");
 }
 
@@ -69,7 +66,7 @@ fn a_serial_port_carries_bytes_both_ways() {
     other_end.write_all(b"from the vehicle").unwrap();
     let (mut buffer, mut heard) = ([0; 64], Vec::new());
     while heard.len() < 16 {
-        if let Received::Bytes(count) = reader.read(&mut buffer) {
+        if let LinkRead::Bytes(count) = reader.read(&mut buffer) {
             heard.extend_from_slice(&buffer[..count]);
         }
     }
@@ -100,9 +97,9 @@ fn a_serial_port_that_was_pulled_out_is_opened_again() {
     drop(first);
     let (mut vehicle, _port) = plug_in();
     let mut buffer = [0; 64];
-    while reader.read(&mut buffer) != Received::NewConnection {}
+    while reader.read(&mut buffer) != LinkRead::NewConnection {}
     vehicle.write_all(b"again").unwrap();
-    while reader.read(&mut buffer) == Received::Nothing {}
+    while reader.read(&mut buffer) == LinkRead::Nothing {}
     assert_eq!(&buffer[..5], b"again");
     assert!(writer.write(b"heard"));
     let mut heard = [0; 5];
@@ -118,10 +115,10 @@ fn a_lost_connection_is_made_again() {
     let (mut reader, writer) = open(&Endpoint::Tcp(address)).unwrap();
     let mut buffer = [0; 8];
     for word in [b"one", b"two"] {
-        while reader.read(&mut buffer) != Received::NewConnection {}
+        while reader.read(&mut buffer) != LinkRead::NewConnection {}
         let (mut stream, _) = server.accept().unwrap();
         stream.write_all(word).unwrap();
-        while reader.read(&mut buffer) != Received::Bytes(3) {}
+        while reader.read(&mut buffer) != LinkRead::Bytes(3) {}
         assert_eq!(&buffer[..3], word);
         assert!(writer.write(b"heard"));
     }

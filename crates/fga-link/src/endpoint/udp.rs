@@ -8,7 +8,7 @@ use std::net::UdpSocket;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use super::stream::{READ_TIMEOUT, Received, locked, nothing_came};
+use super::stream::{LinkRead, READ_TIMEOUT, ReadingHalf, WritingHalf, locked, nothing_came};
 
 /// Most senders that a waiting port answers, and the time after their last message.
 const MOST_PEERS: usize = 8;
@@ -23,13 +23,13 @@ pub(super) struct UdpReader {
     /// Those whom a waiting port answers.
     peers: Option<Peers>,
     /// It answers only senders named by [`Self::answer_sender`].
-    pub(super) wary: bool,
+    wary: bool,
     sender: Option<SocketAddr>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct UdpWriter {
-    socket: Arc<UdpSocket>,
+    socket: UdpSocket,
     peers: Peers,
 }
 
@@ -43,7 +43,7 @@ pub(super) fn open(
     let first = remote.map(|remote| (remote, Instant::now()));
     let peers: Peers = Arc::new(Mutex::new(first.into_iter().collect()));
     let writer = UdpWriter {
-        socket: Arc::new(socket.try_clone()?),
+        socket: socket.try_clone()?,
         peers: Arc::clone(&peers),
     };
     let reader = UdpReader {
@@ -55,39 +55,44 @@ pub(super) fn open(
     Ok((reader, writer))
 }
 
-impl UdpReader {
-    /// From now on it answers the sender of the last datagram.
-    pub(super) fn answer_sender(&self) {
+impl ReadingHalf for UdpReader {
+    fn be_wary(&mut self) {
+        self.wary = true;
+    }
+
+    fn is_datagrams(&self) -> bool {
+        true
+    }
+
+    fn answer_sender(&self) {
         if let (Some(peers), Some(sender)) = (&self.peers, self.sender) {
             remember(&mut locked(peers), sender);
         }
     }
 
-    pub(super) fn read(&mut self, buffer: &mut [u8]) -> Received {
+    fn read(&mut self, buffer: &mut [u8], _is_silent: bool) -> LinkRead {
         match self.socket.recv_from(buffer) {
             Ok((count, from)) => {
                 self.sender = Some(from);
                 if !self.wary {
                     self.answer_sender();
                 }
-                Received::Bytes(count)
+                LinkRead::Bytes(count)
             }
             Err(error) => {
                 if !nothing_came(&error) {
                     std::thread::sleep(Duration::from_millis(10));
                 }
-                Received::Nothing
+                LinkRead::Nothing
             }
         }
     }
 
-    /// Sets the time-out of a read; `false` if that fails.
-    pub(super) fn wait_for(&self, time: Duration) -> bool {
+    fn wait_for(&self, time: Duration) -> bool {
         self.socket.set_read_timeout(Some(time)).is_ok()
     }
 
-    /// Reads what is discarded; `false` if nothing came.
-    pub(super) fn discard(&self, buffer: &mut [u8]) -> bool {
+    fn discard(&mut self, buffer: &mut [u8]) -> bool {
         self.socket.recv_from(buffer).is_ok()
     }
 }
@@ -109,9 +114,9 @@ fn remember(peers: &mut Vec<(SocketAddr, Instant)>, from: SocketAddr) {
     peers.push((from, now));
 }
 
-impl UdpWriter {
-    /// Sends a datagram to each peer; `false` where none got it.
-    pub(super) fn write(&self, bytes: &[u8]) -> bool {
+impl WritingHalf for UdpWriter {
+    /// Sends a datagram to each peer.
+    fn write(&self, bytes: &[u8]) -> bool {
         let mut sent = false;
         for (address, _) in locked(&self.peers).iter() {
             sent |= self.socket.send_to(bytes, address).is_ok();

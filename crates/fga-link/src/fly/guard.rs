@@ -6,14 +6,14 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 
 use super::link::{Parcel, post};
-use super::shared::{Shared, locked};
+use super::shared::{FlightShared, locked};
 use crate::authority::{LOOK_EVERY_S, Order, Watchdog};
 use crate::wire::Signing;
 
 /// Looks until the flight is over. Calls `end_program` when the deciding thread stands still and
 /// all attempts are over.
 pub(super) fn watch(
-    shared: &Shared,
+    shared: &FlightShared,
     to: &SyncSender<Parcel>,
     signing: Option<&Signing>,
     end_program: impl Fn(),
@@ -29,7 +29,7 @@ pub(super) fn watch(
 }
 
 /// Restores the mode after the deciding thread has ended.
-pub(super) fn stand_in(shared: &Shared, to: &SyncSender<Parcel>, signing: Option<&Signing>) {
+pub(super) fn stand_in(shared: &FlightShared, to: &SyncSender<Parcel>, signing: Option<&Signing>) {
     let mut watchdog = Watchdog::of_ended(shared.ticks.load(Ordering::Relaxed));
     while look(shared, &mut watchdog, to, signing) {
         thread::sleep(Duration::from_secs_f64(LOOK_EVERY_S));
@@ -38,7 +38,7 @@ pub(super) fn stand_in(shared: &Shared, to: &SyncSender<Parcel>, signing: Option
 
 /// One look; `false` when nothing is left to do.
 fn look(
-    shared: &Shared,
+    shared: &FlightShared,
     watchdog: &mut Watchdog,
     to: &SyncSender<Parcel>,
     signing: Option<&Signing>,
@@ -78,14 +78,14 @@ mod tests {
     };
 
     /// A flight in which the mode is owed or not.
-    fn flight(owed: Option<Owed>) -> Arc<Shared> {
-        let shared = Shared::new(Arc::new(AtomicU32::new(0)), 1);
+    fn flight(owed: Option<Owed>) -> Arc<FlightShared> {
+        let shared = FlightShared::new(Arc::new(AtomicU32::new(0)), 1);
         *locked(&shared.owed) = owed;
         Arc::new(shared)
     }
 
     /// The vehicle reports its mode four times a second until the flight is over.
-    fn tell(shared: &Arc<Shared>, mode: &Arc<AtomicU32>) {
+    fn tell(shared: &Arc<FlightShared>, mode: &Arc<AtomicU32>) {
         let (shared, mode) = (Arc::clone(shared), Arc::clone(mode));
         thread::spawn(move || {
             let mut sequence = 0_u8;
@@ -110,7 +110,7 @@ mod tests {
     }
 
     /// Watches until the flight is over or the program is ended; whether it was ended, and the commands.
-    fn watched(shared: &Shared) -> (bool, Receiver<Parcel>) {
+    fn watched(shared: &FlightShared) -> (bool, Receiver<Parcel>) {
         let (to, parcels) = sync_channel(64);
         let ended = AtomicBool::new(false);
         watch(shared, &to, None, || ended.store(true, Ordering::Relaxed));

@@ -7,13 +7,13 @@ use std::time::Instant;
 
 use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
-use super::shared::Shared;
+use super::shared::FlightShared;
 use crate::authority::Owed;
-use crate::commands::Command;
-use crate::endpoint::{Reader, Received, Writer};
+use crate::commands::VehicleCommand;
+use crate::endpoint::{LinkRead, LinkReader, LinkWriter};
 use crate::mode::ModeChange;
 use crate::outgoing::OWN_COMPONENT;
-use crate::wire::{Frame, Framer, Signing, encode};
+use crate::wire::{Framer, Signing, WireFrame, encode};
 
 /// A longer turn of the reading thread was a pause of the whole program: the data that waits in the
 /// socket is history.
@@ -33,7 +33,8 @@ pub(super) struct Parcel {
 impl Parcel {
     /// The command that restores the owed mode, outside of the companion.
     pub(super) fn restoring(owed: Owed, signing: Option<&Signing>) -> Self {
-        let message = Command::set_mode(owed.previous, owed.owned).message(owed.system_id, 0);
+        let message =
+            VehicleCommand::set_mode(owed.previous, owed.owned).message(owed.system_id, 0);
         let header = MavHeader {
             system_id: u32::from(owed.system_id),
             component_id: OWN_COMPONENT,
@@ -51,10 +52,10 @@ impl Parcel {
 
 /// Reads the link until the flight is over; `sink` takes each valid frame and its time.
 pub(super) fn read(
-    shared: &Shared,
-    mut reader: Reader,
+    shared: &FlightShared,
+    mut reader: LinkReader,
     signing: Option<&Signing>,
-    mut sink: impl FnMut(Frame, f64),
+    mut sink: impl FnMut(WireFrame, f64),
 ) {
     let mut framer = Framer::new(signing.cloned());
     let mut buffer = vec![0; 4096];
@@ -70,7 +71,7 @@ pub(super) fn read(
             continue;
         }
         match received {
-            Received::Bytes(count) => {
+            LinkRead::Bytes(count) => {
                 let bytes = buffer.get(..count).unwrap_or_default();
                 let now_s = shared.now_s();
                 let mut from_vehicle = false;
@@ -91,14 +92,14 @@ pub(super) fn read(
                     framer.reset();
                 }
             }
-            Received::NewConnection => framer.reset(),
-            Received::Nothing => {}
+            LinkRead::NewConnection => framer.reset(),
+            LinkRead::Nothing => {}
         }
     }
 }
 
 /// Writes frames until the flight is over. Checks a command of another mode here, at the last moment.
-pub(super) fn write(shared: &Shared, writer: &Writer, parcels: &Receiver<Parcel>) {
+pub(super) fn write(shared: &FlightShared, writer: &LinkWriter, parcels: &Receiver<Parcel>) {
     loop {
         match parcels.recv_timeout(LOOK) {
             Ok(parcel) => {

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime};
 
 use super::recorder::reason;
-use super::shared::{Shared, spawn};
+use super::shared::{FlightShared, await_end, spawn};
 use crate::restart::Note;
 use crate::wire::{Signing, Timestamps};
 
@@ -119,7 +119,7 @@ pub(super) struct Notebook {
 impl Notebook {
     /// Starts with the notes of an earlier run.
     pub(super) fn begin(
-        shared: &Arc<Shared>,
+        shared: &Arc<FlightShared>,
         folder: &Path,
         signing: Option<Signing>,
         left: Vec<Note>,
@@ -175,15 +175,12 @@ impl Notebook {
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
-        let since = Instant::now();
-        while !thread.is_finished() && since.elapsed() < LAST_WORDS {
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        await_end(&thread, LAST_WORDS);
     }
 }
 
 fn keep(
-    shared: &Shared,
+    shared: &FlightShared,
     folder: &Path,
     signing: Option<&Signing>,
     wishes: &Receiver<Wish>,

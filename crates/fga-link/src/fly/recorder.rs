@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use super::shared::{Shared, spawn};
+use super::shared::{FlightShared, await_end, spawn};
 use crate::number::to_u64;
 use crate::tlog::TlogWriter;
 
@@ -25,7 +25,7 @@ const LAST_WORDS: Duration = Duration::from_secs(2);
 
 /// An entry of the log.
 #[derive(Debug)]
-enum Entry {
+enum LogEntry {
     Frame(u64, Box<[u8]>),
     Line(String),
 }
@@ -45,15 +45,15 @@ pub(super) fn reason(error: &io::Error) -> String {
 
 /// The flight's side of its logs.
 pub(super) struct Recorder {
-    to: SyncSender<Entry>,
-    thread: Option<JoinHandle<()>>,
+    to: SyncSender<LogEntry>,
+    thread: JoinHandle<()>,
     begin_us: u64,
     behind: bool,
 }
 
 impl Recorder {
     /// Begins the logs in a folder.
-    pub(super) fn begin(shared: &Arc<Shared>, folder: &Path) -> io::Result<Self> {
+    pub(super) fn begin(shared: &Arc<FlightShared>, folder: &Path) -> io::Result<Self> {
         let begin = SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default();
@@ -68,24 +68,24 @@ impl Recorder {
         })?;
         Ok(Self {
             to,
-            thread: Some(thread),
+            thread,
             begin_us,
             behind: false,
         })
     }
 
     /// Logs a frame, received or sent at a time of the flight, seconds.
-    pub(super) fn frame(&mut self, shared: &Shared, at_s: f64, bytes: &[u8]) {
+    pub(super) fn frame(&mut self, shared: &FlightShared, at_s: f64, bytes: &[u8]) {
         let unix_us = self.begin_us + to_u64(at_s * 1e6);
-        self.put(shared, Entry::Frame(unix_us, bytes.into()));
+        self.put(shared, LogEntry::Frame(unix_us, bytes.into()));
     }
 
     /// Logs a line about a decision.
-    pub(super) fn line(&mut self, shared: &Shared, line: String) {
-        self.put(shared, Entry::Line(line));
+    pub(super) fn line(&mut self, shared: &FlightShared, line: String) {
+        self.put(shared, LogEntry::Line(line));
     }
 
-    fn put(&mut self, shared: &Shared, entry: Entry) {
+    fn put(&mut self, shared: &FlightShared, entry: LogEntry) {
         match self.to.try_send(entry) {
             Ok(()) => self.behind = false,
             Err(TrySendError::Full(_)) if !self.behind => {
@@ -100,23 +100,18 @@ impl Recorder {
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
-        let since = Instant::now();
-        if let Some(thread) = thread {
-            while !thread.is_finished() && since.elapsed() < LAST_WORDS {
-                std::thread::sleep(Duration::from_millis(10));
-            }
-        }
+        await_end(&thread, LAST_WORDS);
     }
 }
 
 /// The files of a flight.
-struct Files {
+struct LogFiles {
     tlog: TlogWriter<BufWriter<File>>,
     decisions: BufWriter<File>,
     paths: [PathBuf; 2],
 }
 
-impl Files {
+impl LogFiles {
     fn create(folder: &Path, name: &str) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let paths = ["tlog", "jsonl"].map(|ending| folder.join(format!("{name}.{ending}")));
@@ -128,10 +123,10 @@ impl Files {
         })
     }
 
-    fn write(&mut self, entry: &Entry) -> io::Result<()> {
+    fn write(&mut self, entry: &LogEntry) -> io::Result<()> {
         match entry {
-            Entry::Frame(unix_us, bytes) => self.tlog.write(*unix_us, bytes),
-            Entry::Line(line) => writeln!(self.decisions, "{line}"),
+            LogEntry::Frame(unix_us, bytes) => self.tlog.write(*unix_us, bytes),
+            LogEntry::Line(line) => writeln!(self.decisions, "{line}"),
         }
     }
 
@@ -146,12 +141,12 @@ impl Files {
     }
 }
 
-fn record(shared: &Shared, folder: &Path, name: &str, entries: &Receiver<Entry>) {
+fn record(shared: &FlightShared, folder: &Path, name: &str, entries: &Receiver<LogEntry>) {
     let stopped = |error: &io::Error| {
         shared.trouble(format!("fga: log stopped: {}", reason(error)));
         None
     };
-    let mut files = Files::create(folder, name).map_or_else(|error| stopped(&error), Some);
+    let mut files = LogFiles::create(folder, name).map_or_else(|error| stopped(&error), Some);
     let mut flushed = Instant::now();
     loop {
         let ended = match entries.recv_timeout(FLUSH) {

@@ -2,7 +2,9 @@
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use core::time::Duration;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Instant;
 
 use mavlink::MavHeader;
@@ -23,7 +25,7 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// The vehicle as the reading thread hears it.
 #[derive(Debug, Default)]
-struct Vehicle {
+struct HeardPlane {
     /// System id; 0 before the first heartbeat.
     system_id: u8,
     hearing: Hearing,
@@ -31,7 +33,7 @@ struct Vehicle {
 
 /// Shared by all threads.
 #[derive(Debug)]
-pub(super) struct Shared {
+pub(super) struct FlightShared {
     start: Instant,
     /// Number of signals to end the flight.
     pub(super) stop: Arc<AtomicU32>,
@@ -45,11 +47,11 @@ pub(super) struct Shared {
     pub(super) owed: Mutex<Option<Owed>>,
     /// A needed thread has ended by a panic.
     pub(super) failed: Mutex<Option<&'static str>>,
-    vehicle: Mutex<Vehicle>,
+    vehicle: Mutex<HeardPlane>,
     troubles: Mutex<Vec<String>>,
 }
 
-impl Shared {
+impl FlightShared {
     /// Nothing heard yet; `system_id` is the vehicle's if configured, else 0.
     pub(super) fn new(stop: Arc<AtomicU32>, system_id: u8) -> Self {
         Self {
@@ -60,7 +62,7 @@ impl Shared {
             ticks: AtomicU64::new(0),
             owed: Mutex::new(None),
             failed: Mutex::new(None),
-            vehicle: Mutex::new(Vehicle {
+            vehicle: Mutex::new(HeardPlane {
                 system_id,
                 hearing: Hearing::default(),
             }),
@@ -140,12 +142,20 @@ impl Shared {
     }
 }
 
+/// Waits until a thread has ended, for a while at most.
+pub(super) fn await_end(thread: &JoinHandle<()>, most: Duration) {
+    let since = Instant::now();
+    while !thread.is_finished() && since.elapsed() < most {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// Starts a thread; a panic of a needed one ends the flight and restores the mode.
 pub(super) fn spawn(
-    shared: &Arc<Shared>,
+    shared: &Arc<FlightShared>,
     name: &'static str,
-    run: impl FnOnce(&Shared) + Send + 'static,
-) -> std::io::Result<std::thread::JoinHandle<()>> {
+    run: impl FnOnce(&FlightShared) + Send + 'static,
+) -> std::io::Result<JoinHandle<()>> {
     let shared = Arc::clone(shared);
     std::thread::Builder::new()
         .name(name.to_owned())

@@ -7,7 +7,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Instant;
 
-use super::shared::{Shared, spawn};
+use super::shared::{FlightShared, spawn};
 
 /// Interval between lines.
 const EVERY: Duration = Duration::from_millis(500);
@@ -27,14 +27,14 @@ enum TerminalLine {
 }
 
 /// The flight's side of its status line.
-pub(super) struct Status {
+pub(super) struct StatusLine {
     to: Option<SyncSender<TerminalLine>>,
     shown: Instant,
 }
 
-impl Status {
+impl StatusLine {
     /// Whether a status line appears on standard error.
-    pub(super) fn begin(shared: &Arc<Shared>, wanted: bool) -> io::Result<Self> {
+    pub(super) fn begin(shared: &Arc<FlightShared>, wanted: bool) -> io::Result<Self> {
         let to = if wanted {
             let (to, lines) = sync_channel(WAITING_LINES);
             spawn(shared, "fga-status", move |_| {

@@ -13,7 +13,7 @@ use mavlink::dialects::ardupilotmega::{
     TERRAIN_CHECK_DATA, TERRAIN_DATA_DATA, TERRAIN_REPORT_DATA, TERRAIN_REQUEST_DATA,
 };
 
-use self::checked::{Answer, CheckedPiece, UNKNOWN_S};
+use self::checked::{CheckedPiece, PostAnswer, UNKNOWN_S};
 
 /// Distance between posts, metres: ArduPilot's `TERRAIN_SPACING` where nobody changes it, so that one answer serves the vehicle too.
 const SPACING_M: u16 = 100;
@@ -146,22 +146,22 @@ impl AskedBlocks {
     pub(crate) fn take_report(&mut self, data: &TERRAIN_REPORT_DATA) -> Option<&'static str> {
         let answer = self.checked.as_mut()?.take(data)?;
         self.pause_s = PAUSE_S;
-        self.waits = matches!(answer, Answer::Unknown);
+        self.waits = matches!(answer, PostAnswer::Unknown);
         match answer {
-            Answer::Known => return None,
+            PostAnswer::Known => return None,
             // Another piece comes before it.
-            Answer::Unknown => {
+            PostAnswer::Unknown => {
                 self.unanswered += 1;
                 self.due_s += UNKNOWN_S;
             }
-            Answer::Whole(_) => {
+            PostAnswer::Whole(_) => {
                 self.unanswered = 0;
                 self.due_s = f64::NEG_INFINITY;
             }
         }
         self.checked = None;
         match answer {
-            Answer::Whole(data) => self.take(&data),
+            PostAnswer::Whole(data) => self.take(&data),
             _ => None,
         }
     }

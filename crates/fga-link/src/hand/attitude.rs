@@ -8,11 +8,11 @@ use mavlink::dialects::ardupilotmega::{
     AttitudeTargetTypemask, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
 
-use super::{Hand, Reach, Target};
+use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::AUTOPILOT;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 
 /// A turn rolls out over this many bank time constants …
 const ROLL_OUT_LAGS: f64 = 1.0;
@@ -66,32 +66,18 @@ pub fn attitude_for(
     }
 }
 
-/// Keeps the altitude in level stages once it commands the pitch, and remembers the pitch angle of level flight.
+/// Flies by `SET_ATTITUDE_TARGET`. It keeps the altitude in level stages once it commands the pitch.
 #[derive(Debug, Default)]
-pub struct PitchKeeper {
+pub struct AttitudeHand {
+    /// The pitch angle of level flight, radians.
     level_pitch_rad: Option<f64>,
     held_altitude_m: Option<f64>,
     in_command: bool,
 }
 
-impl PitchKeeper {
-    /// Learns the pitch angle of level flight.
-    pub fn observe(&mut self, pitch_rad: f64, climb_rad: f64) {
-        let offset = pitch_rad - climb_rad;
-        if offset.abs() < 0.3 {
-            let known = self.level_pitch_rad.unwrap_or(offset);
-            self.level_pitch_rad = Some(known + 0.02 * (offset - known));
-        }
-    }
-
-    /// Begins a manoeuvre.
-    pub fn begin(&mut self) {
-        self.held_altitude_m = None;
-        self.in_command = false;
-    }
-
+impl AttitudeHand {
     /// The pitch angle to command, radians; `None` while the autopilot keeps the altitude.
-    pub fn pitch_rad(&mut self, climb_rad: Option<f64>, altitude_m: f64) -> Option<f64> {
+    fn pitch_rad(&mut self, climb_rad: Option<f64>, altitude_m: f64) -> Option<f64> {
         let level = self.level_pitch_rad.unwrap_or(0.0);
         if let Some(climb_rad) = climb_rad {
             self.in_command = true;
@@ -108,12 +94,6 @@ impl PitchKeeper {
     }
 }
 
-/// Flies by `SET_ATTITUDE_TARGET`.
-#[derive(Debug, Default)]
-pub struct AttitudeHand {
-    pitch: PitchKeeper,
-}
-
 impl Hand for AttitudeHand {
     fn mode(&self) -> Mode {
         Mode::GUIDED
@@ -123,27 +103,33 @@ impl Hand for AttitudeHand {
         true
     }
 
-    fn watch(&mut self, own: &State) {
-        self.pitch.observe(own.pitch_rad, own.ownship.climb_rad);
+    /// Learns the pitch angle of level flight.
+    fn watch(&mut self, own: &OwnState) {
+        let offset = own.pitch_rad - own.ownship.climb_rad;
+        if offset.abs() < 0.3 {
+            let known = self.level_pitch_rad.unwrap_or(offset);
+            self.level_pitch_rad = Some(known + 0.02 * (offset - known));
+        }
     }
 
     fn begin(&mut self) {
-        self.pitch.begin();
+        self.held_altitude_m = None;
+        self.in_command = false;
     }
 
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64> {
         let own = &target.own.ownship;
         let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
         let wanted = attitude_for(target.maneuver, elapsed_s, own, target.vehicle, limit_rad);
         let climb_rad = wanted.climb_rad.filter(|_| target.vehicle.can_climb());
-        let pitch_rad = self.pitch.pitch_rad(climb_rad, own.position_m.z);
+        let pitch_rad = self.pitch_rad(climb_rad, own.position_m.z);
         let message = attitude_message(wanted.bank_rad, pitch_rad, reach.boot_ms, reach.system);
         reach.outbox.send(message);
         Some(wanted.bank_rad)
     }
 
     /// Attitude targets time out by themselves.
-    fn let_go(&mut self, _reach: &mut Reach<'_>) {}
+    fn let_go(&mut self, _reach: &mut HandReach<'_>) {}
 }
 
 /// The message that commands a bank, and a pitch where given.
@@ -241,9 +227,17 @@ mod tests {
 
     #[test]
     fn after_a_climb_the_new_altitude_is_held() {
-        let mut keeper = PitchKeeper::default();
+        let mut keeper = AttitudeHand::default();
+        let level = OwnState {
+            ownship: own(0.0, 0.0),
+            ground_velocity_mps: Vec3::X * 25.0,
+            wind_mps: Vec3::ZERO,
+            above_home_m: 100.0,
+            pitch_rad: 0.05,
+            course_rate_radps: 0.0,
+        };
         for _ in 0..500 {
-            keeper.observe(0.05, 0.0);
+            keeper.watch(&level);
         }
         keeper.begin();
         assert_eq!(keeper.pitch_rad(None, 100.0), None);

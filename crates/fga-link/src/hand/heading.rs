@@ -5,13 +5,13 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use fga::angle::wrap_pi;
 use fga::maneuver::Stage;
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use mavlink::dialects::ardupilotmega::{MavCmd, MavFrame};
+use mavlink::dialects::ardupilotmega::MavCmd;
 
-use super::{Hand, Reach, Target};
-use crate::commands::Command;
+use super::{Hand, HandReach, HandTarget};
+use crate::commands::VehicleCommand;
 use crate::mode::Mode;
 use crate::number::single;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 
 /// A heading target is repeated when it changes by this, radians, or after this time, seconds.
 const STEP_RAD: f64 = 0.035;
@@ -34,7 +34,7 @@ pub struct HeadingHand {
 }
 
 impl HeadingHand {
-    fn turn(&mut self, stage: &Stage, target: &Target<'_>, reach: &mut Reach<'_>) -> bool {
+    fn turn(&mut self, stage: &Stage, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> bool {
         let own = &target.own.ownship;
         let turn_rad = stage.course_rad - own.course_rad;
         let heading_rad = own.course_rad + turn_rad.clamp(-FARTHEST_RAD, FARTHEST_RAD);
@@ -52,42 +52,22 @@ impl HeadingHand {
         let compass_deg = (FRAC_PI_2 - heading_rad).rem_euclid(2.0 * PI).to_degrees();
         let acceleration_mps2 = STANDARD_GRAVITY_MPS2 * libm::tan(target.bank_limit_rad);
         // The heading of the nose (1), not the course over the ground: the plan is in the air mass.
-        let parameters = [
-            1.0,
-            single(compass_deg),
-            single(acceleration_mps2),
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        ];
-        reach.commands.send(
-            Command {
-                command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
-                parameters,
-                frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                change: None,
-            },
-            true,
-        );
+        let (heading_deg, acceleration_mps2) = (single(compass_deg), single(acceleration_mps2));
+        let parameters = [1.0, heading_deg, acceleration_mps2, 0.0, 0.0, 0.0, 0.0];
+        let command = VehicleCommand::int(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING, parameters);
+        reach.commands.send(command, true);
         true
     }
 }
 
 /// Commands the altitude that a climb reaches some seconds ahead.
-fn climb(stage: &Stage, own: &State, reach: &mut Reach<'_>) {
+fn climb(stage: &Stage, own: &OwnState, reach: &mut HandReach<'_>) {
     let Some(frame) = reach.frame else { return };
     let climb_m = own.ownship.airspeed_mps * libm::sin(stage.climb_rad) * CLIMB_AHEAD_S;
     let altitude_m = frame.origin().altitude_m + own.ownship.position_m.z + climb_m;
-    reach.commands.send(
-        Command {
-            command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
-            parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
-            frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-            change: None,
-        },
-        true,
-    );
+    let parameters = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)];
+    let command = VehicleCommand::int(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE, parameters);
+    reach.commands.send(command, true);
 }
 
 impl Hand for HeadingHand {
@@ -103,7 +83,7 @@ impl Hand for HeadingHand {
         self.last = None;
     }
 
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64> {
         // Outside of GUIDED the vehicle refuses the commands: wait for the confirmation.
         if target.is_confirmed
             && let Some(stage) = target.maneuver.stage_at(target.elapsed_s).copied()
@@ -117,7 +97,7 @@ impl Hand for HeadingHand {
         Some(target.own.ownship.bank_rad)
     }
 
-    fn let_go(&mut self, reach: &mut Reach<'_>) {
+    fn let_go(&mut self, reach: &mut HandReach<'_>) {
         reach.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
         reach
             .commands

@@ -9,11 +9,11 @@ use fga_formats::geodesy::LocalFrame;
 use crate::commands::Commands;
 use crate::mode::Mode;
 use crate::outgoing::Outbox;
-use crate::ownship::State;
+use crate::ownship::OwnState;
 use crate::parameters::VehicleParameters;
 
 /// A hand's access to the vehicle, and the knowledge about it.
-pub struct Reach<'a> {
+pub struct HandReach<'a> {
     /// Messages to send.
     pub outbox: &'a mut Outbox,
     /// Commands with repetition until an answer.
@@ -34,13 +34,13 @@ pub struct Reach<'a> {
 
 /// The order for now.
 #[derive(Debug, Clone, Copy)]
-pub struct Target<'a> {
+pub struct HandTarget<'a> {
     /// The decision.
     pub maneuver: &'a Maneuver,
     /// Age of the decision, seconds.
     pub elapsed_s: f64,
     /// The aircraft when a command sent now takes effect.
-    pub own: &'a State,
+    pub own: &'a OwnState,
     /// The limits of the plan.
     pub vehicle: &'a Vehicle,
     /// The largest bank to command, radians.
@@ -70,18 +70,18 @@ pub trait Hand: Debug + Send {
     }
 
     /// Observes the vehicle while somebody else flies it.
-    fn watch(&mut self, _own: &State) {}
+    fn watch(&mut self, _own: &OwnState) {}
 
     /// Begins a manoeuvre.
     fn begin(&mut self) {}
 
     /// Commands a target. Returns the bank that the vehicle should take up, radians, positive to the
     /// left; `None` if no command was possible.
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64>;
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64>;
 
     /// Commands straight flight during the return of the mode.
-    fn fly_straight(&mut self, _reach: &mut Reach<'_>) {}
+    fn fly_straight(&mut self, _reach: &mut HandReach<'_>) {}
 
     /// Cancels commands that the vehicle would go on following.
-    fn let_go(&mut self, reach: &mut Reach<'_>);
+    fn let_go(&mut self, reach: &mut HandReach<'_>);
 }

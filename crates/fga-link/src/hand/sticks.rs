@@ -4,12 +4,9 @@ use fga_paper::algorithm_4::{PWM_NEUTRAL_US, pwm_us};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
 use super::attitude::attitude_for;
-use super::{Hand, Reach, Target};
+use super::{Hand, HandReach, HandTarget};
 use crate::mode::Mode;
 use crate::number::to_u16;
-
-/// Ground station's system id if the vehicle's parameter is unknown.
-const GROUND_SYSTEM: f64 = 255.0;
 
 /// Flies by the roll stick; full stick is the vehicle's own bank limit.
 #[derive(Debug, Default)]
@@ -21,17 +18,14 @@ pub struct StickHand {
 
 impl StickHand {
     /// Overrides count only from the ground station's system id.
-    fn send(sticks: Option<[u16; 3]>, reach: &mut Reach<'_>) {
-        let ground = reach
-            .parameters
-            .get("MAV_GCS_SYSID")
-            .unwrap_or(GROUND_SYSTEM);
-        let ground = u8::try_from(to_u16(ground)).unwrap_or(u8::MAX);
+    fn send(sticks: Option<[u16; 3]>, reach: &mut HandReach<'_>) {
+        let ground = to_u16(reach.parameters.ground_system());
+        let ground = u8::try_from(ground).unwrap_or(u8::MAX);
         let message = override_message(sticks, reach.system);
         reach.outbox.send_as(ground, message);
     }
 
-    fn roll(&mut self, roll_us: u16, reach: &mut Reach<'_>) {
+    fn roll(&mut self, roll_us: u16, reach: &mut HandReach<'_>) {
         let named = |name: &str| reach.parameters.get(name).unwrap_or(0.0);
         let (lowest_mps, highest_mps) = (named("AIRSPEED_MIN"), named("AIRSPEED_MAX"));
         let airspeed_mps = reach.airspeed_mps;
@@ -55,7 +49,7 @@ impl Hand for StickHand {
         self.throttle_us = None;
     }
 
-    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+    fn fly(&mut self, target: &HandTarget<'_>, reach: &mut HandReach<'_>) -> Option<f64> {
         let full_rad = reach.parameters.get("ROLL_LIMIT_DEG")?.to_radians();
         let own = &target.own.ownship;
         let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
@@ -65,12 +59,12 @@ impl Hand for StickHand {
     }
 
     /// CRUISE locks its heading once the stick is centred.
-    fn fly_straight(&mut self, reach: &mut Reach<'_>) {
+    fn fly_straight(&mut self, reach: &mut HandReach<'_>) {
         self.roll(to_u16(PWM_NEUTRAL_US), reach);
     }
 
     /// The vehicle would hold the sticks for seconds, and CRUISE would go on turning.
-    fn let_go(&mut self, reach: &mut Reach<'_>) {
+    fn let_go(&mut self, reach: &mut HandReach<'_>) {
         Self::send(None, reach);
     }
 }

@@ -5,10 +5,8 @@ use mavlink::dialects::ardupilotmega::{
     MISSION_REQUEST_LIST_DATA, MavMessage, MavMissionResult, MavMissionType,
 };
 
-use crate::outgoing::{AUTOPILOT, Outbox};
+use crate::outgoing::{ANSWER_S, AUTOPILOT, Outbox};
 
-/// Time to wait for an answer, seconds.
-const ANSWER_S: f64 = 0.4;
 /// Longest accepted list.
 pub const MOST_ITEMS: usize = 2000;
 /// Most items requested at a time.
@@ -20,7 +18,7 @@ const MOST_ATTEMPTS: u8 = 25;
 const LIST_PAUSE_S: f64 = 3.0;
 
 /// An item; `None` for one that could not be read.
-pub type Item = Option<MISSION_ITEM_INT_DATA>;
+pub type ListItem = Option<MISSION_ITEM_INT_DATA>;
 
 /// An item without the fields that differ between messages about the same item.
 fn bare(data: &MISSION_ITEM_INT_DATA) -> MISSION_ITEM_INT_DATA {
@@ -33,7 +31,7 @@ fn bare(data: &MISSION_ITEM_INT_DATA) -> MISSION_ITEM_INT_DATA {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Stage {
+enum DownloadStage {
     Idle,
     Count,
     Items,
@@ -43,7 +41,7 @@ enum Stage {
 #[derive(Debug, Clone)]
 struct Awaited {
     /// The result; the inner `None` is an item that was given up.
-    item: Option<Item>,
+    item: Option<ListItem>,
     attempts: u8,
     again_s: f64,
 }
@@ -60,13 +58,13 @@ impl Awaited {
 #[derive(Debug)]
 pub struct Download {
     kind: MavMissionType,
-    stage: Stage,
+    stage: DownloadStage,
     arriving: Vec<Awaited>,
     attempts: u8,
     again_s: f64,
     /// The item to read first.
     first: u16,
-    items: Option<Vec<Item>>,
+    items: Option<Vec<ListItem>>,
     changes: u32,
 }
 
@@ -75,7 +73,7 @@ impl Download {
     pub const fn new(kind: MavMissionType) -> Self {
         Self {
             kind,
-            stage: Stage::Idle,
+            stage: DownloadStage::Idle,
             arriving: Vec::new(),
             attempts: 0,
             again_s: f64::NEG_INFINITY,
@@ -83,11 +81,6 @@ impl Download {
             items: None,
             changes: 0,
         }
-    }
-
-    /// The kind of list.
-    pub const fn kind(&self) -> MavMissionType {
-        self.kind
     }
 
     /// Number of downloads that differed from the previous one.
@@ -111,24 +104,24 @@ impl Download {
 
     /// The vehicle refuses an item: the list has changed while it was read. Begins again.
     pub fn refused(&mut self) {
-        if self.stage != Stage::Count {
+        if self.stage != DownloadStage::Count {
             self.begin();
         }
     }
 
     /// The last complete list.
-    pub fn items(&self) -> Option<&[Item]> {
+    pub fn items(&self) -> Option<&[ListItem]> {
         self.items.as_deref()
     }
 
     /// Whether a download is in progress.
     pub fn is_busy(&self) -> bool {
-        self.stage != Stage::Idle
+        self.stage != DownloadStage::Idle
     }
 
     /// Begins to download.
     pub fn begin(&mut self) {
-        self.stage = Stage::Count;
+        self.stage = DownloadStage::Count;
         self.arriving.clear();
         self.attempts = 0;
         self.again_s = f64::NEG_INFINITY;
@@ -137,7 +130,7 @@ impl Download {
     /// Whether an unrequested number of items differs from the known list.
     pub fn contradicts_count(&self, data: &MISSION_COUNT_DATA) -> bool {
         data.mission_type == self.kind
-            && self.stage == Stage::Idle
+            && self.stage == DownloadStage::Idle
             && self
                 .items()
                 .is_some_and(|items| items.len() != usize::from(data.count).min(MOST_ITEMS))
@@ -146,7 +139,7 @@ impl Download {
     /// Whether a single requested item differs from the one in the known list.
     pub fn contradicts_item(&self, data: &MISSION_ITEM_INT_DATA) -> bool {
         data.mission_type == self.kind
-            && self.stage == Stage::Idle
+            && self.stage == DownloadStage::Idle
             && self
                 .items()
                 .and_then(|items| items.get(usize::from(data.seq)))
@@ -155,17 +148,17 @@ impl Download {
 
     /// Takes the number of items; `true` if that completes the list.
     pub fn take_count(&mut self, data: &MISSION_COUNT_DATA) -> bool {
-        if data.mission_type != self.kind || self.stage != Stage::Count {
+        if data.mission_type != self.kind || self.stage != DownloadStage::Count {
             return false;
         }
         self.arriving = vec![Awaited::NEW; usize::from(data.count).min(MOST_ITEMS)];
-        self.stage = Stage::Items;
+        self.stage = DownloadStage::Items;
         self.finish_if_whole()
     }
 
     /// Takes an item, in any order; `true` if that completes the list.
     pub fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA) -> bool {
-        if data.mission_type != self.kind || self.stage != Stage::Items {
+        if data.mission_type != self.kind || self.stage != DownloadStage::Items {
             return false;
         }
         match self.arriving.get_mut(usize::from(data.seq)) {
@@ -180,24 +173,25 @@ impl Download {
             return false;
         }
         let arrived = core::mem::take(&mut self.arriving);
-        let arrived: Option<Vec<Item>> = arrived.into_iter().map(|awaited| awaited.item).collect();
+        let arrived: Option<Vec<ListItem>> =
+            arrived.into_iter().map(|awaited| awaited.item).collect();
         if arrived != self.items {
             self.items = arrived;
             self.changes += 1;
         }
-        self.stage = Stage::Idle;
+        self.stage = DownloadStage::Idle;
         true
     }
 
     /// Requests missing items; `true` if giving up the rest completes the list.
     pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) -> bool {
         match self.stage {
-            Stage::Idle => false,
-            Stage::Count => {
+            DownloadStage::Idle => false,
+            DownloadStage::Count => {
                 self.ask_for_count(now_s, target_system, outbox);
                 false
             }
-            Stage::Items => {
+            DownloadStage::Items => {
                 self.ask_for_items(now_s, target_system, outbox);
                 self.finish_if_whole()
             }

@@ -5,7 +5,7 @@ use fga::angle::{course_of, wrap_pi};
 use fga::situation::Ownship;
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
-use super::{FLYING_SPEED_MPS, LONGEST_CARRY_S, OwnshipEstimate, State, WIND_LIFETIME_S};
+use super::{FLYING_SPEED_MPS, LONGEST_CARRY_S, OwnState, OwnshipEstimate, WIND_LIFETIME_S};
 use crate::commanded::Commanded;
 
 /// The measured rate of turn beyond the bank's holds for this long, then it fades, seconds.
@@ -25,7 +25,7 @@ impl OwnshipEstimate {
         at_s: f64,
         commanded: &Commanded,
         response: &Response,
-    ) -> Option<State> {
+    ) -> Option<OwnState> {
         let (position, attitude) = (self.position?, self.attitude?);
         let wind_mps = self
             .wind
@@ -82,7 +82,7 @@ impl OwnshipEstimate {
             bank_rad: bank_at(at_s),
             airspeed_mps: speed,
         };
-        Some(State {
+        Some(OwnState {
             ownship,
             ground_velocity_mps: ownship.velocity_mps() + wind_mps,
             wind_mps,

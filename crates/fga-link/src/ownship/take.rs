@@ -4,12 +4,12 @@ use core::f64::consts::FRAC_PI_2;
 
 use fga::Vec3;
 use fga::angle::wrap_pi;
-use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_formats::geodesy::{Earth, LocalFrame};
 use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
 
 use super::{Arrival, Attitude, FASTEST_MPS, OwnshipEstimate, Position, Update};
-use crate::clock::Stamp;
-use crate::number::degrees_from_e7;
+use crate::clock::BootStamp;
+use crate::number::flown;
 
 /// Rolling means that the bank changes faster than this, radians per second.
 const ROLLS_RADPS: f64 = 0.15;
@@ -33,11 +33,11 @@ const FASTEST_NOSE_RADPS: f64 = 10.0;
 const HOME_JUMP_M: f64 = 50.0;
 
 /// The time at which a new message was measured, seconds.
-const fn stamped(stamp: Stamp) -> Option<(f64, Update)> {
+const fn stamped(stamp: BootStamp) -> Option<(f64, Update)> {
     match stamp {
-        Stamp::New { measured_s } => Some((measured_s, Update::Fresh)),
-        Stamp::Restarted { measured_s } => Some((measured_s, Update::Restarted)),
-        Stamp::Old => None,
+        BootStamp::New { measured_s } => Some((measured_s, Update::Fresh)),
+        BootStamp::Restarted { measured_s } => Some((measured_s, Update::Restarted)),
+        BootStamp::Old => None,
     }
 }
 
@@ -51,23 +51,10 @@ impl OwnshipEstimate {
 
     /// Takes a position.
     pub fn take_position(&mut self, data: &GLOBAL_POSITION_INT_DATA, now_s: f64) -> Update {
-        let place = Geodetic::new(
-            degrees_from_e7(data.lat),
-            degrees_from_e7(data.lon),
-            f64::from(data.alt) * 1e-3,
-        );
-        // A receiver without a fix reports zero.
-        let Some(place) = place.filter(|_| data.lat != 0 || data.lon != 0) else {
+        let Some((place, velocity_mps)) = flown(data).filter(|(_, v)| v.length() <= FASTEST_MPS)
+        else {
             return Update::Ignored;
         };
-        let velocity_mps = Vec3::new(
-            f64::from(data.vy) * 0.01,
-            f64::from(data.vx) * 0.01,
-            -f64::from(data.vz) * 0.01,
-        );
-        if velocity_mps.length() > FASTEST_MPS {
-            return Update::Ignored;
-        }
         let Some((measured_s, update)) =
             stamped(self.position_clock.stamp(data.time_boot_ms, now_s))
         else {

@@ -5,7 +5,7 @@ use mavlink::dialects::ardupilotmega::AdsbEmitterType;
 
 /// A class of aircraft; one that does not say what it is counts as crewed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Class {
+pub enum AircraftClass {
     /// People may be aboard.
     #[default]
     Crewed,
@@ -15,7 +15,7 @@ pub enum Class {
     GliderBalloon,
 }
 
-impl Class {
+impl AircraftClass {
     /// The class of an emitter category of ADS-B (DO-260B, 2.2.3.2.5.2).
     pub const fn of(emitter: AdsbEmitterType) -> Self {
         match emitter {
@@ -49,11 +49,22 @@ pub struct Volumes {
 
 impl Volumes {
     /// The volume about an aircraft of a class.
-    pub const fn of(&self, class: Class) -> &ProtectedVolume {
+    pub const fn of(&self, class: AircraftClass) -> &ProtectedVolume {
         match class {
-            Class::Crewed => &self.crewed,
-            Class::SmallUnmanned => &self.small_unmanned,
-            Class::GliderBalloon => &self.glider_balloon,
+            AircraftClass::Crewed => &self.crewed,
+            AircraftClass::SmallUnmanned => &self.small_unmanned,
+            AircraftClass::GliderBalloon => &self.glider_balloon,
         }
+    }
+}
+
+/// A cylinder, or a sphere without a half height; metres.
+pub(crate) const fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedVolume {
+    match half_height_m {
+        Some(half_height_m) => ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        },
+        None => ProtectedVolume::Sphere { radius_m },
     }
 }

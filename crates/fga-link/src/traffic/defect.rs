@@ -2,7 +2,7 @@
 
 use alloc::collections::BTreeSet;
 
-use super::identity::Key;
+use super::identity::TrackKey;
 
 /// Most aircraft counted for each defect; more of them change no text.
 const MOST_AIRCRAFT: usize = 256;
@@ -59,12 +59,12 @@ impl Defect {
 pub struct Defects {
     reports: [u64; Defect::ALL.len()],
     told: [bool; Defect::ALL.len()],
-    aircraft: BTreeSet<(Defect, Key)>,
+    aircraft: BTreeSet<(Defect, TrackKey)>,
 }
 
 impl Defects {
     /// Counts a defect of a report; returns the text for the operator when it is the first of its kind that is near.
-    pub fn count(&mut self, defect: Defect, key: Key, is_near: bool) -> Option<String> {
+    pub fn count(&mut self, defect: Defect, key: TrackKey, is_near: bool) -> Option<String> {
         if let Some(reports) = self.reports.get_mut(defect as usize) {
             *reports = reports.saturating_add(1);
         }
@@ -104,12 +104,16 @@ mod tests {
     fn each_defect_is_told_once_and_fits_into_one_message() {
         let mut defects = Defects::default();
         for defect in Defect::ALL {
-            assert_eq!(defects.count(defect, Key::Address(1), false), None, "far");
-            let words = defects.count(defect, Key::Address(2), true).unwrap();
+            assert_eq!(
+                defects.count(defect, TrackKey::Address(1), false),
+                None,
+                "far"
+            );
+            let words = defects.count(defect, TrackKey::Address(2), true).unwrap();
             assert!(words.contains("2 aircraft"), "{words}");
             assert!(defect.words(MOST_AIRCRAFT).len() <= 50, "{words}");
             for icao in 0..10_000 {
-                assert_eq!(defects.count(defect, Key::Address(icao), true), None);
+                assert_eq!(defects.count(defect, TrackKey::Address(icao), true), None);
             }
             assert_eq!(defects.reports(defect), 10_002);
             assert_eq!(defects.aircraft(defect), MOST_AIRCRAFT);

@@ -11,7 +11,7 @@ use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::zones::MAX_CORNERS;
 use mavlink::dialects::ardupilotmega::MavCmd;
 
-use crate::mission::Item;
+use crate::mission::ListItem;
 use crate::number::degrees_from_e7;
 
 /// Identifiers of floor and ceiling.
@@ -21,23 +21,23 @@ pub const CEILING_ID: u32 = 2;
 
 /// The outline of a part of a fence, metres east and north.
 #[derive(Debug, Clone, PartialEq)]
-enum Part {
+enum FencePart {
     Polygon(Vec<Vec2>),
     Circle(Vec2, f64),
 }
 
 /// A fence in the local frame.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Fence {
+pub struct VehicleFence {
     /// Each with whether the vehicle keeps within it.
-    parts: Vec<(bool, Part)>,
+    parts: Vec<(bool, FencePart)>,
     /// Whether some items were unintelligible, or no polygon.
     pub incomplete: bool,
 }
 
-impl Fence {
+impl VehicleFence {
     /// Lays the items of a fence download.
-    pub fn new(items: &[Item], frame: &LocalFrame) -> Self {
+    pub fn new(items: &[ListItem], frame: &LocalFrame) -> Self {
         let mut fence = Self::default();
         let mut corners_m: Vec<Vec2> = Vec::new();
         for item in items {
@@ -64,7 +64,7 @@ impl Fence {
                         // Its edges may cross: the vehicle counts them.
                         if (3..=MAX_CORNERS).contains(&corners_m.len()) {
                             let corners_m = core::mem::take(&mut corners_m);
-                            fence.parts.push((keep_in, Part::Polygon(corners_m)));
+                            fence.parts.push((keep_in, FencePart::Polygon(corners_m)));
                         } else {
                             fence.incomplete = true;
                             corners_m.clear();
@@ -75,7 +75,7 @@ impl Fence {
                 | MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
                     if number > 0.0 && number.is_finite() && at_m.is_finite() =>
                 {
-                    fence.parts.push((keep_in, Part::Circle(at_m, number)));
+                    fence.parts.push((keep_in, FencePart::Circle(at_m, number)));
                 }
                 MavCmd::MAV_CMD_NAV_FENCE_RETURN_POINT => {}
                 _ => fence.incomplete = true,
@@ -90,8 +90,8 @@ impl Fence {
         self.parts.iter().map(|(keep_in, part)| Zone {
             keep_in: *keep_in,
             outline: match part {
-                Part::Polygon(corners_m) => Outline::Polygon(corners_m),
-                Part::Circle(center_m, radius_m) => Outline::Circle(*center_m, *radius_m),
+                FencePart::Polygon(corners_m) => Outline::Polygon(corners_m),
+                FencePart::Circle(center_m, radius_m) => Outline::Circle(*center_m, *radius_m),
             },
             heights_m: ALL_HEIGHTS_M,
         })
@@ -194,16 +194,16 @@ mod tests {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "small counts and radii")]
-    fn laid(items: &[(MavCmd, f64, f64, f64)]) -> Fence {
+    fn laid(items: &[(MavCmd, f64, f64, f64)]) -> VehicleFence {
         let frame = frame();
-        let items: Vec<Item> = (items.iter())
+        let items: Vec<ListItem> = (items.iter())
             .map(|(command, x, y, number)| Some(vertex(*command, &frame, *x, *y, *number as f32)))
             .collect();
-        Fence::new(&items, &frame)
+        VehicleFence::new(&items, &frame)
     }
 
     /// Whether a place, metres east and north, is on the allowed side of all.
-    fn allows(fence: &Fence, x: f64, y: f64) -> bool {
+    fn allows(fence: &VehicleFence, x: f64, y: f64) -> bool {
         let at_m = Vec3::new(x, y, 300.0);
         fence.zones().all(|zone| !zone.is_entered(at_m))
     }
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn an_unusable_fence_is_reported() {
         let frame = frame();
-        assert!(Fence::new(&[None], &frame).incomplete);
+        assert!(VehicleFence::new(&[None], &frame).incomplete);
         assert!(laid(&[(IN, 0.0, 0.0, 4.0)]).incomplete);
         // Two corners, and a circle without a radius: the rest counts.
         let mut items = vec![(IN, 0.0, 0.0, 2.0), (IN, 100.0, 0.0, 2.0)];

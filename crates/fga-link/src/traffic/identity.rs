@@ -2,7 +2,7 @@
 
 /// The source of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Source {
+pub enum ReportSource {
     /// A receiver or a player on the MAVLink network.
     Mavlink,
     /// The autopilot's own list, sent about once a second and late.
@@ -15,11 +15,9 @@ pub enum Source {
     Sensor,
     /// A receiver of Remote ID.
     RemoteId,
-    /// The configuration.
-    Virtual,
 }
 
-impl Source {
+impl ReportSource {
     /// Name in logs.
     pub const fn name(self) -> &'static str {
         match self {
@@ -29,23 +27,22 @@ impl Source {
             Self::Beast => "beast",
             Self::Sensor => "sensor",
             Self::RemoteId => "remote-id",
-            Self::Virtual => "virtual",
         }
     }
 }
 
 /// The sender of a report. Each sender has its share of the table of tracks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Sender {
+pub struct ReportSender {
     /// Kind of source.
-    pub source: Source,
+    pub source: ReportSource,
     /// System and component of a MAVLink message, or a number of the receiver.
     pub number: u16,
 }
 
-impl Sender {
+impl ReportSender {
     /// The sender of a MAVLink message.
-    pub const fn mavlink(source: Source, system: u8, component: u8) -> Self {
+    pub const fn mavlink(source: ReportSource, system: u8, component: u8) -> Self {
         Self {
             source,
             number: u16::from_be_bytes([system, component]),
@@ -53,7 +50,7 @@ impl Sender {
     }
 
     /// A receiver on the network at an address.
-    pub fn receiver(source: Source, address: &str) -> Self {
+    pub fn receiver(source: ReportSource, address: &str) -> Self {
         let number = address.bytes().fold(0x811C_u16, |number, byte| {
             (number ^ u16::from(byte)).wrapping_mul(0x0193)
         });
@@ -63,17 +60,17 @@ impl Sender {
 
 /// The identity of an aircraft. Several tracks can have one key: an address is a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Key {
+pub enum TrackKey {
     /// A 24-bit ICAO address.
     Address(u32),
     /// A call sign without an address, of one sender.
-    Callsign(Sender, [u8; LONGEST_CALLSIGN]),
+    Callsign(ReportSender, [u8; LONGEST_CALLSIGN]),
     /// A transmitter of Remote ID.
     Transmitter(Transmitter),
     /// A sensor's detection, with the sensor's number.
-    Seen(Sender, u16),
+    Seen(ReportSender, u16),
     /// Neither: only the position identifies it.
-    Unnamed(Sender),
+    Unnamed(ReportSender),
 }
 
 /// The identity of a transmitter: its hardware address or its identifier.

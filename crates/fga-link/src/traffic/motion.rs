@@ -25,7 +25,7 @@ const TURN_SHARE: f64 = 0.15;
 
 /// A reported position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct ReportedPlace {
     /// Time of validity, seconds.
     pub valid_s: f64,
     /// Position, metres, local frame; the height above its datum.
@@ -38,7 +38,7 @@ pub(super) struct Place {
 
 /// The motion that positions show.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shown {
+pub(super) struct ShownMotion {
     /// Metres per second.
     pub velocity_mps: Vec3,
     /// σ of the velocity along an axis, metres per second.
@@ -99,10 +99,10 @@ fn line(points: &(impl Iterator<Item = (f64, Vec3)> + Clone)) -> Option<Straight
 }
 
 /// The newest of `places` within `over_s`, and at least two.
-fn newest<P: Iterator<Item = Place> + Clone>(
+fn newest<P: Iterator<Item = ReportedPlace> + Clone>(
     places: P,
     over_s: f64,
-) -> impl Iterator<Item = Place> + Clone {
+) -> impl Iterator<Item = ReportedPlace> + Clone {
     let count = places.clone().count();
     let newest_s = places.clone().fold(f64::NEG_INFINITY, |newest_s, place| {
         place.valid_s.max(newest_s)
@@ -114,10 +114,10 @@ fn newest<P: Iterator<Item = Place> + Clone>(
 }
 
 /// The motion that the newest places show, oldest first; `position_m` is σ of their horizontal position, metres.
-pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
+pub(super) fn shown<P: Iterator<Item = ReportedPlace> + Clone>(
     places: impl Fn() -> P,
     position_m: f64,
-) -> Option<Shown> {
+) -> Option<ShownMotion> {
     let recent = newest(places(), SHOWN_OVER_S);
     let last = recent.clone().last()?;
     let level = line(
@@ -132,7 +132,7 @@ pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
     let position_m = libm::sqrt((position_m * position_m).max(scatter_m2));
     let climb_mps = climb.map_or(0.0, |line| line.slope_mps.z);
     let velocity_mps = Vec3::new(level.slope_mps.x, level.slope_mps.y, climb_mps);
-    (velocity_mps.length() < 1000.0).then_some(Shown {
+    (velocity_mps.length() < 1000.0).then_some(ShownMotion {
         velocity_mps,
         sigma_mps: position_m / libm::sqrt(level.squares_s2),
         position_m,
@@ -140,7 +140,7 @@ pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
 }
 
 /// The climb that the altitudes of all places show, metres per second; nearer to level while few of them do.
-pub(super) fn climb_mps<P: Iterator<Item = Place> + Clone>(places: P) -> f64 {
+pub(super) fn climb_mps<P: Iterator<Item = ReportedPlace> + Clone>(places: P) -> f64 {
     let altitude = places.clone().last().map(|last| last.altitude);
     let same = places.filter(|place| Some(place.altitude) == altitude);
     let line = line(&same.map(|place| (place.valid_s, place.position_m)));
@@ -152,9 +152,9 @@ pub(super) fn climb_mps<P: Iterator<Item = Place> + Clone>(places: P) -> f64 {
 }
 
 /// The parts of the reported velocities that the places contradict, over the last seconds or over all of them.
-pub(super) fn contradictions<P: Iterator<Item = Place> + Clone>(
+pub(super) fn contradictions<P: Iterator<Item = ReportedPlace> + Clone>(
     places: impl Fn() -> P,
-    shown: &Shown,
+    shown: &ShownMotion,
 ) -> Contradictions {
     let mut found = Contradictions {
         horizontal: false,
@@ -193,7 +193,7 @@ impl StraightFit {
 }
 
 /// Largest error of the way between two reports in a turn, metres.
-fn largest_turn_m(places: impl Iterator<Item = Place> + Clone) -> f64 {
+fn largest_turn_m(places: impl Iterator<Item = ReportedPlace> + Clone) -> f64 {
     let pairs = places.clone().zip(places.skip(1));
     pairs
         .map(|(from, to)| {
@@ -205,9 +205,9 @@ fn largest_turn_m(places: impl Iterator<Item = Place> + Clone) -> f64 {
 
 /// Each place less the way that the reported velocities lead until then.
 fn left_over(
-    places: impl Iterator<Item = Place> + Clone,
-) -> impl Iterator<Item = (Place, Vec3)> + Clone {
-    places.scan(None, |before: &mut Option<(Place, Vec3)>, place| {
+    places: impl Iterator<Item = ReportedPlace> + Clone,
+) -> impl Iterator<Item = (ReportedPlace, Vec3)> + Clone {
+    places.scan(None, |before: &mut Option<(ReportedPlace, Vec3)>, place| {
         let way_m = before.map_or(Vec3::ZERO, |(last, way_m)| {
             way_m + 0.5 * (last.velocity_mps + place.velocity_mps) * (place.valid_s - last.valid_s)
         });
@@ -226,7 +226,7 @@ mod tests {
         interval_s: f64,
         count: u32,
         claim: impl Fn(Vec3) -> Vec3,
-    ) -> Vec<Place> {
+    ) -> Vec<ReportedPlace> {
         let speed_mps = 60.0;
         (0..count)
             .map(|n| {
@@ -237,7 +237,7 @@ mod tests {
                 } else {
                     Vec3::new(sin, 1.0 - cos, 0.0) * (speed_mps / rate_radps)
                 };
-                Place {
+                ReportedPlace {
                     valid_s,
                     position_m,
                     velocity_mps: claim(Vec3::new(cos, sin, 0.0) * speed_mps),
@@ -247,7 +247,7 @@ mod tests {
             .collect()
     }
 
-    fn found(places: &[Place]) -> Contradictions {
+    fn found(places: &[ReportedPlace]) -> Contradictions {
         let iterate = || places.iter().copied();
         contradictions(iterate, &shown(iterate, 2.0).unwrap())
     }

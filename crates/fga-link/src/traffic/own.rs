@@ -26,7 +26,7 @@ const MOST_MISSES: u8 = 2;
 
 /// The way that the vehicle has just flown.
 #[derive(Debug, Clone, Default)]
-pub struct Flown {
+pub struct FlownWay {
     samples: VecDeque<(f64, Vec3, Vec3)>,
 }
 
@@ -51,7 +51,7 @@ pub struct Belief {
     misses: u8,
 }
 
-impl Flown {
+impl FlownWay {
     /// Adds the vehicle's state.
     pub fn push(&mut self, at_s: f64, position_m: Vec3, velocity_mps: Vec3) {
         if let Some((last_s, ..)) = self.samples.back() {
@@ -98,7 +98,7 @@ impl Belief {
     }
 
     /// Checks it with a new report; `named` if the configuration names this aircraft as ours.
-    pub fn check(&mut self, seen: &OwnReport, flown: &Flown, named: bool, now_s: f64) {
+    pub fn check(&mut self, seen: &OwnReport, flown: &FlownWay, named: bool, now_s: f64) {
         if self.held {
             let kept = flown.holds(seen, KEPT_PLACE_M, KEPT_HEIGHT_M, KEPT_VELOCITY_MPS);
             self.misses = if kept { 0 } else { self.misses + 1 };
@@ -120,8 +120,8 @@ impl Belief {
 mod tests {
     use super::*;
 
-    fn flown() -> Flown {
-        let mut flown = Flown::default();
+    fn flown() -> FlownWay {
+        let mut flown = FlownWay::default();
         for n in 0..40_u8 {
             let at_s = f64::from(n) * 0.2;
             flown.push(at_s, Vec3::Y * (25.0 * at_s), Vec3::Y * 25.0);

@@ -5,22 +5,23 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
 use fga::Vec3;
-use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use fga_formats::tally::{LeftOut, Tally};
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
-use super::class::Class;
-use super::report::{AltitudeReference, Quality, Report, Sender, Source};
-use crate::endpoint::{Endpoint, Received, open};
+use super::report::{
+    AltitudeReference, PlaceReport, Quality, ReportSender, ReportSource, SIGMAS_IN_95,
+    tidy_callsign,
+};
+use crate::endpoint::{Endpoint, LinkRead, open};
 
 /// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceiverEndpoint {
     /// The kind of wire.
-    pub source: Source,
+    pub source: ReportSource,
     /// Host and port.
     pub address: String,
 }
@@ -39,8 +40,8 @@ impl FromStr for ReceiverEndpoint {
         let error = || ReceiverError(text.to_owned());
         let (kind, address) = text.split_once(':').ok_or_else(error)?;
         let source = match kind {
-            "sbs" => Source::Sbs,
-            "beast" if cfg!(feature = "beast") => Source::Beast,
+            "sbs" => ReportSource::Sbs,
+            "beast" if cfg!(feature = "beast") => ReportSource::Beast,
             _ => return Err(error()),
         };
         let (host, port) = address.rsplit_once(':').ok_or_else(error)?;
@@ -64,8 +65,6 @@ const PART_LIFETIME_S: f64 = 15.0;
 const UNKNOWN_SIGMA_M: f64 = 15.0;
 /// A radius of containment means near certainty: at least four σ.
 const SIGMAS_IN_CONTAINMENT: f64 = 4.0;
-/// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
-const SIGMAS_IN_95: f64 = 2.4477;
 /// A position without source integrity is worse by this factor, and at least by this, metres.
 const WITHOUT_INTEGRITY: f64 = 2.0;
 const WITHOUT_INTEGRITY_M: f64 = 30.0;
@@ -79,7 +78,7 @@ const VELOCITY_AGES_MPS2: f64 = 1.5;
 
 /// The parts known of one aircraft between its messages.
 #[derive(Debug, Clone, Copy, Default)]
-struct Parts {
+struct KnownParts {
     altitude: Option<(Altitude, f64)>,
     velocity_mps: Option<([f64; 2], f64)>,
     climb_mps: Option<(f64, f64)>,
@@ -92,12 +91,11 @@ struct Parts {
 }
 
 /// A part that is still valid.
-fn valid<T: Copy>(part: Option<(T, f64)>, now_s: f64) -> Option<T> {
+fn fresh<T>(part: Option<(T, f64)>, now_s: f64) -> Option<(T, f64)> {
     part.filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
-        .map(|(value, _)| value)
 }
 
-impl Parts {
+impl KnownParts {
     /// σ of the horizontal position along an axis, metres.
     fn sigma_m(&self) -> f64 {
         let by_error = self.error_m.map(|m| m / SIGMAS_IN_95);
@@ -124,18 +122,18 @@ impl Parts {
 /// Joins messages that each hold a part (position, velocity, call sign) to whole reports.
 #[derive(Debug)]
 pub struct Joiner {
-    sender: Sender,
-    aircraft: Generations<Parts>,
+    sender: ReportSender,
+    aircraft: Generations<KnownParts>,
 }
 
 impl Joiner {
     /// Nothing heard yet.
-    pub fn new(source: Source) -> Self {
-        Self::of(Sender { source, number: 0 })
+    pub fn new(source: ReportSource) -> Self {
+        Self::of(ReportSender { source, number: 0 })
     }
 
     /// The same for one of several receivers.
-    pub fn of(sender: Sender) -> Self {
+    pub fn of(sender: ReportSender) -> Self {
         Self {
             sender,
             aircraft: Generations::new(MOST_AIRCRAFT),
@@ -148,7 +146,7 @@ impl Joiner {
     }
 
     /// Takes a message; returns a report if it has a position.
-    pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<Report> {
+    pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<PlaceReport> {
         let parts = self.aircraft.entry(message.address);
         if let Some(altitude) = message.altitude {
             parts.altitude = Some((altitude, now_s));
@@ -167,50 +165,37 @@ impl Joiner {
         parts.integrity = message.source_integrity.or(parts.integrity);
         parts.velocity_error_mps = message.velocity_error_mps.or(parts.velocity_error_mps);
         parts.callsign = message.callsign.or(parts.callsign);
-        if valid(parts.on_ground, now_s) == Some(true) {
+        if fresh(parts.on_ground, now_s).is_some_and(|(is_so, _)| is_so) {
             return None;
         }
         let [latitude_deg, longitude_deg] = message.place_deg?;
-        let known_mps = valid(parts.climb_mps, now_s);
+        let known_mps = fresh(parts.climb_mps, now_s).map(|(climb_mps, _)| climb_mps);
         let climb_mps = known_mps.unwrap_or(0.0);
-        let altitude = parts
-            .altitude
-            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S);
-        let velocity = parts
-            .velocity_mps
-            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
-            .map(|([east, north], heard_s)| (Vec3::new(east, north, climb_mps), heard_s));
-        let velocity_sigma_is_known = parts.velocity_error_mps.is_some();
+        let altitude = fresh(parts.altitude, now_s);
+        let velocity = fresh(parts.velocity_mps, now_s);
         let altitude_m = altitude.map_or(0.0, |(altitude, altitude_s)| {
             altitude.metres() + climb_mps * (now_s - altitude_s).max(0.0)
         });
-        Some(Report {
-            source: self.sender.source,
-            sender: self.sender,
-            icao: message.address,
-            key: None,
-            callsign: parts.callsign.map_or_else(String::new, |callsign| {
-                super::report::tidy_callsign(callsign.as_str())
+        let reference = match altitude {
+            Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,
+            Some((Altitude::Ellipsoid(_), _)) => AltitudeReference::Ellipsoid,
+            None => AltitudeReference::Unknown,
+        };
+        let quality = Quality {
+            velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
+                parts.velocity_sigma_mps(now_s - heard_s)
             }),
-            place: Geodetic::new(latitude_deg, longitude_deg, altitude_m)?,
-            velocity_mps: velocity.map(|(velocity_mps, _)| velocity_mps),
-            valid_s: now_s,
-            movement: Movement::CREWED,
-            class: Class::Crewed,
-            quality: Quality {
-                position_m: parts.sigma_m(),
-                velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
-                    parts.velocity_sigma_mps(now_s - heard_s)
-                }),
-                velocity_sigma_is_known: velocity_sigma_is_known && velocity.is_some(),
-                climb_is_known: known_mps.is_some(),
-                height_m: 0.0,
-                altitude: match altitude {
-                    Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,
-                    Some((Altitude::Ellipsoid(_), _)) => AltitudeReference::Ellipsoid,
-                    None => AltitudeReference::Unknown,
-                },
-            },
+            velocity_sigma_is_known: parts.velocity_error_mps.is_some() && velocity.is_some(),
+            climb_is_known: known_mps.is_some(),
+            ..Quality::of_position(parts.sigma_m(), reference)
+        };
+        let callsign = parts.callsign;
+        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m)?;
+        Some(PlaceReport {
+            icao: message.address,
+            callsign: callsign.map_or_else(String::new, |name| tidy_callsign(name.as_str())),
+            velocity_mps: velocity.map(|([east, north], _)| Vec3::new(east, north, climb_mps)),
+            ..PlaceReport::of_position(self.sender, place, now_s, quality)
         })
     }
 }
@@ -219,7 +204,7 @@ impl Joiner {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FeedStatus {
     /// The receiver.
-    pub sender: Sender,
+    pub sender: ReportSender,
     /// Whether there has been a connection.
     pub was_connected: bool,
     /// What became of its lines or frames.
@@ -251,11 +236,11 @@ struct Wire {
     lines: sbs::LineStream,
     #[cfg(feature = "beast")]
     frames: beast::Stream,
-    source: Source,
+    source: ReportSource,
 }
 
 impl Wire {
-    fn new(source: Source) -> Self {
+    fn new(source: ReportSource) -> Self {
         Self {
             lines: sbs::LineStream::new(),
             #[cfg(feature = "beast")]
@@ -267,7 +252,7 @@ impl Wire {
     fn push(&mut self, bytes: &[u8], now_s: f64, report: impl FnMut(TrafficReport)) {
         match self.source {
             #[cfg(feature = "beast")]
-            Source::Beast => self.frames.push(bytes, now_s, report),
+            ReportSource::Beast => self.frames.push(bytes, now_s, report),
             _ => {
                 let _ = now_s;
                 self.lines.push(bytes, report);
@@ -284,7 +269,7 @@ impl Wire {
     fn tally(&self) -> Tally {
         match self.source {
             #[cfg(feature = "beast")]
-            Source::Beast => self.frames.tally(),
+            ReportSource::Beast => self.frames.tally(),
             _ => self.lines.tally(),
         }
     }
@@ -297,11 +282,11 @@ pub fn read(
     endpoint: &ReceiverEndpoint,
     clock_s: impl Fn() -> f64,
     stop: &AtomicBool,
-    mut take: impl FnMut(Report) -> bool,
+    mut take: impl FnMut(PlaceReport) -> bool,
     mut feed: impl FnMut(FeedStatus) -> bool,
 ) {
     let mut buffer = vec![0; 16_384];
-    let sender = Sender::receiver(endpoint.source, &endpoint.address);
+    let sender = ReportSender::receiver(endpoint.source, &endpoint.address);
     let mut joiner = Joiner::of(sender);
     let mut wire = Wire::new(endpoint.source);
     let mut reader = None;
@@ -333,7 +318,7 @@ pub fn read(
             continue;
         };
         match open_reader.read(&mut buffer) {
-            Received::Bytes(count) => {
+            LinkRead::Bytes(count) => {
                 let bytes = buffer.get(..count).unwrap_or_default();
                 let now_s = clock_s();
                 let mut goes_on = true;
@@ -348,11 +333,11 @@ pub fn read(
                     return;
                 }
             }
-            Received::NewConnection => {
+            LinkRead::NewConnection => {
                 status.was_connected = true;
                 wire.reconnect();
             }
-            Received::Nothing => {}
+            LinkRead::Nothing => {}
         }
     }
 }
@@ -385,7 +370,7 @@ mod tests {
             ..TrafficReport::default()
         };
         let quality = |report: TrafficReport| {
-            let mut joiner = Joiner::new(Source::Beast);
+            let mut joiner = Joiner::new(ReportSource::Beast);
             joiner.take(&report, 0.0).unwrap().quality
         };
         assert_eq!(quality(place).position_m, UNKNOWN_SIGMA_M);
@@ -412,7 +397,7 @@ mod tests {
         assert_eq!(quality(nothing).position_m, MOST_SIGMA_M);
         assert_eq!(quality(nothing).velocity_mps, POOR_VELOCITY_MPS);
         // A velocity of 10 s ago says less, and the altitude has gone on with the climb.
-        let mut joiner = Joiner::new(Source::Beast);
+        let mut joiner = Joiner::new(ReportSource::Beast);
         let climbing = TrafficReport {
             climb_mps: Some(5.0),
             ..good
@@ -442,7 +427,7 @@ mod tests {
             climb_mps: Some(10.0),
             ..place
         };
-        let mut joiner = Joiner::new(Source::Sbs);
+        let mut joiner = Joiner::new(ReportSource::Sbs);
         assert!(joiner.take(&ground, 0.0).is_none());
         assert!(joiner.take(&place, 14.0).is_none());
         assert!(joiner.take(&place, 16.0).is_some());
@@ -455,7 +440,7 @@ mod tests {
 
     #[test]
     fn parts_are_joined_and_memory_is_bounded() {
-        let mut joiner = Joiner::new(Source::Sbs);
+        let mut joiner = Joiner::new(ReportSource::Sbs);
         let empty = TrafficReport {
             address: 7,
             ..TrafficReport::default()

@@ -4,7 +4,6 @@
 use alloc::collections::BTreeMap;
 
 use fga::Vec3;
-use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{
     MavOdidStatus, OPEN_DRONE_ID_BASIC_ID_DATA, OPEN_DRONE_ID_LOCATION_DATA,
@@ -13,10 +12,12 @@ use mavlink::dialects::ardupilotmega::{
 
 pub use super::identity::Transmitter;
 
-use super::class::Class;
-use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
-use super::vertical::Levels;
-use crate::number::degrees_from_e7;
+use super::class::AircraftClass;
+use super::report::{
+    AltitudeReference, PlaceReport, Quality, ReportSender, SIGMAS_IN_95, TrackKey, tidy_callsign,
+};
+use super::vertical::DatumLevels;
+use crate::number::{degrees_from_e7, velocity_mps};
 
 /// Most aircraft with a remembered name and clock.
 const MOST_AIRCRAFT: usize = 1024;
@@ -32,8 +33,6 @@ const CLOCK_S: f64 = 3.0;
 const HIGHEST_M: f64 = 31_767.5;
 /// A message this much later than the fastest one has another clock, seconds.
 const LATEST_S: f64 = 60.0;
-/// A circle of this many σ contains 95 of 100 positions.
-const SIGMAS_IN_95: f64 = 2.4477;
 /// Assumed accuracies if missing: metres, metres, metres per second.
 const UNKNOWN_SIGMA_M: f64 = 30.0;
 const UNKNOWN_HEIGHT_M: f64 = 50.0;
@@ -61,7 +60,7 @@ struct Location {
 }
 
 #[derive(Debug, Clone, Default)]
-struct Aircraft {
+struct RemoteAircraft {
     name: String,
     heard_s: f64,
     /// Least difference between the local clock and its timestamps, seconds.
@@ -74,7 +73,7 @@ struct Aircraft {
 /// The remembered transmitters.
 #[derive(Debug, Clone, Default)]
 pub struct RemoteId {
-    aircraft: BTreeMap<Transmitter, Aircraft>,
+    aircraft: BTreeMap<Transmitter, RemoteAircraft>,
 }
 
 impl RemoteId {
@@ -87,7 +86,7 @@ impl RemoteId {
     pub fn take_basic_id(
         &mut self,
         data: &OPEN_DRONE_ID_BASIC_ID_DATA,
-        sender: Sender,
+        sender: ReportSender,
         now_s: f64,
     ) {
         self.name(transmitter(data.id_or_mac, sender), &data.uas_id, now_s);
@@ -100,10 +99,10 @@ impl RemoteId {
     pub fn take_location(
         &mut self,
         data: &OPEN_DRONE_ID_LOCATION_DATA,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
+    ) -> Result<Option<PlaceReport>, TrackKey> {
         let told = |value: f64, unknown: f64| (value < unknown).then_some(value);
         let altitude = |metres: f32| {
             let metres = f64::from(metres);
@@ -140,13 +139,13 @@ impl RemoteId {
     pub fn take_pack(
         &mut self,
         data: &OPEN_DRONE_ID_MESSAGE_PACK_DATA,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
+    ) -> Result<Option<PlaceReport>, TrackKey> {
         let from = transmitter(data.id_or_mac, sender);
         if usize::from(data.single_message_size) != MESSAGE {
-            return Err(Key::Transmitter(from));
+            return Err(TrackKey::Transmitter(from));
         }
         let (messages, _) = data.messages.as_chunks::<MESSAGE>();
         let mut found = None;
@@ -169,7 +168,7 @@ impl RemoteId {
     }
 
     /// The entry of a transmitter; `None` without room for another one.
-    fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut Aircraft> {
+    fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut RemoteAircraft> {
         if !self.aircraft.contains_key(&from) && self.aircraft.len() >= MOST_AIRCRAFT {
             self.aircraft
                 .retain(|_, aircraft| now_s - aircraft.heard_s < FORGOTTEN_S);
@@ -196,11 +195,11 @@ impl RemoteId {
         &mut self,
         from: Transmitter,
         location: &Location,
-        sender: Sender,
-        levels: &Levels,
+        sender: ReportSender,
+        levels: &DatumLevels,
         now_s: f64,
-    ) -> Result<Option<Report>, Key> {
-        let key = Key::Transmitter(from);
+    ) -> Result<Option<PlaceReport>, TrackKey> {
+        let key = TrackKey::Transmitter(from);
         if location.on_ground {
             return Ok(None);
         }
@@ -211,28 +210,25 @@ impl RemoteId {
             location
                 .altitude(levels, now_s)
                 .unwrap_or((0.0, AltitudeReference::Unknown, 0));
-        let mut report = Report {
-            source: sender.source,
-            sender,
-            icao: 0,
+        let place = Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m);
+        let sigma = |bound: f64| bound / SIGMAS_IN_95;
+        let sigma_m =
+            bound(&HORIZONTAL_M, location.horizontal_accuracy).map_or(UNKNOWN_SIGMA_M, sigma);
+        let sigma_mps = bound(&SPEED_MPS, location.speed_accuracy).map(sigma);
+        let quality = Quality {
+            velocity_mps: sigma_mps.unwrap_or(UNKNOWN_VELOCITY_MPS),
+            velocity_sigma_is_known: sigma_mps.is_some(),
+            climb_is_known: location.climb_mps.is_some(),
+            height_m: bound(&VERTICAL_M, accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
+            ..Quality::of_position(sigma_m, altitude)
+        };
+        let class = AircraftClass::SmallUnmanned;
+        let mut report = PlaceReport {
             key: Some(key),
-            callsign: String::new(),
-            place: Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m)
-                .ok_or(key)?,
             velocity_mps: location.velocity_mps(),
-            valid_s: now_s,
-            movement: Movement::SMALL_UAS,
-            class: Class::SmallUnmanned,
-            quality: Quality {
-                position_m: horizontal_m(location.horizontal_accuracy)
-                    .map_or(UNKNOWN_SIGMA_M, |m| m / SIGMAS_IN_95),
-                velocity_mps: speed_mps(location.speed_accuracy)
-                    .map_or(UNKNOWN_VELOCITY_MPS, |mps| mps / SIGMAS_IN_95),
-                velocity_sigma_is_known: speed_mps(location.speed_accuracy).is_some(),
-                climb_is_known: location.climb_mps.is_some(),
-                height_m: vertical_m(accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
-                altitude,
-            },
+            movement: class.movement(),
+            class,
+            ..PlaceReport::of_position(sender, place.ok_or(key)?, now_s, quality)
         };
         if let Some(aircraft) = self.entry(from, now_s) {
             report.callsign.clone_from(&aircraft.name);
@@ -246,7 +242,7 @@ impl RemoteId {
 }
 
 /// Zeros mean the sender's own aircraft: one for each system.
-fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
+fn transmitter(id: Transmitter, sender: ReportSender) -> Transmitter {
     if id != [0; 20] {
         return id;
     }
@@ -256,7 +252,7 @@ fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
     own
 }
 
-impl Aircraft {
+impl RemoteAircraft {
     /// The age of a location, seconds, by its timestamp against the fastest one; `None` for a repetition
     /// or one older than the last.
     fn age_s(&mut self, timestamp_s: Option<f64>, now_s: f64) -> Option<f64> {
@@ -331,7 +327,7 @@ impl Location {
     }
 
     /// The altitude that compares best with the vehicle's, metres, and its accuracy.
-    fn altitude(&self, levels: &Levels, now_s: f64) -> Option<(f64, AltitudeReference, u8)> {
+    fn altitude(&self, levels: &DatumLevels, now_s: f64) -> Option<(f64, AltitudeReference, u8)> {
         let pressure = self
             .pressure_altitude_m
             .map(|m| (m, AltitudeReference::Pressure, self.pressure_accuracy));
@@ -346,62 +342,36 @@ impl Location {
     }
 
     fn velocity_mps(&self) -> Option<Vec3> {
-        let (sin, cos) = libm::sincos(self.direction_deg?.to_radians());
-        let speed_mps = self.speed_mps?;
-        let climb_mps = self.climb_mps.unwrap_or(0.0);
-        Some(Vec3::new(speed_mps * sin, speed_mps * cos, climb_mps))
+        let (speed_mps, track_rad) = (self.speed_mps?, self.direction_deg?.to_radians());
+        Some(velocity_mps(
+            speed_mps,
+            track_rad,
+            self.climb_mps.unwrap_or(0.0),
+        ))
     }
 }
 
-/// Radius that contains 95 of 100 positions, metres.
-const fn horizontal_m(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 18_520.0,
-        2 => 7_408.0,
-        3 => 3_704.0,
-        4 => 1_852.0,
-        5 => 926.0,
-        6 => 555.6,
-        7 => 185.2,
-        8 => 92.6,
-        9 => 30.0,
-        10 => 10.0,
-        11 => 3.0,
-        12 => 1.0,
-        _ => return None,
-    })
-}
+/// Radii that contain 95 of 100 positions, metres, for the categories from 1 on.
+const HORIZONTAL_M: [f64; 12] = [
+    18_520.0, 7_408.0, 3_704.0, 1_852.0, 926.0, 555.6, 185.2, 92.6, 30.0, 10.0, 3.0, 1.0,
+];
+/// Bounds of the altitude's error in 95 of 100 cases, metres.
+const VERTICAL_M: [f64; 6] = [150.0, 45.0, 25.0, 10.0, 3.0, 1.0];
+/// Bounds of the velocity's error in 95 of 100 cases, metres per second.
+const SPEED_MPS: [f64; 4] = [10.0, 3.0, 1.0, 0.3];
 
-/// Bound of the altitude's error in 95 of 100 cases, metres.
-const fn vertical_m(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 150.0,
-        2 => 45.0,
-        3 => 25.0,
-        4 => 10.0,
-        5 => 3.0,
-        6 => 1.0,
-        _ => return None,
-    })
-}
-
-/// Bound of the velocity's error in 95 of 100 cases, metres per second.
-const fn speed_mps(category: u8) -> Option<f64> {
-    Some(match category {
-        1 => 10.0,
-        2 => 3.0,
-        3 => 1.0,
-        4 => 0.3,
-        _ => return None,
-    })
+/// The bound of a category; `None` for an unknown one.
+fn bound(bounds: &[f64], category: u8) -> Option<f64> {
+    let index = usize::from(category).checked_sub(1)?;
+    bounds.get(index).copied()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::traffic::Source;
+    use crate::traffic::ReportSource;
 
-    const SENDER: Sender = Sender::mavlink(Source::RemoteId, 7, 236);
+    const SENDER: ReportSender = ReportSender::mavlink(ReportSource::RemoteId, 7, 236);
 
     /// 37.5° north, 122.25° west, 300 m above the ellipsoid, to the west with 20 m/s, climbing with
     /// 2 m/s, 12.3 s after the hour.
@@ -437,7 +407,7 @@ mod tests {
         };
         let mut remote_id = RemoteId::default();
         let report = remote_id
-            .take_pack(&pack, SENDER, &Levels::default(), 100.0)
+            .take_pack(&pack, SENDER, &DatumLevels::default(), 100.0)
             .unwrap()
             .unwrap();
         assert_eq!(report.callsign, "234567890");
@@ -456,20 +426,20 @@ mod tests {
         // The same again, and older ones, say nothing; later ones are as late as they come.
         assert!(
             remote_id
-                .take_pack(&pack, SENDER, &Levels::default(), 101.0)
+                .take_pack(&pack, SENDER, &DatumLevels::default(), 101.0)
                 .unwrap()
                 .is_none()
         );
         let mut later = pack.clone();
         later.messages[46..48].copy_from_slice(&133_u16.to_le_bytes());
         let report = remote_id
-            .take_pack(&later, SENDER, &Levels::default(), 104.0)
+            .take_pack(&later, SENDER, &DatumLevels::default(), 104.0)
             .unwrap()
             .unwrap();
         assert!((report.valid_s - 101.0).abs() < 1e-9, "{}", report.valid_s);
         assert!(
             remote_id
-                .take_pack(&pack, SENDER, &Levels::default(), 105.0)
+                .take_pack(&pack, SENDER, &DatumLevels::default(), 105.0)
                 .unwrap()
                 .is_none()
         );
@@ -478,7 +448,7 @@ mod tests {
     #[test]
     fn locations_that_say_nothing_are_left_out_and_memory_is_bounded() {
         let mut remote_id = RemoteId::default();
-        let levels = Levels::default();
+        let levels = DatumLevels::default();
         let mut take = |data: OPEN_DRONE_ID_LOCATION_DATA| {
             remote_id.take_location(&data, SENDER, &levels, 1.0)
         };
@@ -552,7 +522,7 @@ mod tests {
                     timestamp: clock_s(f32::from(second)),
                     ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
                 };
-                let taken = remote_id.take_location(&data, SENDER, &Levels::default(), now_s);
+                let taken = remote_id.take_location(&data, SENDER, &DatumLevels::default(), now_s);
                 if let Some(report) = taken.unwrap() {
                     assert!(now_s - report.valid_s < 2.0, "clock {number}: {report:?}");
                     heard_s = now_s;

@@ -5,11 +5,11 @@ use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
-pub use super::identity::{Key, LONGEST_CALLSIGN, Sender, Source, tidy_callsign};
+pub use super::identity::{LONGEST_CALLSIGN, ReportSender, ReportSource, TrackKey, tidy_callsign};
 
-use super::class::Class;
+use super::class::AircraftClass;
 use super::defect::Defect;
-use crate::number::degrees_from_e7;
+use crate::number::{place_from_e7, velocity_mps};
 
 /// The datum of an altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,15 +46,13 @@ pub struct Quality {
 
 /// The content of one message.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
-    /// Its source.
-    pub source: Source,
+pub struct PlaceReport {
     /// Its sender.
-    pub sender: Sender,
+    pub sender: ReportSender,
     /// ICAO address, or another with [`NON_ICAO`](fga_formats::traffic::NON_ICAO); 0 if unknown.
     pub icao: u32,
     /// The claimed identity, if neither address nor call sign gives one.
-    pub key: Option<Key>,
+    pub key: Option<TrackKey>,
     /// Call sign, without blanks.
     pub callsign: String,
     /// Position; the altitude above the datum in [`Quality::altitude`].
@@ -66,30 +64,68 @@ pub struct Report {
     /// How such an aircraft may move.
     pub movement: Movement,
     /// How much room it gets.
-    pub class: Class,
+    pub class: AircraftClass,
     /// Its quality.
     pub quality: Quality,
 }
 
+/// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
+pub(super) const SIGMAS_IN_95: f64 = 2.4477;
 /// σ of a velocity along an axis without quality figures, metres per second.
 const VELOCITY_SIGMA_MPS: f64 = 1.0;
-impl Report {
+
+impl Quality {
+    /// The quality of a report of a position alone, with its σ along an axis, metres.
+    pub(crate) const fn of_position(sigma_m: f64, altitude: AltitudeReference) -> Self {
+        Self {
+            position_m: sigma_m,
+            velocity_mps: 0.0,
+            velocity_sigma_is_known: false,
+            climb_is_known: false,
+            height_m: 0.0,
+            altitude,
+        }
+    }
+}
+
+impl PlaceReport {
+    /// A report of nothing but the position of some aircraft at a time of the local clock, seconds.
+    pub(crate) const fn of_position(
+        sender: ReportSender,
+        place: Geodetic,
+        valid_s: f64,
+        quality: Quality,
+    ) -> Self {
+        Self {
+            sender,
+            icao: 0,
+            key: None,
+            callsign: String::new(),
+            place,
+            velocity_mps: None,
+            valid_s,
+            movement: Movement::CREWED,
+            class: AircraftClass::Crewed,
+            quality,
+        }
+    }
+
     /// The claimed identity.
-    pub fn key(&self) -> Key {
+    pub fn key(&self) -> TrackKey {
         if let Some(key) = self.key {
             return key;
         }
         if self.icao != 0 {
-            return Key::Address(self.icao);
+            return TrackKey::Address(self.icao);
         }
         if self.callsign.is_empty() {
-            return Key::Unnamed(self.sender);
+            return TrackKey::Unnamed(self.sender);
         }
         let mut name = [0; LONGEST_CALLSIGN];
         for (place, byte) in name.iter_mut().zip(self.callsign.bytes()) {
             *place = byte;
         }
-        Key::Callsign(self.sender, name)
+        TrackKey::Callsign(self.sender, name)
     }
 
     /// The report in an `ADSB_VEHICLE` message.
@@ -98,7 +134,7 @@ impl Report {
     /// [`Defect::NoPosition`] without a valid position.
     pub fn from_adsb(
         data: &ADSB_VEHICLE_DATA,
-        sender: Sender,
+        sender: ReportSender,
         now_s: f64,
         position_sigma_m: f64,
     ) -> Result<Self, Defect> {
@@ -118,43 +154,31 @@ impl Report {
         } else {
             0.0
         };
-        let velocity_mps = known.then(|| {
-            Vec3::new(
-                speed_mps * libm::sin(heading_rad),
-                speed_mps * libm::cos(heading_rad),
-                climb_mps,
-            )
-        });
+        let velocity_mps = known.then(|| velocity_mps(speed_mps, heading_rad, climb_mps));
         // "Time since last communication" counts whole seconds: 0 is fresh.
         let age_s = f64::from(data.tslc);
-        let class = Class::of(data.emitter_type);
+        let class = AircraftClass::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
+        // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
+        let altitude = if !has_altitude {
+            AltitudeReference::Unknown
+        } else if geometric {
+            AltitudeReference::Geometric
+        } else {
+            AltitudeReference::Pressure
+        };
+        let quality = Quality {
+            velocity_mps: VELOCITY_SIGMA_MPS,
+            climb_is_known,
+            ..Quality::of_position(position_sigma_m, altitude)
+        };
         Ok(Self {
-            source: sender.source,
-            sender,
             icao: adsb_address(data),
-            key: None,
             callsign: tidy_callsign(data.callsign.to_str().unwrap_or_default()),
-            place,
             velocity_mps,
-            valid_s: now_s - age_s,
             movement: class.movement(),
             class,
-            quality: Quality {
-                position_m: position_sigma_m,
-                velocity_mps: VELOCITY_SIGMA_MPS,
-                velocity_sigma_is_known: false,
-                climb_is_known,
-                height_m: 0.0,
-                // Receivers fill in the transponder's pressure altitude, whatever the type's name says of QNH.
-                altitude: if !has_altitude {
-                    AltitudeReference::Unknown
-                } else if geometric {
-                    AltitudeReference::Geometric
-                } else {
-                    AltitudeReference::Pressure
-                },
-            },
+            ..Self::of_position(sender, place, now_s - age_s, quality)
         })
     }
 }
@@ -166,10 +190,6 @@ pub const fn adsb_address(data: &ADSB_VEHICLE_DATA) -> u32 {
 
 /// The position in an `ADSB_VEHICLE` message, valid or not; at altitude 0 for an altitude that no aircraft has.
 pub fn adsb_place(data: &ADSB_VEHICLE_DATA) -> Option<Geodetic> {
-    if data.lat == 0 && data.lon == 0 {
-        return None;
-    }
-    let (latitude_deg, longitude_deg) = (degrees_from_e7(data.lat), degrees_from_e7(data.lon));
-    Geodetic::new(latitude_deg, longitude_deg, f64::from(data.altitude) * 1e-3)
-        .or_else(|| Geodetic::new(latitude_deg, longitude_deg, 0.0))
+    let at = |altitude_m: f64| place_from_e7(data.lat, data.lon, altitude_m);
+    at(f64::from(data.altitude) * 1e-3).or_else(|| at(0.0))
 }

@@ -14,12 +14,12 @@ use fga::situation::{Obstacle, ObstacleKind, Uncertainty};
 use fga_formats::geodesy::LocalFrame;
 
 use super::class::Volumes;
-use super::own::{self, Flown};
+use super::own::{self, FlownWay};
 use super::remote_id::RemoteId;
-use super::report::{AltitudeReference, Key, Report, Sender, Source};
-use super::threat::{Ahead, Urgency, VolumeReach};
-use super::track::{Seen, Track, bit};
-use super::vertical::{Levels, Shift, taller};
+use super::report::{AltitudeReference, PlaceReport, ReportSender, ReportSource, TrackKey};
+use super::threat::{TrackUrgency, VolumeReach, WaysAhead};
+use super::track::{AircraftTrack, LocalReport, bit};
+use super::vertical::{DatumLevels, Shift, taller};
 use crate::config::{Config, TrafficConfig};
 
 /// Most tracks of one sender.
@@ -66,14 +66,14 @@ pub struct TrackTable {
     drop_after_s: f64,
     own_icao: Option<u32>,
     own_callsign: Option<String>,
-    tracks: Vec<Track>,
+    tracks: Vec<AircraftTrack>,
     /// Indices in `tracks` of all hypotheses under a key.
-    index: BTreeMap<Key, Vec<usize>>,
-    senders: [Option<(Sender, f64)>; MOST_SENDERS - 1],
+    index: BTreeMap<TrackKey, Vec<usize>>,
+    senders: [Option<(ReportSender, f64)>; MOST_SENDERS - 1],
     shares: [usize; MOST_SENDERS],
-    flown: Flown,
-    ahead: Ahead,
-    levels: Levels,
+    flown: FlownWay,
+    ahead: WaysAhead,
+    levels: DatumLevels,
     remote_id: RemoteId,
     /// Own height in the frame and own altitude above mean sea level, metres.
     own_height_m: Option<(f64, f64)>,
@@ -107,9 +107,9 @@ impl TrackTable {
             index: BTreeMap::new(),
             senders: [None; MOST_SENDERS - 1],
             shares: [0; MOST_SENDERS],
-            flown: Flown::default(),
-            ahead: Ahead::default(),
-            levels: Levels::default(),
+            flown: FlownWay::default(),
+            ahead: WaysAhead::default(),
+            levels: DatumLevels::default(),
             remote_id: RemoteId::default(),
             own_height_m: None,
             volumes: Volumes::new(&Config::default()),
@@ -120,7 +120,7 @@ impl TrackTable {
     }
 
     /// The tracks, in no particular order.
-    pub fn tracks(&self) -> &[Track] {
+    pub fn tracks(&self) -> &[AircraftTrack] {
         &self.tracks
     }
 
@@ -130,26 +130,26 @@ impl TrackTable {
         self.index.clear();
         self.shares = [0; MOST_SENDERS];
         self.flown.clear();
-        self.ahead = Ahead::default();
+        self.ahead = WaysAhead::default();
     }
 
     /// The track with a number.
-    pub fn get(&self, id: u32) -> Option<&Track> {
+    pub fn get(&self, id: u32) -> Option<&AircraftTrack> {
         self.tracks.iter().find(|track| track.id == id)
     }
 
     /// The transmitters of Remote ID, and the datums of altitudes.
-    pub const fn remote_id(&mut self) -> (&mut RemoteId, &Levels) {
+    pub const fn remote_id(&mut self) -> (&mut RemoteId, &DatumLevels) {
         (&mut self.remote_id, &self.levels)
     }
 
     /// The datums of altitudes.
-    pub const fn levels_mut(&mut self) -> &mut Levels {
+    pub const fn levels_mut(&mut self) -> &mut DatumLevels {
         &mut self.levels
     }
 
     /// Sets the vehicle's way from now on, which determines the threats.
-    pub fn set_ahead(&mut self, ahead: Ahead) {
+    pub fn set_ahead(&mut self, ahead: WaysAhead) {
         self.ahead = ahead;
     }
 
@@ -164,19 +164,28 @@ impl TrackTable {
     }
 
     /// Whether a report is too old to use.
-    pub fn is_old(&self, report: &Report, now_s: f64) -> bool {
+    pub fn is_old(&self, report: &PlaceReport, now_s: f64) -> bool {
         now_s - report.valid_s > self.drop_after_s
     }
 
+    /// Indices in `tracks` of all hypotheses under a key.
+    fn members(&self, key: TrackKey) -> &[usize] {
+        self.index.get(&key).map_or(&[], Vec::as_slice)
+    }
+
+    /// All hypotheses under a key.
+    fn hypotheses(&self, key: TrackKey) -> impl Iterator<Item = &AircraftTrack> {
+        let members = self.members(key).iter();
+        members.filter_map(|place| self.tracks.get(*place))
+    }
+
     /// Whether a track of this identity contradicts its own velocity.
-    pub fn contradicts_itself(&self, key: Key) -> bool {
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
-        let mut tracks = members.iter().filter_map(|place| self.tracks.get(*place));
-        tracks.any(Track::contradicts_itself)
+    pub fn contradicts_itself(&self, key: TrackKey) -> bool {
+        self.hypotheses(key).any(AircraftTrack::contradicts_itself)
     }
 
     /// Takes a report; `false` if it was nothing new.
-    pub fn take(&mut self, report: &Report, frame: &LocalFrame, now_s: f64) -> bool {
+    pub fn take(&mut self, report: &PlaceReport, frame: &LocalFrame, now_s: f64) -> bool {
         let position_m = frame.to_local_m(report.place);
         let velocity_mps = report
             .velocity_mps
@@ -187,19 +196,19 @@ impl TrackTable {
         if !fits || self.is_old(report, now_s) {
             return false;
         }
-        let seen = Seen {
+        let seen = LocalReport {
             valid_s: report.valid_s,
             position_m,
             velocity_mps,
             quality: report.quality,
-            source: report.source,
+            source: report.sender.source,
             slot: self.slot(report.sender, now_s),
         };
         let key = report.key();
-        if seen.source == Source::AutopilotList && self.is_known_better(key, &seen, now_s) {
+        if seen.source == ReportSource::AutopilotList && self.is_known_better(key, &seen, now_s) {
             return false;
         }
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        let members = self.members(key);
         let best = members
             .iter()
             .filter_map(|place| {
@@ -218,6 +227,7 @@ impl TrackTable {
             }
             return track.update(&seen, now_s);
         }
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         for place in members {
             if let Some(track) = self.tracks.get_mut(*place)
                 && track.is_repetition(&seen, now_s)
@@ -229,22 +239,18 @@ impl TrackTable {
     }
 
     /// Whether a better source reports the aircraft that the autopilot's list reports late.
-    fn is_known_better(&self, key: Key, seen: &Seen, now_s: f64) -> bool {
-        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
-        members
-            .iter()
-            .filter_map(|place| self.tracks.get(*place))
-            .any(|track| {
-                let off = seen.position_m - track.position_m(now_s);
-                track.source != Source::AutopilotList
-                    && now_s - track.heard_s < BETTER_SOURCE_S
-                    && libm::hypot(off.x, off.y)
-                        < LIST_OFF_M + LIST_LATE_S * track.velocity_mps().length()
-            })
+    fn is_known_better(&self, key: TrackKey, seen: &LocalReport, now_s: f64) -> bool {
+        self.hypotheses(key).any(|track| {
+            let off = seen.position_m - track.position_m(now_s);
+            track.source != ReportSource::AutopilotList
+                && now_s - track.heard_s < BETTER_SOURCE_S
+                && libm::hypot(off.x, off.y)
+                    < LIST_OFF_M + LIST_LATE_S * track.velocity_mps().length()
+        })
     }
 
     /// The share of a sender's tracks.
-    fn slot(&mut self, sender: Sender, now_s: f64) -> u8 {
+    fn slot(&mut self, sender: ReportSender, now_s: f64) -> u8 {
         let known = self
             .senders
             .iter()
@@ -267,12 +273,12 @@ impl TrackTable {
     }
 
     /// Opens a track, if there is room or a less urgent one of the same sender.
-    fn open(&mut self, report: &Report, key: Key, seen: Seen, now_s: f64) -> bool {
-        let mut track = Track::new(self.next_id, report, seen, now_s);
+    fn open(&mut self, report: &PlaceReport, key: TrackKey, seen: LocalReport, now_s: f64) -> bool {
+        let mut track = AircraftTrack::new(self.next_id, report, seen, now_s);
         track.keep_s = self.urgency(&track, now_s, Claims::All).keep_s();
         let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         let most = match key {
-            Key::Unnamed(_) => MOST_UNNAMED,
+            TrackKey::Unnamed(_) => MOST_UNNAMED,
             _ => MOST_HYPOTHESES,
         };
         if members.len() >= most {
@@ -343,7 +349,7 @@ impl TrackTable {
 
     /// The altitude of a track above its datum comes from the height in the frame: the
     /// vehicle's own differs by as much as the positions do.
-    fn shift(&self, track: &Track, height_m: f64, now_s: f64, claims: Claims) -> Shift {
+    fn shift(&self, track: &AircraftTrack, height_m: f64, now_s: f64, claims: Claims) -> Shift {
         let (own_m, own_altitude_m) = self.own_height_m.unwrap_or((height_m, height_m));
         let altitude_m = own_altitude_m + height_m - own_m;
         let mut shift = match (track.altitude_reference(), claims) {
@@ -359,7 +365,7 @@ impl TrackTable {
         shift
     }
 
-    fn urgency(&self, track: &Track, now_s: f64, claims: Claims) -> Urgency {
+    fn urgency(&self, track: &AircraftTrack, now_s: f64, claims: Claims) -> TrackUrgency {
         let mut position_m = track.position_m(now_s);
         let shift = self.shift(track, position_m.z, now_s, claims);
         position_m.z -= shift.by_m;
@@ -412,24 +418,20 @@ impl TrackTable {
     }
 
     /// Whether the reports of a hypothesis have ended while its sender's continue with another one.
-    fn has_ended(&self, track: &Track, now_s: f64) -> bool {
+    fn has_ended(&self, track: &AircraftTrack, now_s: f64) -> bool {
         if now_s - track.heard_s < track.silence_s(SILENT_S) {
             return false;
         }
-        let members = self.index.get(&track.key).map_or(&[][..], Vec::as_slice);
-        members
-            .iter()
-            .filter_map(|place| self.tracks.get(*place))
-            .any(|other| {
-                let goes_on = other.id != track.id && other.heard_s > track.heard_s;
-                let same_sender = other.senders & bit(track.last_seen().slot) != 0;
-                // A single report is no line, whoever sent it.
-                goes_on && other.hits >= LINE && (same_sender || track.hits == 1)
-            })
+        self.hypotheses(track.key).any(|other| {
+            let goes_on = other.id != track.id && other.heard_s > track.heard_s;
+            let same_sender = other.senders & bit(track.last_seen().slot) != 0;
+            // A single report is no line, whoever sent it.
+            goes_on && other.hits >= LINE && (same_sender || track.hits == 1)
+        })
     }
 
     /// With a configured address, only that aircraft can be ours.
-    fn is_named_own(&self, track: &Track) -> Option<bool> {
+    fn is_named_own(&self, track: &AircraftTrack) -> Option<bool> {
         let by_address = self.own_icao.filter(|_| track.icao != 0);
         let by_callsign = self
             .own_callsign
@@ -447,7 +449,7 @@ impl TrackTable {
     pub fn obstacles(&mut self, wanted: &Wanted, into: &mut Vec<Obstacle>) {
         self.volumes = wanted.volumes;
         self.own_height_m = Some((wanted.own_m.z, wanted.own_altitude_m));
-        let candidates = |claims| -> Vec<(Urgency, Obstacle)> {
+        let candidates = |claims| -> Vec<(TrackUrgency, Obstacle)> {
             let others = self.tracks.iter().filter(|track| !track.is_own());
             others
                 .filter_map(|track| self.obstacle(track, wanted, claims))
@@ -474,10 +476,10 @@ impl TrackTable {
 
     fn obstacle(
         &self,
-        track: &Track,
+        track: &AircraftTrack,
         wanted: &Wanted,
         claims: Claims,
-    ) -> Option<(Urgency, Obstacle)> {
+    ) -> Option<(TrackUrgency, Obstacle)> {
         let mut position_m = track.position_m(wanted.at_s);
         let off = position_m - wanted.own_m;
         if libm::hypot(off.x, off.y) > wanted.within_m {
@@ -505,9 +507,14 @@ impl TrackTable {
     }
 }
 
-fn check_own(track: &mut Track, flown: &Flown, shift: Shift, named: Option<bool>, now_s: f64) {
-    let is_other = named == Some(false) || track.source == Source::Virtual;
-    if is_other || track.checked {
+fn check_own(
+    track: &mut AircraftTrack,
+    flown: &FlownWay,
+    shift: Shift,
+    named: Option<bool>,
+    now_s: f64,
+) {
+    if named == Some(false) || track.checked {
         return;
     }
     track.checked = true;

@@ -18,7 +18,7 @@ const STEADY_MPS: f64 = 1.0;
 
 /// A straight piece of the way ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Leg {
+struct WayLeg {
     from_m: Vec3,
     velocity_mps: Vec3,
     begins_s: f64,
@@ -27,22 +27,22 @@ struct Leg {
 
 /// Our possible ways: straight ahead, and along the mission.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Ahead {
+pub struct WaysAhead {
     own: Option<(Vec3, Vec3)>,
     at_s: f64,
-    legs: Vec<Leg>,
+    legs: Vec<WayLeg>,
 }
 
 /// The urgency of an aircraft; smaller is more urgent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Urgency {
+pub struct TrackUrgency {
     /// Time until it enters the volume on the way ahead, seconds; infinite if it does not.
     pub conflict_s: f64,
     /// Time until it could arrive if it turned towards the aircraft, seconds.
     pub reach_s: f64,
 }
 
-impl Urgency {
+impl TrackUrgency {
     /// The order for keeping tracks when there is no room for all, seconds: a conflict, or nearness
     /// with half the weight.
     pub const fn keep_s(&self) -> f64 {
@@ -59,7 +59,7 @@ pub struct VolumeReach {
     pub half_height_m: f64,
 }
 
-impl Ahead {
+impl WaysAhead {
     /// From a position and velocity at `at_s`: straight on, and from `met_m`, a point of the way, along the
     /// waypoints. In a manoeuvre that point lies beside the aircraft, so that the avoided aircraft stays urgent.
     pub fn new(
@@ -68,7 +68,7 @@ impl Ahead {
         met_m: Vec3,
         waypoints_m: &[Vec3],
     ) -> Self {
-        let mut legs = vec![Leg {
+        let mut legs = vec![WayLeg {
             from_m: own_m,
             velocity_mps,
             begins_s: 0.0,
@@ -86,7 +86,7 @@ impl Ahead {
                 break;
             }
             let ends_s = begins_s + length_m / speed_mps;
-            legs.push(Leg {
+            legs.push(WayLeg {
                 from_m,
                 velocity_mps: way_m * (speed_mps / length_m),
                 begins_s,
@@ -113,9 +113,9 @@ impl Ahead {
         velocity_mps: Vec3,
         at_s: f64,
         reach: VolumeReach,
-    ) -> Urgency {
+    ) -> TrackUrgency {
         let Some((own_m, own_mps)) = self.own else {
-            return Urgency {
+            return TrackUrgency {
                 conflict_s: f64::INFINITY,
                 reach_s: f64::INFINITY,
             };
@@ -129,14 +129,14 @@ impl Ahead {
             .iter()
             .filter_map(|leg| leg.entry_s(position_m, velocity_mps, reach))
             .fold(f64::INFINITY, f64::min);
-        Urgency {
+        TrackUrgency {
             conflict_s,
             reach_s,
         }
     }
 }
 
-impl Leg {
+impl WayLeg {
     /// When an aircraft that flies straight from `position_m` enters the volume, seconds.
     fn entry_s(&self, position_m: Vec3, velocity_mps: Vec3, reach: VolumeReach) -> Option<f64> {
         let radius_m = reach.radius_m + NEAR_M;
@@ -194,9 +194,9 @@ mod tests {
         half_height_m: 60.0,
     };
 
-    fn north() -> Ahead {
+    fn north() -> WaysAhead {
         let own_m = Vec3::new(0.0, 0.0, 100.0);
-        Ahead::new(
+        WaysAhead::new(
             10.0,
             (own_m, Vec3::new(0.0, 25.0, 0.0)),
             own_m,
@@ -212,7 +212,7 @@ mod tests {
     fn an_avoided_aircraft_stays_urgent() {
         let on_leg_m = Vec3::new(0.0, 100.0, 100.0);
         let own = (on_leg_m + Vec3::X * 120.0, Vec3::new(25.0, 0.0, 0.0));
-        let ahead = Ahead::new(10.0, own, on_leg_m, &[Vec3::new(0.0, 2000.0, 100.0)]);
+        let ahead = WaysAhead::new(10.0, own, on_leg_m, &[Vec3::new(0.0, 2000.0, 100.0)]);
         let (at_m, velocity_mps) = (Vec3::new(0.0, 800.0, 100.0), Vec3::new(0.0, -25.0, 0.0));
         let urgency = ahead.urgency(at_m, velocity_mps, 10.0, REACH);
         assert!(urgency.conflict_s < 14.0, "{urgency:?}");

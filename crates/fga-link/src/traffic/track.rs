@@ -11,10 +11,10 @@ use alloc::collections::VecDeque;
 use fga::Vec3;
 use fga::situation::Movement;
 
-use super::class::Class;
-use super::motion::{self, Place};
+use super::class::AircraftClass;
+use super::motion::{self, ReportedPlace};
 use super::own::Belief;
-use super::report::{AltitudeReference, Key, Quality, Report, Source};
+use super::report::{AltitudeReference, PlaceReport, Quality, ReportSource, TrackKey};
 
 /// A report continues a track if it is within this distance of it, metres, …
 const GATE_M: f64 = 25.0;
@@ -66,19 +66,19 @@ const LONGEST_INTERVAL_S: f64 = 5.0;
 
 /// A report in the local frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct LocalReport {
     pub valid_s: f64,
     pub position_m: Vec3,
     pub velocity_mps: Option<Vec3>,
     pub quality: Quality,
-    pub source: Source,
+    pub source: ReportSource,
     /// Index of the sender in the table of senders.
     pub slot: u8,
 }
 
 /// One aircraft.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Track {
+pub struct AircraftTrack {
     /// Number in obstacles and logs; never reused.
     pub id: u32,
     /// ICAO address; 0 where unknown.
@@ -86,12 +86,12 @@ pub struct Track {
     /// Call sign; may be empty.
     pub callsign: String,
     /// Last sender.
-    pub source: Source,
+    pub source: ReportSource,
     /// Its possible motion.
     pub movement: Movement,
     /// How much room it gets.
-    pub class: Class,
-    pub(super) key: Key,
+    pub class: AircraftClass,
+    pub(super) key: TrackKey,
     pub(super) own: Belief,
     /// The sender that opened it, and all that have continued it, as bits.
     pub(super) slot: u8,
@@ -117,19 +117,19 @@ pub struct Track {
     /// Whether the last reported velocity contradicts the positions.
     contradicts: bool,
     height_s: f64,
-    last: Seen,
-    reported: VecDeque<Place>,
+    last: LocalReport,
+    reported: VecDeque<ReportedPlace>,
     repeated_since_s: Option<f64>,
 }
 
-impl Track {
+impl AircraftTrack {
     /// A track that begins with a report.
-    pub(super) fn new(id: u32, report: &Report, seen: Seen, now_s: f64) -> Self {
+    pub(super) fn new(id: u32, report: &PlaceReport, seen: LocalReport, now_s: f64) -> Self {
         let mut track = Self {
             id,
             icao: report.icao,
             callsign: report.callsign.clone(),
-            source: report.source,
+            source: report.sender.source,
             movement: report.movement,
             class: report.class,
             key: report.key(),
@@ -239,7 +239,7 @@ impl Track {
     }
 
     /// The last report, and whether it had a velocity.
-    pub(super) const fn last_seen(&self) -> &Seen {
+    pub(super) const fn last_seen(&self) -> &LocalReport {
         &self.last
     }
 
@@ -250,7 +250,7 @@ impl Track {
     }
 
     /// How badly a report continues this track, from 0 to 1; `None` if it does not.
-    pub(super) fn misfit(&self, seen: &Seen) -> Option<f64> {
+    pub(super) fn misfit(&self, seen: &LocalReport) -> Option<f64> {
         let apart_s = (seen.valid_s - self.valid_s).abs();
         let misfit = self
             .misfit_from(self.position_m(seen.valid_s), self.velocity_mps, seen)
@@ -269,7 +269,7 @@ impl Track {
     }
 
     /// The misfit to a predicted place, metres, and velocity, metres per second; beyond 1 it does not continue it.
-    fn misfit_from(&self, predicted_m: Vec3, velocity_mps: Vec3, seen: &Seen) -> f64 {
+    fn misfit_from(&self, predicted_m: Vec3, velocity_mps: Vec3, seen: &LocalReport) -> f64 {
         let apart_s = (seen.valid_s - self.valid_s).abs();
         let speed_mps = velocity_mps.length();
         let moved_m = if self.has_velocity || self.hits > 1 {
@@ -286,7 +286,7 @@ impl Track {
 
     /// The misfit to the motion that the positions show, whatever velocity was reported: a second report continues the
     /// first wherever an aircraft can have flown.
-    fn misfit_from_places(&self, seen: &Seen) -> f64 {
+    fn misfit_from_places(&self, seen: &LocalReport) -> f64 {
         let since_s = seen.valid_s - self.last.valid_s;
         if let Some(shown_mps) = self.shown_mps {
             let predicted_m = self.last.position_m + shown_mps * since_s;
@@ -299,11 +299,11 @@ impl Track {
         REACHED_MISFIT + (1.0 - REACHED_MISFIT) * misfit
     }
 
-    fn gate_m(&self, seen: &Seen) -> f64 {
+    fn gate_m(&self, seen: &LocalReport) -> f64 {
         GATE_M + GATE_SIGMAS * self.quality.position_m.max(seen.quality.position_m)
     }
 
-    fn height_misfit(&self, predicted_m: f64, seen: &Seen) -> f64 {
+    fn height_misfit(&self, predicted_m: f64, seen: &LocalReport) -> f64 {
         if seen.quality.altitude != self.quality.altitude {
             return 0.0;
         }
@@ -313,7 +313,7 @@ impl Track {
 
     /// Whether a report only repeats earlier reports of this track: sent again, or late by a detour. Such a
     /// report has no meaning, unless nothing else comes.
-    pub(super) fn is_repetition(&mut self, seen: &Seen, now_s: f64) -> bool {
+    pub(super) fn is_repetition(&mut self, seen: &LocalReport, now_s: f64) -> bool {
         if !self.repeats(seen) {
             return false;
         }
@@ -326,13 +326,13 @@ impl Track {
     }
 
     /// A repetition near the track does not move it, but it may be the truth and the others late.
-    pub(super) fn doubt(&mut self, seen: &Seen) {
+    pub(super) fn doubt(&mut self, seen: &LocalReport) {
         let off = seen.position_m - self.position_m(seen.valid_s);
         let off_m2 = off.x * off.x + off.y * off.y;
         self.residual_m2 = REMEMBERED * self.residual_m2 + (1.0 - REMEMBERED) * off_m2;
     }
 
-    fn repeats(&self, seen: &Seen) -> bool {
+    fn repeats(&self, seen: &LocalReport) -> bool {
         let velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
         if velocity_mps.length() <= MOVES_MPS {
             return false;
@@ -373,7 +373,7 @@ impl Track {
     }
 
     /// Takes a report that continues this track; `false` if it is older than the known state.
-    pub(super) fn update(&mut self, seen: &Seen, now_s: f64) -> bool {
+    pub(super) fn update(&mut self, seen: &LocalReport, now_s: f64) -> bool {
         // Another sender's clock may differ.
         if seen.slot == self.last.slot && seen.valid_s < self.last.valid_s - 0.5 {
             return false;
@@ -433,7 +433,7 @@ impl Track {
     }
 
     /// Whether the known height counts for longer than the report's: one is missing, or its datum is a claim.
-    fn has_better_height(&self, seen: &Seen) -> bool {
+    fn has_better_height(&self, seen: &LocalReport) -> bool {
         let lifetime_s = match (self.quality.altitude, seen.quality.altitude) {
             (AltitudeReference::Unknown, _) => return false,
             (_, AltitudeReference::Unknown) => HEIGHT_LIFETIME_S,
@@ -447,7 +447,7 @@ impl Track {
     }
 
     /// The reported velocity while the positions bear it out, else the velocity that the positions show.
-    fn take_velocity(&mut self, seen: &Seen) {
+    fn take_velocity(&mut self, seen: &LocalReport) {
         let place = self.place(seen);
         let places = || self.reported.iter().copied().chain([place]);
         let shown = motion::shown(places, self.quality.position_m.max(seen.quality.position_m));
@@ -483,12 +483,12 @@ impl Track {
         self.contradicts = false_ways.horizontal || false_ways.vertical;
     }
 
-    fn place(&self, seen: &Seen) -> Place {
+    fn place(&self, seen: &LocalReport) -> ReportedPlace {
         let mut velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
         if !seen.quality.climb_is_known {
             velocity_mps.z = self.velocity_mps.z;
         }
-        Place {
+        ReportedPlace {
             valid_s: seen.valid_s,
             position_m: seen.position_m,
             velocity_mps,
@@ -496,7 +496,7 @@ impl Track {
         }
     }
 
-    fn remember(&mut self, seen: &Seen) {
+    fn remember(&mut self, seen: &LocalReport) {
         let place = self.place(seen);
         self.reported.push_back(place);
         while self.reported.len() > MOST_REMEMBERED

@@ -54,14 +54,14 @@ pub struct Shift {
 
 /// The datums.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Levels {
+pub struct DatumLevels {
     /// Pressure altitude less altitude above mean sea level at the vehicle, metres; when, seconds.
     pressure: Option<(f64, f64)>,
     /// Height of the geoid above the ellipsoid at the vehicle, metres.
     geoid_m: Option<f64>,
 }
 
-impl Levels {
+impl DatumLevels {
     /// Takes the vehicle's static pressure, hectopascals, at its altitude above mean sea level.
     pub fn take_pressure(&mut self, pressure_hpa: f64, altitude_m: f64, now_s: f64) {
         let Some(pressure_m) = pressure_altitude_m(pressure_hpa) else {
@@ -129,9 +129,7 @@ impl Levels {
             }
         }
     }
-}
 
-impl Levels {
     /// The shift of a height that its sender calls geometric: from the sea, from any geoid, from the pressure level here, or
     /// from an altimeter with another setting. The vehicle's own pressure does not show that setting.
     fn geometric(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
@@ -206,7 +204,7 @@ mod tests {
 
     #[test]
     fn pressure_compares_with_pressure() {
-        let mut levels = Levels::default();
+        let mut levels = DatumLevels::default();
         let unknown = levels.shift(AltitudeReference::Pressure, 100.0, 104.0, 0.0);
         assert!(unknown.by_m - unknown.bound_m < -300.0);
         assert!(unknown.by_m + unknown.bound_m > 540.0);
@@ -237,11 +235,11 @@ mod tests {
     /// Any geoid, and other settings of an altimeter: 190 m at 990 hPa, whatever the vehicle's own pressure is.
     #[test]
     fn t3_a_geometric_label_holds_for_every_level_that_it_may_mean() {
-        let mut levels = Levels::default();
+        let mut levels = DatumLevels::default();
         for sea_level_hpa in [None, Some(990.0), Some(1013.25), Some(1040.0)] {
             if let Some(hpa) = sea_level_hpa {
                 let pressure_hpa = hpa * libm::pow(1.0 - 104.0 / SCALE_M, 1.0 / EXPONENT);
-                levels = Levels::default();
+                levels = DatumLevels::default();
                 levels.take_pressure(pressure_hpa, 104.0, 1.0);
             }
             let shift = levels.shift(AltitudeReference::Geometric, 300.0, 104.0, 2.0);

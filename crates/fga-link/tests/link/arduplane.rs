@@ -27,8 +27,8 @@ use fga::Vec3;
 use fga_emulator::{Emulator, STEP_S, Settings};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
-use fga_link::player::{Played, Sample, adsb_message};
-use fga_link::wire::{Frame, Framer, encode};
+use fga_link::player::{Played, PlayedState, adsb_message};
+use fga_link::wire::{Framer, WireFrame, encode};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
@@ -71,7 +71,7 @@ struct Threat {
 
 struct Bench {
     clock: Clock,
-    frames: Receiver<Frame>,
+    frames: Receiver<WireFrame>,
     heard: u64,
     ground: Ground,
     companion: Companion,
@@ -119,7 +119,7 @@ impl Bench {
         }
     }
 
-    fn take(&mut self, frame: &Frame) {
+    fn take(&mut self, frame: &WireFrame) {
         let now_s = self.now_s();
         if !self.dead {
             self.companion.receive(&frame.header, &frame.message, now_s);
@@ -246,7 +246,7 @@ impl Bench {
     fn meet(&mut self, offset_m: Vec3, velocity_mps: Vec3, reported: bool) -> Geodetic {
         let here = self.ground.place.expect("a position");
         let place = LocalFrame::new(here, Earth::Wgs84).to_geodetic(offset_m);
-        let sample = Sample {
+        let sample = PlayedState {
             time_s: self.now_s(),
             place,
             velocity_mps,

@@ -9,18 +9,18 @@ use fga_formats::tally::LeftOut;
 use fga_formats::traffic::NON_ICAO;
 use fga_link::authority::Authority;
 use fga_link::traffic::receiver::{self, FeedStatus};
-use fga_link::traffic::{AltitudeReference, Report};
+use fga_link::traffic::{AltitudeReference, PlaceReport};
 
 use crate::common::{GOOD, Intruder, World};
 
 /// What a receiver gives of some lines: its reports, and its statuses. Much time passes between two reads, so that every
 /// status is passed on.
-fn given(text: &str, lines: u64) -> (Vec<Report>, Vec<FeedStatus>) {
+fn given(text: &str, lines: u64) -> (Vec<PlaceReport>, Vec<FeedStatus>) {
     given_with_clock(text, lines, 11.0)
 }
 
 /// The same with a clock that begins at 100 s and goes on by `step_s` whenever it is read.
-fn given_with_clock(text: &str, lines: u64, step_s: f64) -> (Vec<Report>, Vec<FeedStatus>) {
+fn given_with_clock(text: &str, lines: u64, step_s: f64) -> (Vec<PlaceReport>, Vec<FeedStatus>) {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = server.local_addr().expect("an address");
     let text = text.to_owned();

@@ -7,7 +7,7 @@ use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::missions;
 use fga_formats::traffic::sbs;
 use fga_link::player::{Line, sbs_lines};
-use fga_link::traffic::Source;
+use fga_link::traffic::ReportSource;
 use fga_link::traffic::receiver::Joiner;
 
 const PAGE: &str = include_str!("../../../../docs/how-to-arduplane.md");
@@ -41,7 +41,7 @@ fn n9_the_aircraft_of_the_page_are_met_and_avoided() {
         );
         unseen.shown_m = 0.0;
         world.add(unseen);
-        let mut joiner = Joiner::new(Source::Sbs);
+        let mut joiner = Joiner::new(ReportSource::Sbs);
         let mut due_s = 0.0;
         while world.time_s < 170.0 {
             world.step();

@@ -6,12 +6,12 @@ use core::sync::atomic::AtomicBool;
 use std::io::Write as _;
 use std::net::TcpListener;
 
-use fga_link::traffic::Report;
+use fga_link::traffic::PlaceReport;
 use fga_link::traffic::receiver;
 
 /// A receiver's reports from bytes that a server sends in pieces of `piece` bytes, up to the report
 /// of `last`, all at one moment.
-fn received(kind: &str, bytes: Vec<u8>, piece: usize, last: u32) -> Vec<Report> {
+fn received(kind: &str, bytes: Vec<u8>, piece: usize, last: u32) -> Vec<PlaceReport> {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = server.local_addr().expect("an address");
     let sending = std::thread::spawn(move || {

@@ -12,7 +12,7 @@ use std::time::Instant;
 use crate::common::Random;
 use fga_link::player::read_log;
 use fga_link::tlog::TlogReader;
-use fga_link::traffic::Source;
+use fga_link::traffic::ReportSource;
 use fga_link::traffic::receiver::Joiner;
 use fga_link::wire::Framer;
 use fga_link::{Companion, Config};
@@ -150,7 +150,7 @@ fn random_text_does_not_harm_configuration_and_scripts() {
         assert!(lines.len() as u64 <= tally.read());
         let _ = text.parse::<fga_link::player::Line>();
         let _ = text.parse::<fga_link::endpoint::Endpoint>();
-        let mut joiner = Joiner::new(Source::Sbs);
+        let mut joiner = Joiner::new(ReportSource::Sbs);
         for line in text.lines() {
             if let Ok(message) = fga_formats::traffic::sbs::parse_line(line.as_bytes()) {
                 joiner.take(&message, random.uniform(0.0, 1e6));

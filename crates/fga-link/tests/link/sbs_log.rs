@@ -9,7 +9,7 @@ use fga_formats::traffic::sbs;
 use fga_link::Config;
 use fga_link::player::LoggedLine;
 use fga_link::traffic::receiver::Joiner;
-use fga_link::traffic::{Source, TrackTable};
+use fga_link::traffic::{ReportSource, TrackTable};
 
 /// Last airborne position of each aircraft whose altitude is known by then: plain text handling.
 fn independent(lines: &[LoggedLine]) -> BTreeMap<u32, (f64, f64, f64)> {
@@ -44,7 +44,7 @@ fn every_aircraft_with_positions_is_tracked_where_it_is() {
     };
     let expected = independent(&lines);
     assert!(expected.len() >= 40, "{}", expected.len());
-    let mut joiner = Joiner::new(Source::Sbs);
+    let mut joiner = Joiner::new(ReportSource::Sbs);
     let config = Config::default();
     let mut tracks = TrackTable::new(&config.traffic, None);
     let origin = Geodetic::new(43.98, -88.55, 300.0).expect("valid");
@@ -100,7 +100,7 @@ fn played_for_hours_it_does_not_grow() {
     let Some(lines) = crate::common::sbs_log() else {
         return;
     };
-    let mut joiner = Joiner::new(Source::Sbs);
+    let mut joiner = Joiner::new(ReportSource::Sbs);
     let config = Config::default();
     let mut tracks = TrackTable::new(&config.traffic, None);
     let frame = LocalFrame::new(

@@ -23,7 +23,7 @@ use crate::common::random::Random;
 use crate::common::seeds;
 use fga_emulator::{Emulator, Item, STEP_S, Settings};
 use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
-use fga_link::commands::Command;
+use fga_link::commands::VehicleCommand;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
 use fga_link::restart::Note;
 use fga_link::wire::Signing;
@@ -397,7 +397,7 @@ impl Rig {
             Order::Wait => {}
             Order::Restore(owed) => {
                 self.say("the watchdog restores");
-                let message = Command::set_mode(owed.previous, owed.owned).message(1, 0);
+                let message = VehicleCommand::set_mode(owed.previous, owed.owned).message(1, 0);
                 let change = ModeChange {
                     from: owed.owned,
                     to: owed.previous,

@@ -10,7 +10,7 @@ use alloc::collections::VecDeque;
 use crate::common::{GOOD, Intruder, Random, World};
 use fga_emulator::Mode;
 use fga_formats::traffic::{Altitude, TrafficReport};
-use fga_link::traffic::Source;
+use fga_link::traffic::ReportSource;
 use fga_link::traffic::receiver::Joiner;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, MavFrame, MavMessage, MavOdidHorAcc, MavOdidSpeedAcc, MavOdidVerAcc,
@@ -505,7 +505,7 @@ fn the_quality_of_a_report_widens_the_volume() {
 fn the_accuracy_of_the_velocity_widens_the_volume_ahead() {
     let least_m = [0.3, 3.0].map(|error_mps| {
         let mut world = unreported("");
-        let mut joiner = Joiner::new(Source::Beast);
+        let mut joiner = Joiner::new(ReportSource::Beast);
         let mut due_s = 0.0;
         fly(&mut world, 75.0, |world| {
             let own_m = world.emulator.plant().position_m();

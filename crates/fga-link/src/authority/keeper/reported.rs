@@ -1,6 +1,6 @@
 //! The reaction to each mode that the vehicle reports.
 
-use super::super::stray::Origin;
+use super::super::stray::ModeOrigin;
 use super::super::{Action, Authority, Fault, Late, Severity, reaction};
 use super::Keeper;
 use crate::mode::{Mode, ModeChange};
@@ -87,7 +87,7 @@ impl Keeper {
                 }
                 return actions;
             }
-            if before == self.target && origin != Origin::Ours && self.ends_what_is_owed(mode) {
+            if before == self.target && origin != ModeOrigin::Ours && self.ends_what_is_owed(mode) {
                 self.requests.doubt(before, now_s);
             }
         }
@@ -97,23 +97,23 @@ impl Keeper {
     /// The vehicle changed the mode, and nothing is waited for.
     fn stray(
         &mut self,
-        origin: Origin,
+        origin: ModeOrigin,
         mode: Mode,
         before: Mode,
         now_s: f64,
     ) -> Option<Vec<Action>> {
         match origin {
-            Origin::Others => None,
+            ModeOrigin::Others => None,
             // The request crossed the pilot's choice: that is undone without another fault.
             _ if self.undoes(mode, now_s) => None,
-            Origin::Ours if mode == self.target => {
+            ModeOrigin::Ours if mode == self.target => {
                 self.state = Authority::InCommand {
                     since_s: now_s,
                     previous: before,
                 };
                 Some(self.fault(Fault::LateRequest, now_s))
             }
-            Origin::Ours => {
+            ModeOrigin::Ours => {
                 let row = reaction(Fault::LateRequest);
                 self.state = Authority::Released {
                     since_s: now_s,
@@ -132,7 +132,7 @@ impl Keeper {
                     Action::Tell(row.severity, row.text),
                 ])
             }
-            Origin::Unknown => Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)]),
+            ModeOrigin::Unknown => Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)]),
         }
     }
 

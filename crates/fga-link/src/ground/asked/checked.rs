@@ -111,10 +111,10 @@ impl CheckedPiece {
     }
 
     /// Takes an answer about one of its posts; `None` about another place.
-    pub(super) fn take(&mut self, data: &TERRAIN_REPORT_DATA) -> Option<Answer> {
+    pub(super) fn take(&mut self, data: &TERRAIN_REPORT_DATA) -> Option<PostAnswer> {
         let index = (self.posts_e7.iter()).position(|post| *post == [data.lat, data.lon])?;
         if data.spacing == 0 {
-            return Some(Answer::Unknown);
+            return Some(PostAnswer::Unknown);
         }
         self.is_heard = true;
         #[expect(
@@ -124,10 +124,10 @@ impl CheckedPiece {
         let height_m = libm::rintf(data.terrain_height) as i16;
         *self.heights_m.get_mut(index)? = Some(height_m);
         if self.heights_m.contains(&None) {
-            return Some(Answer::Known);
+            return Some(PostAnswer::Known);
         }
         let ([lat, lon], gridbit) = (self.corner_e7, self.number);
-        Some(Answer::Whole(TERRAIN_DATA_DATA {
+        Some(PostAnswer::Whole(TERRAIN_DATA_DATA {
             lat,
             lon,
             grid_spacing: self.spacing_m,
@@ -139,7 +139,7 @@ impl CheckedPiece {
 
 /// What an answer of the vehicle is to a piece.
 #[derive(Debug)]
-pub(super) enum Answer {
+pub(super) enum PostAnswer {
     /// The vehicle does not know the height, or reads it first.
     Unknown,
     /// A height, with others missing.

@@ -11,8 +11,8 @@ use std::sync::mpsc::{Receiver, sync_channel};
 
 use fga::Vec3;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_link::endpoint::{Reader, Received, Writer};
-use fga_link::wire::{Frame, Framer, encode};
+use fga_link::endpoint::{LinkRead, LinkReader, LinkWriter};
+use fga_link::wire::{Framer, WireFrame, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     COMMAND_LONG_DATA, GpsFixType, HEARTBEAT_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA,
@@ -28,14 +28,14 @@ pub const GUIDED: u32 = 15;
 pub const ALTITUDE_M: f64 = 100.0;
 
 /// The frames that come over a link, in order.
-pub fn listen(mut reader: Reader) -> Receiver<Frame> {
+pub fn listen(mut reader: LinkReader) -> Receiver<WireFrame> {
     let (to, frames) = sync_channel(4096);
     std::thread::spawn(move || {
         let mut framer = Framer::new(None);
         let mut buffer = [0; 4096];
         let mut wanted = true;
         while wanted {
-            if let Received::Bytes(count) = reader.read(&mut buffer) {
+            if let LinkRead::Bytes(count) = reader.read(&mut buffer) {
                 framer.push(&buffer[..count], |frame| wanted &= to.send(frame).is_ok());
             }
         }
@@ -45,7 +45,7 @@ pub fn listen(mut reader: Reader) -> Receiver<Frame> {
 
 /// The link to the vehicle, and the vehicle's reports.
 pub struct Ground {
-    writer: Writer,
+    writer: LinkWriter,
     sequence: u8,
     /// Frames sent so far.
     pub sent: u64,
@@ -71,7 +71,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    pub fn new(writer: Writer) -> Self {
+    pub fn new(writer: LinkWriter) -> Self {
         Self {
             writer,
             sequence: 0,
@@ -186,7 +186,7 @@ impl Ground {
     }
 
     /// Takes a message of the vehicle.
-    pub fn take(&mut self, frame: &Frame) {
+    pub fn take(&mut self, frame: &WireFrame) {
         match &frame.message {
             MavMessage::HEARTBEAT(data) if frame.header.component_id == 1 => {
                 self.armed = data
