@@ -56,7 +56,7 @@
 #define FGA_GROUND_POSTS_MOST 32768
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 53760
+#define FGA_AVOIDER_FIXED_BYTES 55296
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152

@@ -10,7 +10,7 @@ mod moves;
 use fga_proof::certificate::{Hazard, Line};
 use fga_proof::prediction::MotionState;
 
-use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Vector, scales};
+use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Seed, Vector, scales};
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
@@ -54,11 +54,11 @@ impl Ascent {
     }
 
     /// The result, certified.
-    pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
+    pub(super) fn certified(&self, search: &mut Search<'_>, seed: &Seed) -> Found {
         // Without work left to prove it: its seed, with the seed's margin.
         let seed = Found {
-            turns: self.seed.turns,
-            margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
+            turns: seed.turns,
+            margin_m: seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
             cost: 0.0,
         };
         if search.limit_met() {

@@ -2,10 +2,14 @@
 
 use fga_proof::Vec3;
 use fga_proof::list::List;
+use fga_proof::meter::{COMPARED, Meter};
 use fga_proof::prediction::Flyer;
 
 use super::terms::{ENOUGH_M, SecondTurn, Turns};
-use super::tuned::SEEDS;
+use super::tuned::{ROUNDS, SEEDS};
+
+/// Most seeds that climb.
+pub(super) const CLIMBERS: usize = ROUNDS[0].0;
 
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
 pub(super) const PARAMETERS: usize = 6;
@@ -82,18 +86,6 @@ pub(super) struct Seed {
     pub margin_m: f64,
 }
 
-impl Seed {
-    const NONE: Self = Self {
-        turns: Turns {
-            wait_s: 0.0,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        },
-        margin_m: 0.0,
-    };
-}
-
 /// A climb in progress.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ascent {
@@ -101,7 +93,9 @@ pub(super) struct Ascent {
     pub approaches: Approaches,
     /// Half the width of the box of the next step, in units of the natural steps.
     pub size: f64,
-    pub seed: Seed,
+    /// The margin of its seed, metres, and the seed's place.
+    seed_m: f64,
+    pub seed: u8,
     pub used: u8,
     pub done: bool,
 }
@@ -111,7 +105,8 @@ impl Ascent {
         at: [0.0; PARAMETERS],
         approaches: Approaches::NONE,
         size: 0.0,
-        seed: Seed::NONE,
+        seed_m: 0.0,
+        seed: 0,
         used: 0,
         done: false,
     };
@@ -121,12 +116,13 @@ impl Ascent {
         self.used > 0
     }
 
-    /// From a seed.
-    pub(super) fn new(seed: &Seed) -> Self {
+    /// From the manoeuvre at a place.
+    fn new(seed: &Seed, place: u8) -> Self {
         Self {
             at: to_vector(&seed.turns),
             size: 1.0,
-            seed: *seed,
+            seed_m: seed.margin_m,
+            seed: place,
             used: if seed.turns.second.is_some() { 6 } else { 3 },
             ..Self::NONE
         }
@@ -137,9 +133,27 @@ impl Ascent {
         if !self.is_some() {
             f64::MIN
         } else if self.approaches.len() == 0 {
-            self.seed.margin_m
+            self.seed_m
         } else {
             self.approaches.closest_m()
+        }
+    }
+}
+
+/// Sorts some, the highest first, without a copy of any.
+#[inline(never)]
+pub(super) fn sort(climbers: &mut [Ascent]) {
+    for count in 1..=climbers.len() {
+        let Some([before @ .., last]) = climbers.get_mut(..count) else {
+            return;
+        };
+        let mut higher = last;
+        for lower in before.iter_mut().rev() {
+            if lower.least_m() >= higher.least_m() {
+                break;
+            }
+            core::mem::swap(lower, higher);
+            higher = lower;
         }
     }
 }
@@ -167,19 +181,25 @@ fn to_vector(turns: &Turns) -> Vector {
     ]
 }
 
-/// The best seeds, one of each row, what climbs from one of them, and the highest of what climbed.
+/// The best seeds, one of each row, and what climbs from them.
 #[derive(Debug, Clone)]
 pub(super) struct Climbs {
     pub seeds: [Seed; SEEDS],
-    pub climber: Ascent,
-    pub highest: Ascent,
+    pub climbers: [Ascent; CLIMBERS],
 }
 
 impl Climbs {
     pub(super) const NONE: Self = Self {
-        seeds: [Seed::NONE; SEEDS],
-        climber: Ascent::NONE,
-        highest: Ascent::NONE,
+        seeds: [Seed {
+            turns: Turns {
+                wait_s: 0.0,
+                turn_rad: 0.0,
+                climb_rad: 0.0,
+                second: None,
+            },
+            margin_m: 0.0,
+        }; SEEDS],
+        climbers: [Ascent::NONE; CLIMBERS],
     };
 
     /// Forgets all from a place on.
@@ -205,6 +225,20 @@ impl Climbs {
         self.seeds
             .iter()
             .fold(f64::INFINITY, |least, seed| least.min(seed.margin_m))
+    }
+
+    /// Begins to climb from the best seeds, as far as a meter allows.
+    pub(super) fn begin(&mut self, meter: &Meter) {
+        let mut is_given = true;
+        for place in 0..CLIMBERS {
+            is_given = is_given && meter.take(SEEDS / COMPARED);
+            let seed = is_given.then(|| self.best_at(place)).flatten();
+            let climber = seed.zip(u8::try_from(place).ok());
+            let climber = climber.map_or(Ascent::NONE, |(seed, place)| Ascent::new(seed, place));
+            if let Some(slot) = self.climbers.get_mut(place) {
+                *slot = climber;
+            }
+        }
     }
 
     /// Moves the best one from a place on to there.

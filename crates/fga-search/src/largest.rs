@@ -1,18 +1,16 @@
 //! The manoeuvre with the largest margin: where none is certified yet.
 //!
 //! Rows yield seeds: single turns as flown, last turns of two by the lines on which they end. The best seeds climb by small
-//! linear programs ([`super::ascent`]).
+//! linear programs ([`super::ascent`]), a little from many and on from the best.
 
 use fga_proof::angle::Side;
 use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
-use super::climbs::{Ascent, Climbs, Seed};
+use super::climbs::{Ascent, Climbs, Seed, sort};
 use super::lattice::{Prefix, Row};
-use super::tuned::{
-    CLIMB_STEPS, CLIMBERS, FAR, GAPS, LEVEL_AFTER, PARTS, SEEDS, STEP_RAD, WORTH_A_CLIMB,
-};
+use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
 use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
 
 /// The work of filling the seeds.
@@ -304,39 +302,39 @@ impl Search<'_> {
         climbs.clear(flown);
     }
 
-    /// Climbs from the best seeds. The answer is the cheapest certified one, or else the highest.
+    /// Climbs from the best seeds: a few steps from all, more from the best. The first round with certified ones ends the climb, with
+    /// the cheapest of them.
     fn climb(&mut self, climbs: &mut Climbs, best: &mut Option<Found>) {
-        let target_m = self.scene.target_m;
-        let mut cheapest: Option<Found> = None;
-        climbs.highest = Ascent::NONE;
-        for place in 0..CLIMBERS {
-            let is_given = self.meter.take(SEEDS / COMPARED);
-            let Some(seed) = is_given.then(|| climbs.best_at(place)).flatten() else {
-                break;
-            };
-            let seed = Ascent::new(seed);
-            let Climbs {
-                climber, highest, ..
-            } = climbs;
-            *climber = seed;
-            if !self.limit_met() {
-                climber.climb(self, CLIMB_STEPS);
-            }
-            if climber.least_m() >= target_m {
-                let found = climber.certified(self);
-                if found.margin_m >= target_m
-                    && cheapest.is_none_or(|least| found.cost < least.cost)
-                {
-                    cheapest = Some(found);
+        climbs.begin(&self.meter);
+        let Climbs { seeds, climbers } = climbs;
+        let seed_of = |climber: &Ascent| {
+            let seed = seeds.get(usize::from(climber.seed));
+            seed.filter(|_| climber.is_some())
+        };
+        for (most, steps) in ROUNDS {
+            let mut cheapest: Option<Found> = None;
+            for climber in climbers.iter_mut().take(most) {
+                let Some(seed) = seed_of(climber) else {
+                    continue;
+                };
+                if self.limit_met() {
+                    break;
+                }
+                climber.climb(self, steps);
+                if climber.least_m() >= self.scene.target_m {
+                    let found = climber.certified(self, seed);
+                    if found.margin_m >= self.scene.target_m
+                        && cheapest.is_none_or(|cheapest| found.cost < cheapest.cost)
+                    {
+                        cheapest = Some(found);
+                    }
                 }
             }
-            if climber.least_m() > highest.least_m() {
-                *highest = *climber;
+            if cheapest.is_some() {
+                *best = cheapest;
+                return;
             }
-        }
-        if cheapest.is_some() {
-            *best = cheapest;
-            return;
+            sort(climbers);
         }
         if self.limit_met() {
             if best.is_some() {
@@ -344,8 +342,11 @@ impl Search<'_> {
             }
             self.answer();
         }
-        if climbs.highest.is_some() {
-            let found = climbs.highest.certified(self);
+        let highest = climbers
+            .iter()
+            .find_map(|it| seed_of(it).map(|of| (it, of)));
+        if let Some((highest, seed)) = highest {
+            let found = highest.certified(self, seed);
             if best.is_none_or(|best| found.margin_m > best.margin_m) {
                 *best = Some(found);
             }

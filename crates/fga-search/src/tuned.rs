@@ -42,9 +42,8 @@ pub(super) const STEP_RAD: f64 = 0.2;
 /// Parts of the two-turn rows: each has every n-th first turn (`lost`).
 pub const PARTS: u32 = 4;
 
-/// Seeds that climb, and the steps of each (`lost`).
-pub(super) const CLIMBERS: usize = 3;
-pub(super) const CLIMB_STEPS: u32 = 16;
+/// Seeds that climb in each round, and the steps of each (`lost`).
+pub(super) const ROUNDS: [(usize, u32); 4] = [(16, 2), (8, 4), (3, 8), (1, 16)];
 
 /// Most seeds: they are flown before the best of them climb, as lines do not show the arc of a last turn (`lost`).
 pub(super) const SEEDS: usize = 48;
