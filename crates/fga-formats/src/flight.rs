@@ -1,6 +1,6 @@
 //! A finished flight for other programs.
 //!
-//! The simulator and the companion fill a [`Flight`]; the writers of [`crate::export`] turn it
+//! The simulator and the companion fill a [`Flight`]; the writers of `export` turn it
 //! into files. A JSON file keeps it between two commands.
 
 use crate::error::{InputError, OutputError, read_text, shown};

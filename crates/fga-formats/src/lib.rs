@@ -18,7 +18,7 @@
 //! | [`words`] | how do words say a decision? |
 //! | [`flight_log`] | what did an aircraft do with the bank that was commanded? |
 //! | [`flight`] | what does a finished flight hold, for other programs? |
-//! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
+//! | `export` | how does Google Earth, Cesium, a map or Foxglove get it? |
 //! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
 //! | [`build`] | which build wrote a file? |
 //! | [`atomic`] | how does a file become complete or stay absent? |
