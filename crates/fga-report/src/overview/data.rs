@@ -115,7 +115,7 @@ pub struct OverviewMoment {
 /// ```
 /// use fga::{Vec3, situation::ProtectedVolume};
 /// use fga::avoider::State;
-/// use fga_report::overview::{Obstacle, Overview, Sample, TrackPoint};
+/// use fga_report::overview::{Overview, OverviewObstacle, OverviewPoint, Sample};
 ///
 /// let overview = Overview {
 ///     title: "Past a mast".into(),

@@ -37,7 +37,7 @@ impl BoxSpread {
     /// ```
     /// use fga_report::plot::BoxSpread;
     ///
-    /// let spread = Spread::of(&mut [4.0, 1.0, 3.0, 2.0]).unwrap();
+    /// let spread = BoxSpread::of(&mut [4.0, 1.0, 3.0, 2.0]).unwrap();
     /// assert_eq!((spread.q1, spread.median, spread.q3), (1.75, 2.5, 3.25));
     /// ```
     pub fn of(values: &mut [f64]) -> Option<Self> {
