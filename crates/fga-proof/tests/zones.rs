@@ -224,12 +224,14 @@ fn no_zone_is_nearer_than_certified() {
         let bound_m = found.margin_m.max(proven_m) - spare_m;
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
         let speed_mps = vehicle.airspeed_mps + wind.length();
-        let (mut least_m, mut look_s) = (f64::INFINITY, 0.0);
+        let (mut least_m, mut nearest, mut look_s) = (f64::INFINITY, Vec3::ZERO, 0.0);
         while flown.time_s <= horizon_s {
             // The distance falls by no more than the way flown.
             if flown.time_s >= look_s {
                 let here_m = margin(keep_in, &shape, heights, flown.at);
-                least_m = least_m.min(here_m);
+                if here_m < least_m {
+                    (least_m, nearest) = (here_m, flown.at);
+                }
                 if least_m < -INTEGRATED_M {
                     break;
                 }
@@ -249,11 +251,14 @@ fn no_zone_is_nearer_than_certified() {
             "{case}: {bound_m} above {least_m}"
         );
         let known_m = SLACK_M + 1e-3 * speed_mps;
-        // So near a zone a flight is not known to enter none: just above a ceiling it may be as deep as the zone is wide.
-        if least_m < known_m + path.remainder_m() {
+        // So near a zone a flight is not known to enter none, and nothing is spared.
+        let is_near = least_m < known_m + path.remainder_m();
+        // So near above or below a zone it may count as deep as the zone is wide.
+        if is_near && !keep_in && margin(false, &shape, ALL_HEIGHTS_M, nearest) < 0.0 {
             continue;
         }
-        let slack_m = least_m.min(1e3) + spare_m - found.margin_m - path.remainder_m();
+        let spared_m = if is_near { 0.0 } else { spare_m };
+        let slack_m = least_m.min(1e3) + spared_m - found.margin_m - path.remainder_m();
         slackest = slackest.max(slack_m);
         assert!(
             slack_m <= known_m,

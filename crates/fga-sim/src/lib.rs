@@ -19,7 +19,7 @@
 //! | [`progress`] | how far along the mission, and how far beside it? |
 //! | [`settings`] | which settings for decisions does a vehicle file give? |
 //! | [`policy`] | which policy has this name? |
-//! | [`mission_pilot`] | what flies the mission, whatever comes? |
+//! | [`mission_pilot`] | which pilot flies the mission and avoids nothing? |
 //! | [`way_round`] | can the policy `circle` keep the obstacles of a scenario? |
 //! | [`ahead`] | how does a pilot decide when a command takes effect later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |

@@ -306,7 +306,7 @@ impl Memory {
 
 const WAYS: [Way; 2] = [Way::Low, Way::High];
 
-/// The conflict band at an index, on a circular scale with the one that it goes on in beyond north.
+/// The conflict band at an index. On a circular scale the bands on both sides of north are one band if they have one region.
 fn conflict_band(bands: &[Band], index: usize, modulus: f64) -> Option<Band> {
     let (first, last, mut band) = (bands.first()?, bands.last()?, *bands.get(index)?);
     if modulus > 0.0 && first.region == last.region {

@@ -203,7 +203,7 @@ mod tests {
                 2, 1361.4174, 2512.1054, 2161.9515, -0.8488, -118.2535, 7.8859,
             ),
         ];
-        // 333 steps to either side pass half a turn by 0.007 degrees, less than two edges are told apart by.
+        // 333 steps to either side pass half a turn by 0.007 degrees, which is within the tolerance of an edge.
         let settings = Settings {
             direction_step_rad: 0.540_561_756_f64.to_radians(),
             shrinks_recovery: false,
