@@ -44,6 +44,9 @@ pub(crate) struct IntrudersArgs {
     /// The situation says that intruders fly straight.
     #[arg(long)]
     straight: bool,
+    /// Intruders are small unmanned aircraft, which turn 2.5 times as fast, and the situation says so.
+    #[arg(long, conflicts_with = "straight")]
+    small: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -119,12 +122,22 @@ fn show(family: &str, judged: &[Judged]) {
     }
 }
 
+/// The fastest turn of intruders that fly at random, radians per second.
+fn most_radps(conditions: &Conditions) -> f64 {
+    let degrees: f64 = if conditions.movement == Movement::SMALL_UAS {
+        15.0
+    } else {
+        6.0
+    };
+    degrees.to_radians()
+}
+
 fn turning(count: u64, seed: u64, conditions: &Conditions, intruders: usize) -> Vec<Judged> {
     each(count, |number| {
         let mut random = stream(seed, number);
         let mut all: Vec<Intruder> = (0..intruders)
             .map(|_| {
-                let pieces = pieces(&mut random, HORIZON_S);
+                let pieces = pieces(&mut random, HORIZON_S, most_radps(conditions));
                 meeting(&mut random, LIMITS, (12.0, 35.0), &pieces)
             })
             .collect();
@@ -235,6 +248,9 @@ pub(crate) fn run(args: &IntrudersArgs) {
     if args.straight {
         ideal.movement = Movement::Straight;
     }
+    if args.small {
+        ideal.movement = Movement::SMALL_UAS;
+    }
     match args.family {
         IntruderFamily::Turning => {
             for intruders in 1..=3 {
@@ -243,9 +259,11 @@ pub(crate) fn run(args: &IntrudersArgs) {
             }
         }
         IntruderFamily::Pursuit => {
-            for degrees in [1.5_f64, 3.0, 6.0] {
-                let judged = pursuit(count, seed, &ideal, degrees.to_radians());
-                show(&format!("pursuit with {degrees} °/s"), &judged);
+            for share in [0.25, 0.5, 1.0] {
+                let turn_radps = share * most_radps(&ideal);
+                let judged = pursuit(count, seed, &ideal, turn_radps);
+                let degrees = turn_radps.to_degrees();
+                show(&format!("pursuit with {degrees:.2} °/s"), &judged);
             }
         }
         IntruderFamily::Gusts => {

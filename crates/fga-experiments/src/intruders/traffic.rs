@@ -231,8 +231,8 @@ pub(crate) fn meeting(
     }
 }
 
-/// Random pieces up to a time.
-pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<TurnPiece> {
+/// Random pieces up to a time, with turns at some rate at most.
+pub(crate) fn pieces(random: &mut Random, until_s: f64, most_radps: f64) -> Vec<TurnPiece> {
     let mut pieces = Vec::new();
     let mut time_s = random.within(0.0, 4.0);
     pieces.push(TurnPiece {
@@ -243,7 +243,6 @@ pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<TurnPiece> {
     });
     while time_s < until_s {
         time_s += random.within(2.0, 8.0);
-        let most_radps = 6.0_f64.to_radians();
         let straight = random.unit() < 0.25;
         pieces.push(TurnPiece {
             until_s: time_s,

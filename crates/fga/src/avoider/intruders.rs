@@ -34,6 +34,10 @@ const TRACKING_M: f64 = 5.0;
 /// Duration of a change of speed, seconds: that of a turn of 60° at 6 °/s.
 const SPEED_CHANGES_S: f64 = 10.0;
 
+/// A way back withstands the motions of an aircraft for the time of its turn, at most for this, seconds: a turn of 60° at the
+/// standard rate takes as long, one of a small unmanned aircraft 6 s.
+pub(super) const BACK_WITHSTANDS_S: f64 = 20.0;
+
 /// Averaging time of a turn rate, seconds.
 const TURN_AVERAGED_S: f64 = 1.5;
 
@@ -61,7 +65,7 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
-    /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
+    /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
     Brief,
     /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
     Wide,
@@ -208,6 +212,10 @@ pub(super) fn add_aircraft(
         Freedom::Brief => (1.0, 1.0, 0.0, speeds_m),
         Freedom::Wide => (1.0, 1.0, speeds_m, 0.0),
     };
+    if matches!(freedom, Freedom::Brief | Freedom::Wide) {
+        let turn_s = bounds.turn_rad / bounds.turn_rate_radps;
+        hazard.window_s.1 = turn_s.min(BACK_WITHSTANDS_S);
+    }
     let volume = hazard.volume.grown(clearance.growth_m(climbs));
     hazard.volume = widened(volume, at_once_m);
     let may_mps = changes * bounds.climb_change_mps;
@@ -264,7 +272,7 @@ fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn
         position_m: at.position_m - at.velocity_mps * at.at_s,
         velocity_mps: at.velocity_mps,
         stretch_m: since.later_m(),
-        window_s: (at.at_s, f64::INFINITY),
+        window_s: (at.at_s, hazard.window_s.1),
         ..hazard
     });
 }
@@ -286,7 +294,7 @@ fn add_leg(
         position_m: from.position_m - velocity_mps * from.at_s,
         velocity_mps,
         volume: widened(hazard.volume, bow_m),
-        window_s: (from.at_s, to.at_s),
+        window_s: (from.at_s, to.at_s.min(hazard.window_s.1)),
         ..*hazard
     });
 }
@@ -513,6 +521,29 @@ mod tests {
                     "{freedom:?}: {height_m}"
                 );
             }
+        }
+    }
+
+    /// An earlier version withstood each aircraft for 20 s: among small ones a way back waited for a minute.
+    #[test]
+    fn a_way_back_withstands_a_turn_for_as_long_as_it_takes() {
+        for (movement, turn_s) in [(Movement::SMALL_UAS, 6.0), (Movement::CREWED, 20.0)] {
+            let obstacle = Obstacle {
+                movement,
+                ..intruder()
+            };
+            let ends_s = |freedom, turns| {
+                let motions = motions_of(&obstacle, freedom, turns);
+                let ends_s = motions.rows().iter().map(|row| row.window_s.1);
+                ends_s.fold(0.0, f64::max)
+            };
+            for (freedom, turns) in [(Freedom::Brief, MOTIONS), (Freedom::Wide, 0)] {
+                assert!(
+                    (ends_s(freedom, turns) - turn_s).abs() < 1e-9,
+                    "{freedom:?}"
+                );
+            }
+            assert_eq!(ends_s(Freedom::Share(0.5), MOTIONS), f64::INFINITY);
         }
     }
 

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
-use crate::avoider::intruders::Freedom;
+use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
@@ -54,10 +54,6 @@ const TRIED_S: f64 = 60.0;
 
 /// After so long an avoidance a way back need not withstand motions that are not expected, seconds.
 const FLEES_S: f64 = 120.0;
-
-/// A way back withstands all motions of aircraft for this long, seconds: a turn of 60° at the standard
-/// rate takes as long.
-const BACK_WITHSTANDS_S: f64 = 20.0;
 
 /// The obstacles on a way back.
 #[derive(Debug, Clone, Copy, PartialEq)]
