@@ -544,9 +544,9 @@ impl fga_stage {
     }
 }
 
-/// The manoeuvre of some stages.
-pub(crate) fn maneuver(stages: &[fga_stage]) -> Result<Maneuver, Refused> {
-    let mut maneuver = Maneuver::hold();
+/// Fills a manoeuvre, which is large, with some stages.
+pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Result<(), Refused> {
+    maneuver.set([]);
     let mut last_s = 0.0;
     for (index, stage) in stages.iter().enumerate() {
         usable("start_s", stage.start_s).map_err(|refused| refused.at(index))?;
@@ -573,7 +573,7 @@ pub(crate) fn maneuver(stages: &[fga_stage]) -> Result<Maneuver, Refused> {
             rate_share: share,
         });
     }
-    Ok(maneuver)
+    Ok(())
 }
 
 /// Refuses a number that is not finite, or too large to calculate with.
