@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
+use fga::limit::SettingsError;
 use fga::maneuver::{MAX_STAGES, Maneuver};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
@@ -89,9 +90,8 @@ impl fga_question {
             ),
         ];
         for (field, value, low, high, expected) in rows {
-            if !(low..=high).contains(&value) {
-                return Err(Refused::out_of_range(field, value, expected));
-            }
+            let is_within = (low..=high).contains(&value);
+            SettingsError::unless(is_within, field, value, expected)?;
         }
         Ok(())
     }
@@ -394,9 +394,8 @@ pub unsafe extern "C" fn fga_predict(
             let (stages, of) = self::stages(stages, stage_count)?;
             apart(&[at_work.span, from, to, of, why])?;
             let wind_mps = wind_mps.usable(WIND)?;
-            if !(0.0..=600.0).contains(&after_s) {
-                return Err(Refused::out_of_range("after_s", after_s, "0 to 600"));
-            }
+            let is_within = (0.0..=600.0).contains(&after_s);
+            SettingsError::unless(is_within, "after_s", after_s, "0 to 600")?;
             let own = (*ownship).ownship()?;
             let proving = at_work.value();
             take_stages(&mut proving.maneuver, stages)?;

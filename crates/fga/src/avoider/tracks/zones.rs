@@ -75,7 +75,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
         if let Some(ground) = mission.ground {
             let meter = Meter::new(GROUND_WORK, GROUND_WORK);
-            let (binding, [of_mission_m, of_own_m]) = bound(ground, ahead, own_m, least_m, &meter);
+            let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
             self.work += meter.done() as usize;
             self.zones.binding = binding;
             if is_only_own([of_mission_m, of_own_m]) {
@@ -126,7 +126,7 @@ fn is_only_own([of_mission_m, of_own_m]: [f64; 2]) -> bool {
 /// lower than it takes to clear the ground. A manoeuvre may be as low as these are, and over unknown ground where they are.
 fn bound(
     ground: &Ground<'_>,
-    ahead: impl Iterator<Item = Line> + Clone,
+    ahead: &(impl Iterator<Item = Line> + Clone),
     own_m: Vec3,
     most_m: f64,
     meter: &Meter,
@@ -173,12 +173,9 @@ fn mission_ahead(
     let leg = leg.min(waypoints_m.len().saturating_sub(2));
     let legs = waypoints_m.get(leg..).unwrap_or(&[]).windows(2);
     let lines = legs.enumerate().map_while(move |(index, ends_m)| {
-        let &[mut from_m, end_m] = ends_m else {
+        let (&[mut from_m, end_m], true) = (ends_m, left_m > 0.0) else {
             return None;
         };
-        if left_m <= 0.0 {
-            return None;
-        }
         if index == 0 {
             let along_m = end_m - from_m;
             let flown_m2 = (own_m - from_m).dot(along_m);
@@ -215,7 +212,7 @@ pub(in crate::avoider) fn has_entered(
     let is_low = |ground: &Ground<'_>| {
         let meter = Meter::new(GROUND_WORK, GROUND_WORK);
         let here = ground.deepest(&Line::at(own_m), Binding::ALL, &meter);
-        here.0 < 0.0 && is_only_own(bound(ground, ahead(), own_m, 0.0, &meter).1)
+        here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
     };
     zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, ahead(), 0.0) >= 0.0)
         || situation.mission.ground.is_some_and(is_low)
