@@ -232,11 +232,8 @@ pub(crate) unsafe fn ground<'a>(
     let asked_m = (ground.error_m, ground.clearance_m);
     usable("corner", ground.corner)?;
     usable("spacing", ground.spacing)?;
-    let made = Ground::new(place, columns, (heights_m, peaks_m), asked_m);
-    made.map(Some).ok_or_else(|| {
-        let expected = "spacing above 0, error_m and clearance_m not negative";
-        Refused::out_of_range("spacing", ground.spacing.east_m, expected)
-    })
+    let made = Ground::new(place, columns, (heights_m, peaks_m), asked_m)?;
+    Ok(Some(made))
 }
 
 /// Number of the largest heights of blocks of a ground; 0 where its posts are too few or too many.
