@@ -1,10 +1,13 @@
 // The reference loop on a simple aircraft: four flights towards an intruder, three of them with a fault.
 //
 // cc -std=c11 reference_loop.c -I PREFIX/include -L PREFIX/lib -lfga_c -lm
+//
+// With an argument, its turn-rate factor, another plant flies: it reads `fly BANK CLIMB` and answers a state, once a period.
 
 #include "reference_loop.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 typedef enum { NO_FAULT, PILOT_TAKES_OVER, STATE_STOPS, STATE_IS_NO_NUMBER } fault;
 
@@ -14,8 +17,21 @@ static const fga_waypoint LEG[] = {{{0.0, 0.0, 100.0}, FGA_PASSING_FLY_BY}, {{20
 
 static _Alignas(FGA_ALIGN) unsigned char storage[FGA_AVOIDER_BYTES(4, 2)];
 
+// The turn-rate factor of another plant; 0 without one.
+static double other_factor = 0.0;
+
 // The aircraft for one period: its bank follows with a time constant of 0.5 s, its climb angle with 1 s.
 static void fly(fga_ownship *own, loop_set_point to) {
+  if (other_factor > 0.0) {
+    printf("fly %.17g %.17g\n", to.bank_left_rad, to.climb_rad);
+    fflush(stdout);
+    fga_enu *at = &own->position_m;
+    if (scanf("%lf %lf %lf %lf %lf %lf %lf", &at->east, &at->north, &at->up, &own->course_from_east_rad, &own->climb_rad,
+              &own->bank_left_rad, &own->airspeed_mps) != 7) {
+      exit(2);
+    }
+    return;
+  }
   const double step_s = 0.01;
   for (int k = 0; k < 10; ++k) {
     own->bank_left_rad += (to.bank_left_rad - own->bank_left_rad) * step_s / 0.5;
@@ -47,6 +63,7 @@ static const char *flight(fault fault) {
     return "no vehicle or settings";
   }
   vehicle.bank_time_constant_s = 0.5;
+  vehicle.turn_rate_factor = other_factor > 0.0 ? other_factor : 1.0;
   settings.margin_m = 5.0;
   if (fga_avoider_init(storage, sizeof storage, FGA_ABI_VERSION, 4, 2, &settings, &vehicle, &avoider, NULL) ||
       fga_avoider_set_mission(avoider, &mission, NULL)) {
@@ -116,7 +133,8 @@ static const char *flight(fault fault) {
   return (fault == STATE_IS_NO_NUMBER) == (loop.refused > 0) ? NULL : "refused steps are miscounted";
 }
 
-int main(void) {
+int main(int count, char **arguments) {
+  other_factor = count > 1 ? atof(arguments[1]) : 0.0;
   static const fault ALL[] = {NO_FAULT, PILOT_TAKES_OVER, STATE_STOPS, STATE_IS_NO_NUMBER};
   for (size_t k = 0; k < sizeof ALL / sizeof ALL[0]; ++k) {
     const char *wrong = flight(ALL[k]);

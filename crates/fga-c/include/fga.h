@@ -96,7 +96,7 @@
 #define FGA_HAS_RESILIENCE 32
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 43520
+#define FGA_PROVER_BYTES 46592
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128
@@ -372,30 +372,30 @@ typedef struct fga_prover fga_prover;
 typedef struct fga_settings {
   // `sizeof(fga_settings)`.
   uint32_t size;
-  // When a manoeuvre begins: an `fga_start`.
+  // When a manoeuvre begins: an `fga_start`; by default `FGA_START_FREE`.
   uint32_t start;
   // The share of `FGA_START_SCORE`, 0 to 1; otherwise not read.
   double start_score;
-  // Time from one step to the next, seconds: 0.001 to 10.
+  // Time from one step to the next, seconds: 0.001 to 10; by default 0.1.
   double decision_period_s;
-  // Obstacles farther away than this are not considered, metres; `INFINITY` considers all.
+  // Obstacles farther away than this are not considered, metres, above 0; by default `INFINITY`, which considers all.
   double surveillance_radius_m;
-  // How far ahead a manoeuvre is proven, seconds: 1 to 600.
+  // How far ahead a manoeuvre is proven, seconds: 1 to 600; by default 60.
   double horizon_s;
-  // Distance kept beyond the protected volumes, metres: 0 to 10,000.
+  // Distance kept beyond the protected volumes, metres: 0 to 10,000; by default 0.05.
   double margin_m;
   // Standard deviation of the velocity with which gusts and the autopilot carry the aircraft off its prediction, as known
-  // beforehand, metres per second: 0 to 100. It is measured in flight too.
+  // beforehand, metres per second: 0 to 100. It is measured in flight too; by default 0.
   double drift_mps;
-  // Standard deviations of an obstacle's uncertainty by which its volume grows: 0 to 10.
+  // Standard deviations of an obstacle's uncertainty by which its volume grows: 0 to 10; by default 3.
   double confidence_sigmas;
-  // Cost of a change of course, per radian.
+  // Cost of a change of course, per radian: 0 to 1e6; by default 0.2.
   double heading_cost;
-  // Cost of a change of climb angle, per radian.
+  // Cost of a change of climb angle, per radian: 0 to 1e6; by default 0.5.
   double pitch_cost;
-  // What the cheapest manoeuvre is: an `fga_objective`.
+  // What the cheapest manoeuvre is: an `fga_objective`; by default `FGA_OBJECTIVE_PAPER_COST`.
   uint32_t objective;
-  // Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9.
+  // Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9; by default 100000.
   uint32_t work_limit;
 } fga_settings;
 

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use fga::Vec2;
 use fga::ground::Ground;
-use fga::limit::LARGEST;
+use fga::limit::{LARGEST, SettingsError};
 use fga::zone::{Outline, Zone};
 
 use crate::growable::Growable;
@@ -133,20 +133,14 @@ unsafe fn zone<'a>(given: &fga_zone, written: &[Span]) -> Result<Zone<'a>, Refus
         other => return Err(Refused::unknown("kind", other, "an fga_zone_kind")),
     };
     let heights_m = (given.floor_m, given.ceiling_m);
-    let is_above = heights_m.0 < heights_m.1;
-    if !is_above {
-        let below = "a number below ceiling_m, -INFINITY without a floor";
-        return Err(Refused::out_of_range("floor_m", given.floor_m, below));
-    }
+    let below = "a number below ceiling_m, -INFINITY without a floor";
+    SettingsError::unless(heights_m.0 < heights_m.1, "floor_m", heights_m.0, below)?;
     let count = given.corner_count;
     let outline = if count == 0 {
         usable("center", given.center)?;
         let radius_m = given.radius_m;
         let is_radius = radius_m > 0.0 && radius_m <= LARGEST;
-        if !is_radius {
-            let expected = "above 0, up to 1e15";
-            return Err(Refused::out_of_range("radius_m", radius_m, expected));
-        }
+        SettingsError::unless(is_radius, "radius_m", radius_m, "above 0, up to 1e15")?;
         Outline::Circle(given.center.vector(), radius_m)
     } else {
         if !(3..=FGA_ZONE_CORNERS_MOST).contains(&count) {
@@ -174,11 +168,8 @@ unsafe fn zone<'a>(given: &fga_zone, written: &[Span]) -> Result<Zone<'a>, Refus
 
 fn usable(field: &'static str, place: fga_place) -> Result<(), Refused> {
     for value in [place.east_m, place.north_m] {
-        let is_usable = value.abs() <= LARGEST;
-        if !is_usable {
-            let expected = "finite numbers up to 1e15";
-            return Err(Refused::out_of_range(field, value, expected));
-        }
+        let expected = "finite numbers up to 1e15";
+        SettingsError::unless(value.abs() <= LARGEST, field, value, expected)?;
     }
     Ok(())
 }
@@ -241,11 +232,8 @@ pub(crate) unsafe fn ground<'a>(
     let asked_m = (ground.error_m, ground.clearance_m);
     usable("corner", ground.corner)?;
     usable("spacing", ground.spacing)?;
-    let made = Ground::new(place, columns, (heights_m, peaks_m), asked_m);
-    made.map(Some).ok_or_else(|| {
-        let expected = "spacing above 0, error_m and clearance_m not negative";
-        Refused::out_of_range("spacing", ground.spacing.east_m, expected)
-    })
+    let made = Ground::new(place, columns, (heights_m, peaks_m), asked_m)?;
+    Ok(Some(made))
 }
 
 /// Number of the largest heights of blocks of a ground; 0 where its posts are too few or too many.

@@ -1,8 +1,11 @@
 //! The avoider in storage that the caller lends.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Settings, Tracks};
+use fga::avoider::{
+    Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Record, Settings, State, Tracks,
+};
 use fga::certificate::{Hazard, MAX_HAZARDS};
+use fga::maneuver::Maneuver;
 use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing};
 use fga::vehicle::Vehicle;
@@ -330,7 +333,9 @@ pub unsafe extern "C" fn fga_avoider_init(
                 let tracks = Tracks::within(places(object, obstacles_most));
                 (&raw mut (*flying).avoider).write(Avoider::within(settings, vehicle, tracks));
                 (*flying).avoider.prepare()?;
-                (&raw mut (*flying).decided).write(Decision::default());
+                (&raw mut (*flying).decided.command).write(Maneuver::hold());
+                (&raw mut (*flying).decided.state).write(State::Cruise);
+                (&raw mut (*flying).decided.record).write(Record::default());
                 (&raw mut (*flying).counts).write_bytes(0, 1);
                 (&raw mut (*flying).obstacles_most).write(obstacles_most);
                 (&raw mut (*flying).waypoints_most).write(waypoints_most);

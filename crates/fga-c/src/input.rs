@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::avoider::{Settings, Start};
-use fga::limit::LARGEST;
+use fga::limit::{LARGEST, SettingsError};
 use fga::maneuver::{Maneuver, Stage};
 use fga::search::Objective;
 use fga::situation::{
@@ -147,30 +147,30 @@ pub enum fga_objective {
 pub struct fga_settings {
     /// `sizeof(fga_settings)`.
     pub size: u32,
-    /// When a manoeuvre begins: an `fga_start`.
+    /// When a manoeuvre begins: an `fga_start`; by default `FGA_START_FREE`.
     pub start: u32,
     /// The share of `FGA_START_SCORE`, 0 to 1; otherwise not read.
     pub start_score: f64,
-    /// Time from one step to the next, seconds: 0.001 to 10.
+    /// Time from one step to the next, seconds: 0.001 to 10; by default 0.1.
     pub decision_period_s: f64,
-    /// Obstacles farther away than this are not considered, metres; `INFINITY` considers all.
+    /// Obstacles farther away than this are not considered, metres, above 0; by default `INFINITY`, which considers all.
     pub surveillance_radius_m: f64,
-    /// How far ahead a manoeuvre is proven, seconds: 1 to 600.
+    /// How far ahead a manoeuvre is proven, seconds: 1 to 600; by default 60.
     pub horizon_s: f64,
-    /// Distance kept beyond the protected volumes, metres: 0 to 10,000.
+    /// Distance kept beyond the protected volumes, metres: 0 to 10,000; by default 0.05.
     pub margin_m: f64,
     /// Standard deviation of the velocity with which gusts and the autopilot carry the aircraft off its prediction, as known
-    /// beforehand, metres per second: 0 to 100. It is measured in flight too.
+    /// beforehand, metres per second: 0 to 100. It is measured in flight too; by default 0.
     pub drift_mps: f64,
-    /// Standard deviations of an obstacle's uncertainty by which its volume grows: 0 to 10.
+    /// Standard deviations of an obstacle's uncertainty by which its volume grows: 0 to 10; by default 3.
     pub confidence_sigmas: f64,
-    /// Cost of a change of course, per radian.
+    /// Cost of a change of course, per radian: 0 to 1e6; by default 0.2.
     pub heading_cost: f64,
-    /// Cost of a change of climb angle, per radian.
+    /// Cost of a change of climb angle, per radian: 0 to 1e6; by default 0.5.
     pub pitch_cost: f64,
-    /// What the cheapest manoeuvre is: an `fga_objective`.
+    /// What the cheapest manoeuvre is: an `fga_objective`; by default `FGA_OBJECTIVE_PAPER_COST`.
     pub objective: u32,
-    /// Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9.
+    /// Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9; by default 100000.
     pub work_limit: u32,
 }
 
@@ -544,43 +544,36 @@ impl fga_stage {
     }
 }
 
-/// The manoeuvre of some stages.
-pub(crate) fn maneuver(stages: &[fga_stage]) -> Result<Maneuver, Refused> {
-    let mut maneuver = Maneuver::hold();
+/// Fills a manoeuvre, which is large, with some stages.
+pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Result<(), Refused> {
+    maneuver.set([]);
     let mut last_s = 0.0;
     for (index, stage) in stages.iter().enumerate() {
-        usable("start_s", stage.start_s).map_err(|refused| refused.at(index))?;
-        usable("course_from_east_rad", stage.course_from_east_rad)
-            .map_err(|refused| refused.at(index))?;
-        usable("climb_rad", stage.climb_rad).map_err(|refused| refused.at(index))?;
-        let share = stage.rate_share;
-        let refused = if stage.start_s < last_s {
-            let expected = "0 or more, and no stage before the one in front of it";
-            Some(("start_s", stage.start_s, expected))
-        } else if !(share > 0.0 && share <= 1.0) {
-            Some(("rate_share", share, "above 0 and up to 1"))
-        } else {
-            None
+        let (start_s, share) = (stage.start_s, stage.rate_share);
+        let check = || -> Result<(), Refused> {
+            usable("start_s", start_s)?;
+            usable("course_from_east_rad", stage.course_from_east_rad)?;
+            usable("climb_rad", stage.climb_rad)?;
+            let in_order = "0 or more, and no stage before the one in front of it";
+            SettingsError::unless(start_s >= last_s, "start_s", start_s, in_order)?;
+            let is_share = share > 0.0 && share <= 1.0;
+            SettingsError::unless(is_share, "rate_share", share, "above 0 and up to 1")?;
+            Ok(())
         };
-        if let Some((field, value, expected)) = refused {
-            return Err(Refused::out_of_range(field, value, expected).at(index));
-        }
-        last_s = stage.start_s;
+        check().map_err(|refused| refused.at(index))?;
+        last_s = start_s;
         maneuver.push(Stage {
-            start_s: stage.start_s,
+            start_s,
             course_rad: stage.course_from_east_rad,
             climb_rad: stage.climb_rad,
             rate_share: share,
         });
     }
-    Ok(maneuver)
+    Ok(())
 }
 
 /// Refuses a number that is not finite, or too large to calculate with.
 pub(crate) fn usable(field: &'static str, value: f64) -> Result<(), Refused> {
-    if value.abs() <= LARGEST {
-        Ok(())
-    } else {
-        Err(Refused::out_of_range(field, value, FINITE))
-    }
+    SettingsError::unless(value.abs() <= LARGEST, field, value, FINITE)?;
+    Ok(())
 }

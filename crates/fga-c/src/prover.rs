@@ -1,10 +1,9 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
-use core::mem::MaybeUninit;
-
 use fga::Vec3;
 use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
-use fga::maneuver::MAX_STAGES;
+use fga::limit::SettingsError;
+use fga::maneuver::{MAX_STAGES, Maneuver};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::{Mission, Movement};
@@ -15,19 +14,22 @@ use crate::airspace::{ZoneRoom, ground, zones};
 use crate::growable::Growable;
 use crate::input::{
     UNSAID, WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle,
-    maneuver,
+    take_stages,
 };
 use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, sized, work};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 43_520;
+pub const FGA_PROVER_BYTES: usize = 46_592;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
 
+/// Where the room for the zones of a proof begins.
+const ZONES_AT: usize = FGA_PROVER_BYTES - size_of::<ZoneRoom<'_>>();
+
 const _: () = {
-    assert!(Object::<Proving>::BYTES <= FGA_PROVER_BYTES);
+    assert!(Object::<Proving>::BYTES <= ZONES_AT && ZONES_AT.is_multiple_of(FGA_ALIGN));
     assert!(align_of::<Object<Proving>>() <= FGA_ALIGN);
     assert!(FGA_PROVER_OBSTACLES_MOST <= MAX_HAZARDS);
 };
@@ -88,9 +90,8 @@ impl fga_question {
             ),
         ];
         for (field, value, low, high, expected) in rows {
-            if !(low..=high).contains(&value) {
-                return Err(Refused::out_of_range(field, value, expected));
-            }
+            let is_within = (low..=high).contains(&value);
+            SettingsError::unless(is_within, field, value, expected)?;
         }
         Ok(())
     }
@@ -125,6 +126,7 @@ unsafe impl Growable for fga_certificate {}
 /// The vehicle, and the scratch space of a proof.
 struct Proving {
     flyer: Flyer,
+    maneuver: Maneuver,
     path: FlightPath,
     hazards: Hazards,
 }
@@ -192,7 +194,7 @@ impl Proving {
         let mut now = UNSAID;
         situation.moment(&mut now)?;
         let (ownship, wind_mps) = (now.ownship, now.wind_mps);
-        let maneuver = maneuver(stages)?;
+        take_stages(&mut self.maneuver, stages)?;
         let straight_aircraft =
             self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;
         self.take_zones(mission.zones, (ownship.position_m, wind_mps), question);
@@ -200,7 +202,7 @@ impl Proving {
         let (horizon_s, target_m) = (question.horizon_s, question.target_m);
         let now = MotionState::of(&ownship);
         self.path
-            .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
+            .predict_within(&self.flyer, &now, &self.maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
         let around = self.hazards.over(mission);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
@@ -273,6 +275,7 @@ pub unsafe extern "C" fn fga_prover_init(
             unsafe {
                 (&raw mut (*proving).flyer).write(Flyer::NONE);
                 (*proving).flyer.set(&vehicle);
+                (&raw mut (*proving).maneuver).write(Maneuver::hold());
                 (&raw mut (*proving).path).write(const { FlightPath::new() });
                 (&raw mut (*proving).hazards).write(const { Hazards::new() });
             }
@@ -343,8 +346,8 @@ pub unsafe extern "C" fn fga_certify(
             question.check()?;
             let written = [at_work.span, answer, why];
             let ground = ground(situation.ground, &written)?;
-            let mut room: ZoneRoom<'_> = [const { MaybeUninit::uninit() }; _];
-            let zones = zones((situation.zones, situation.zone_count), &written, &mut room)?;
+            let room: &mut ZoneRoom<'_> = &mut *at_work.list(ZONES_AT);
+            let zones = zones((situation.zones, situation.zone_count), &written, room)?;
             let mission = Mission {
                 zones,
                 ground: ground.as_ref(),
@@ -391,16 +394,15 @@ pub unsafe extern "C" fn fga_predict(
             let (stages, of) = self::stages(stages, stage_count)?;
             apart(&[at_work.span, from, to, of, why])?;
             let wind_mps = wind_mps.usable(WIND)?;
-            if !(0.0..=600.0).contains(&after_s) {
-                return Err(Refused::out_of_range("after_s", after_s, "0 to 600"));
-            }
+            let is_within = (0.0..=600.0).contains(&after_s);
+            SettingsError::unless(is_within, "after_s", after_s, "0 to 600")?;
             let own = (*ownship).ownship()?;
-            let flyer = &at_work.value().flyer;
-            let maneuver = maneuver(stages)?;
+            let proving = at_work.value();
+            take_stages(&mut proving.maneuver, stages)?;
             let state = flown(
-                flyer,
+                &proving.flyer,
                 &MotionState::of(&own),
-                maneuver.stages(),
+                proving.maneuver.stages(),
                 after_s,
                 &within(u32::MAX),
             );
@@ -431,7 +433,7 @@ mod tests {
     fn the_header_says_what_a_prover_takes() {
         assert_eq!(
             FGA_PROVER_BYTES,
-            Object::<Proving>::BYTES.next_multiple_of(512),
+            (Object::<Proving>::BYTES + size_of::<ZoneRoom<'_>>()).next_multiple_of(512),
             "write the second number there, then HEADER=write cargo test -p fga-c --test header"
         );
     }

@@ -2,13 +2,16 @@
 //!
 //! A test whose tool is missing says so and is skipped; with `CI=true` it fails.
 
+use core::f64::consts::FRAC_PI_2;
 use core::fmt::Write as _;
 use std::fs;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use fga::avoider::Decision;
+use fga_emulator::{Parameters, PlantSettings, STEP_S, Target, VehiclePlant, Vertical};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, fly};
 
@@ -281,6 +284,55 @@ fn the_reference_loop_hands_back_whatever_stops() {
         into.path(),
     )));
     assert_eq!(printed.lines().count(), 4, "{printed}");
+}
+
+#[test]
+fn the_reference_loop_flies_the_plant_of_the_emulator() {
+    if !have(&[("cc", "build-essential")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let settings = PlantSettings {
+        airspeed_mps: 15.0,
+        ..PlantSettings::default()
+    };
+    let mut loops = Command::new(build("reference_loop.c", "cc", &["-std=c11"], into.path()))
+        .arg(settings.turn_rate_factor.to_string())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut states, set_points) = (loops.stdin.take().unwrap(), loops.stdout.take().unwrap());
+    let start = VehiclePlant::new(settings, [0.0, 0.0, 100.0], FRAC_PI_2, [0.0; 2]);
+    let (mut plant, mut flights) = (start.clone(), 0);
+    for line in BufReader::new(set_points).lines().map(Result::unwrap) {
+        let Some(demands) = line.strip_prefix("fly ") else {
+            (plant, flights) = (start.clone(), flights + 1);
+            println!("{line}");
+            continue;
+        };
+        let mut numbers = demands.split(' ').map(|word| word.parse::<f64>().unwrap());
+        let mut next = || numbers.next().unwrap();
+        let target = Target {
+            bank_rad: -next(),
+            vertical: Vertical::Pitch(next() + settings.level_pitch_rad),
+            airspeed_mps: None,
+        };
+        for _ in 0..5 {
+            plant.step(&target, &Parameters::default(), STEP_S);
+        }
+        let [east, north, up] = plant.position_m();
+        let course_rad = FRAC_PI_2 - plant.heading_rad();
+        let climb_rad = plant.pitch_rad() - settings.level_pitch_rad;
+        let (bank_rad, speed_mps) = (-plant.bank_rad(), plant.airspeed_mps());
+        writeln!(
+            states,
+            "{east} {north} {up} {course_rad} {climb_rad} {bank_rad} {speed_mps}"
+        )
+        .unwrap();
+    }
+    assert!(loops.wait().unwrap().success());
+    assert_eq!(flights, 4);
 }
 
 #[test]

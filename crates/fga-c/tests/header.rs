@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::{env, fs};
 
+use fga::avoider::Settings;
+
 #[test]
 fn the_header_is_that_of_the_crate() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -20,4 +22,25 @@ fn the_header_is_that_of_the_crate() {
         committed == text,
         "include/fga.h is not that of the crate: HEADER=write cargo test -p fga-c --test header"
     );
+}
+
+/// Each number of the settings has its default beside it.
+#[test]
+fn the_header_says_the_defaults() {
+    let of = Settings::default();
+    let header = include_str!("../include/fga.h");
+    for (field, default) in [
+        ("decision_period_s", of.decision_period_s),
+        ("horizon_s", of.horizon_s),
+        ("margin_m", of.margin_m),
+        ("drift_mps", of.drift_mps),
+        ("confidence_sigmas", of.confidence_sigmas),
+        ("heading_cost", of.heading_cost),
+        ("pitch_cost", of.pitch_cost),
+        ("work_limit", of.work_limit.into()),
+    ] {
+        let said = ["double", "uint32_t"]
+            .map(|kind| header.contains(&format!("by default {default}.\n  {kind} {field};")));
+        assert!(said.contains(&true), "{field}: {default}");
+    }
 }

@@ -35,7 +35,7 @@ pub use geometry::{Home, Place};
 pub use mission::Item;
 pub use mode::Mode;
 pub use parameters::Parameters;
-pub use plant::{PlantSettings, VehiclePlant};
+pub use plant::{PlantSettings, Target, VehiclePlant, Vertical};
 
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;

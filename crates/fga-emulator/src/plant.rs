@@ -62,17 +62,18 @@ impl Default for PlantSettings {
 
 /// The demands of the autopilot's loops.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Target {
+pub struct Target {
     /// Bank, radians, right positive.
-    pub(crate) bank_rad: f64,
+    pub bank_rad: f64,
     /// The demand on the elevator.
-    pub(crate) vertical: Vertical,
+    pub vertical: Vertical,
     /// The airspeed that the throttle stick asks for, metres per second.
-    pub(crate) airspeed_mps: Option<f64>,
+    pub airspeed_mps: Option<f64>,
 }
 
+/// What the elevator holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Vertical {
+pub enum Vertical {
     /// An altitude above home, metres.
     Altitude(f64),
     /// A pitch angle, radians.
@@ -98,7 +99,8 @@ pub struct VehiclePlant {
 }
 
 impl VehiclePlant {
-    pub(crate) fn new(
+    /// Level, at a place and a heading, radians clockwise from north, in a wind to the east and north.
+    pub fn new(
         settings: PlantSettings,
         position_m: [f64; 3],
         heading_rad: f64,
@@ -208,7 +210,8 @@ impl VehiclePlant {
         self.airspeed_mps += (wanted_mps - self.airspeed_mps) * lag;
     }
 
-    pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
+    /// Flies a step on demands, within the limits of the parameters.
+    pub fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
         // The lift of the wing limits the bank, but never below 25°.
         let load = (self.airspeed_mps / parameters.value("AIRSPEED_MIN").max(1.0)).powi(2);
         let stall_rad = libm::acos(1.0 / load.max(1.0)).max(25.0_f64.to_radians());

@@ -2,6 +2,7 @@
 //!
 //! Between four posts the ground is bilinear.
 
+use crate::limit::{LARGEST, SettingsError};
 use crate::{Vec2, Vec3};
 
 /// A block of the hierarchy has two to the power of this smaller ones a side, ...
@@ -94,27 +95,37 @@ impl<'a> Ground<'a> {
 
     /// The ground over a grid: its south-west post and the spacing east and north, metres; posts a row; heights row by row from the
     /// south, each from the west, metres, not a number where unknown, and their [hierarchy](Self::fill_peaks); the vertical error of the
-    /// heights and the clearance that is asked for, metres. `None` unless numbers are finite, lengths positive and slices as long as this.
+    /// heights and the clearance that is asked for, metres.
+    ///
+    /// # Errors
+    /// The first number that is not finite or out of range; slices of another length.
     pub fn new(
         (corner_m, spacing_m): (Vec2, Vec2),
         columns: usize,
         (heights_m, peaks_m): (&'a [f32], &'a [f32]),
         (error_m, clearance_m): (f64, f64),
-    ) -> Option<Self> {
+    ) -> Result<Self, SettingsError> {
         let (wide, high) = cells(columns, heights_m.len());
         let is_sized = wide.min(high) > 0
             && heights_m.len().is_multiple_of(columns)
             && peaks_m.len() == Self::peak_count(columns, heights_m.len());
-        let needed_m = error_m + clearance_m + ROUNDED_M;
-        let is_finite = (corner_m + spacing_m).is_finite() && needed_m.is_finite();
-        let is_positive = spacing_m.min_element() > 0.0 && error_m.min(clearance_m) >= 0.0;
-        (is_sized && is_finite && is_positive).then_some(Self {
+        let rows = "rows of 2 posts or more, two of them or more, and their hierarchy";
+        SettingsError::unless(is_sized, "heights_m", heights_m.len() as f64, rows)?;
+        let (far_m, least_m) = (corner_m.abs().max_element(), spacing_m.min_element());
+        let is_near = (corner_m + spacing_m).is_finite();
+        SettingsError::unless(is_near, "corner", far_m, "finite numbers")?;
+        SettingsError::unless(least_m > 0.0, "spacing", least_m, "above 0")?;
+        for (name, length_m) in [("error_m", error_m), ("clearance_m", clearance_m)] {
+            let is_length = (0.0..=LARGEST).contains(&length_m);
+            SettingsError::unless(is_length, name, length_m, "0 to 1e15")?;
+        }
+        Ok(Self {
             corner_m,
             spacing_m,
             columns,
             heights_m,
             peaks_m,
-            needed_m,
+            needed_m: error_m + clearance_m + ROUNDED_M,
         })
     }
 

@@ -444,7 +444,7 @@ fn what_is_far_above_takes_one_look() {
 fn a_grid_that_cannot_be_right_is_refused() {
     let (corner, spacing) = (Vec2::ZERO, Vec2::splat(30.0));
     let made = |spacing, columns, heights: &[f32], peaks: &[f32], errors| {
-        Ground::new((corner, spacing), columns, (heights, peaks), errors).is_some()
+        Ground::new((corner, spacing), columns, (heights, peaks), errors).is_ok()
     };
     let heights = [0.0_f32; 36];
     assert_eq!(Ground::peak_count(6, 36), 4);

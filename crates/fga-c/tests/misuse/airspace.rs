@@ -187,7 +187,7 @@ fn wrong_zones_and_a_wrong_ground_are_refused_with_their_names() {
         (|zone| zone.corners = null(), "", fga_status::Null),
     ];
     let lent = heights(true);
-    let grounds: [(Change<fga_ground>, &str, fga_status); 7] = [
+    let grounds: [(Change<fga_ground>, &str, fga_status); 8] = [
         (|ground| ground.size = 3, "", fga_status::WrongSize),
         (
             |ground| ground.columns = 1,
@@ -211,7 +211,12 @@ fn wrong_zones_and_a_wrong_ground_are_refused_with_their_names() {
         ),
         (
             |ground| ground.clearance_m = -1.0,
-            "spacing",
+            "clearance_m",
+            fga_status::OutOfRange,
+        ),
+        (
+            |ground| ground.error_m = f64::INFINITY,
+            "error_m",
             fga_status::OutOfRange,
         ),
         (|ground| ground.heights_m = null(), "", fga_status::Null),

@@ -47,12 +47,8 @@ impl LocalGround {
         let mut peaks_m = vec![0.0; Ground::peak_count(columns, heights_m.len())];
         Ground::fill_peaks(columns, &heights_m, &mut peaks_m);
         let slices = (heights_m.as_slice(), peaks_m.as_slice());
-        Ground::new(
-            (corner_m, spacing_m),
-            columns,
-            slices,
-            (error_m, clearance_m),
-        )?;
+        let asked_m = (error_m, clearance_m);
+        Ground::new((corner_m, spacing_m), columns, slices, asked_m).ok()?;
         Some(Self {
             corner_m,
             spacing_m,
@@ -143,7 +139,7 @@ impl LocalGround {
         let place = (self.corner_m, self.spacing_m);
         let slices = (self.heights_m.as_slice(), self.peaks_m.as_slice());
         let errors = (self.error_m + by_m, self.clearance_m);
-        Ground::new(place, self.columns, slices, errors)
+        Ground::new(place, self.columns, slices, errors).ok()
     }
 
     /// Its south-west post and the spacing, metres; posts a row; and the heights, metres, as [`LocalGround::new`] takes them.

@@ -135,7 +135,8 @@ impl<P: Places> Tracks<P> {
                 sigmas: 0.0,
             },
             work: 0,
-            farthest: None,
+            // Of none; `None` would leave bytes unsaid, and the zones beside them would be copied.
+            farthest: Some((0, f64::NEG_INFINITY)),
             seen: 0,
             unusable: 0,
             inside: false,

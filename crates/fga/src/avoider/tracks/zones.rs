@@ -11,7 +11,6 @@ use crate::meter::Meter;
 use crate::prediction::Flyer;
 use crate::situation::{Obstacle, ProtectedVolume, Situation};
 use crate::zone::Zone;
-use fga_proof::list::List;
 
 /// Zones are known at least this far beyond the flight of a full circle, metres: margins are capped there.
 const ZONE_REACH_M: f64 = 1e3;
@@ -52,13 +51,14 @@ impl<P: Places + ?Sized> Tracks<P> {
         let circle_s = TAU / flyer.course_rate_radps();
         let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
         let ahead = mission_ahead(situation, leg, flyer);
+        let legs = ahead.clone().count();
         let zones = &mut self.zones;
         zones.clear(situation.wind_mps, circle_s);
         // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
         let mut least_m = wanted_m;
         for (index, zone) in mission.zones.iter().enumerate() {
-            self.work += zone.edges().count() * (2 + ahead.len());
-            let of_mission_m = nearest_m(zone, &ahead, least_m);
+            self.work += zone.edges().count() * (2 + legs);
+            let of_mission_m = nearest_m(zone, ahead.clone(), least_m);
             if of_mission_m < 0.0 {
                 continue;
             }
@@ -126,23 +126,23 @@ fn is_only_own([of_mission_m, of_own_m]: [f64; 2]) -> bool {
 /// lower than it takes to clear the ground. A manoeuvre may be as low as these are, and over unknown ground where they are.
 fn bound(
     ground: &Ground<'_>,
-    ahead: &[Line],
+    ahead: &(impl Iterator<Item = Line> + Clone),
     own_m: Vec3,
     most_m: f64,
     meter: &Meter,
 ) -> (Binding, [f64; 2]) {
-    let own = [Line::at(own_m)];
     let margins_m = |most_m, binding| {
-        [ahead, &own].map(|lines| {
-            lines.iter().fold(most_m, |least_m: f64, line| {
-                match ground.least_on_line(line, least_m, binding, meter) {
-                    Some((margin_m, _)) if margin_m < 0.0 => {
-                        least_m.min(ground.deepest(line, binding, meter).0)
-                    }
-                    found => found.map_or(least_m, |(margin_m, _)| margin_m),
+        let lower_m =
+            |least_m: f64, line: Line| match ground.least_on_line(&line, least_m, binding, meter) {
+                Some((margin_m, _)) if margin_m < 0.0 => {
+                    least_m.min(ground.deepest(&line, binding, meter).0)
                 }
-            })
-        })
+                found => found.map_or(least_m, |(margin_m, _)| margin_m),
+            };
+        [
+            ahead.clone().fold(most_m, lower_m),
+            lower_m(most_m, Line::at(own_m)),
+        ]
     };
     let mut binding = Binding::ALL;
     let mut found_m = margins_m(most_m, binding);
@@ -166,28 +166,27 @@ fn mission_ahead(
     situation: &Situation<'_>,
     leg: usize,
     flyer: &Flyer,
-) -> List<Line, MAX_LEGS_AHEAD> {
+) -> impl Iterator<Item = Line> + Clone {
     let (waypoints_m, own_m) = (situation.mission.waypoints_m, situation.ownship.position_m);
     let mut left_m = circle_m(flyer, situation.wind_mps);
-    let mut lines = List::new(Line::at(own_m));
     // After the last leg, where it ends.
     let leg = leg.min(waypoints_m.len().saturating_sub(2));
-    for (place, end_m) in waypoints_m.iter().enumerate().skip(leg + 1) {
-        let mut from_m = waypoints_m.get(place - 1).map_or(own_m, |from_m| *from_m);
-        if lines.is_empty() {
-            let along_m = *end_m - from_m;
+    let legs = waypoints_m.get(leg..).unwrap_or(&[]).windows(2);
+    let lines = legs.enumerate().map_while(move |(index, ends_m)| {
+        let (&[mut from_m, end_m], true) = (ends_m, left_m > 0.0) else {
+            return None;
+        };
+        if index == 0 {
+            let along_m = end_m - from_m;
             let flown_m2 = (own_m - from_m).dot(along_m);
             let share = flown_m2 / along_m.length_squared().max(f64::MIN_POSITIVE);
             from_m += along_m * share.limited(0.0, 1.0);
         }
-        let rest_m = (*end_m - from_m).clamp_length_max(left_m);
-        let has_room = lines.push(Line::between(from_m, from_m + rest_m)).is_some();
+        let rest_m = (end_m - from_m).clamp_length_max(left_m);
         left_m -= rest_m.length();
-        if left_m <= 0.0 || !has_room {
-            break;
-        }
-    }
-    lines
+        Some(Line::between(from_m, from_m + rest_m))
+    });
+    lines.take(MAX_LEGS_AHEAD)
 }
 
 /// The way over the ground in the time of a full circle, at most, metres.
@@ -196,9 +195,8 @@ fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
 }
 
 /// The least distance of some lines from a zone, metres; at most a given one, and negative on the wrong side.
-fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
-    let lines = lines.iter();
-    lines.fold(most_m, |least_m, line| zone.nearest_m(line, least_m))
+fn nearest_m(zone: &Zone<'_>, lines: impl Iterator<Item = Line>, most_m: f64) -> f64 {
+    lines.fold(most_m, |least_m, line| zone.nearest_m(&line, least_m))
 }
 
 /// Whether the aircraft is on the wrong side of a zone that binds, or lower than it takes to clear the ground where its mission does.
@@ -216,6 +214,6 @@ pub(in crate::avoider) fn has_entered(
         let here = ground.deepest(&Line::at(own_m), Binding::ALL, &meter);
         here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
     };
-    zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, &ahead(), 0.0) >= 0.0)
+    zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, ahead(), 0.0) >= 0.0)
         || situation.mission.ground.is_some_and(is_low)
 }
