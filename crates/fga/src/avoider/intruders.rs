@@ -34,8 +34,7 @@ const TRACKING_M: f64 = 5.0;
 /// Duration of a change of speed, seconds: that of a turn of 60° at 6 °/s.
 const SPEED_CHANGES_S: f64 = 10.0;
 
-/// A way back withstands the motions of an aircraft for the time of its turn, at most for this, seconds: a turn of 60° at the
-/// standard rate takes as long, one of a small unmanned aircraft 6 s.
+/// A way back withstands an aircraft for the time of its turn, at most this, seconds: 60° at the standard rate take as long.
 pub(super) const BACK_WITHSTANDS_S: f64 = 20.0;
 
 /// Averaging time of a turn rate, seconds.
@@ -206,20 +205,17 @@ pub(super) fn add_aircraft(
         return add(hazard);
     };
     let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
-    let (climbs, changes, at_once_m, speeds_m) = match freedom {
-        Freedom::Expected => (1.0, 1.0, 0.0, 0.0),
-        Freedom::Share(share) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0),
-        Freedom::Brief => (1.0, 1.0, 0.0, speeds_m),
-        Freedom::Wide => (1.0, 1.0, speeds_m, 0.0),
+    let turn_s = (bounds.turn_rad / bounds.turn_rate_radps).min(BACK_WITHSTANDS_S);
+    let always = f64::INFINITY;
+    let (climbs, changes, at_once_m, speeds_m, until_s) = match freedom {
+        Freedom::Expected => (1.0, 1.0, 0.0, 0.0, always),
+        Freedom::Share(share) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always),
+        Freedom::Brief => (1.0, 1.0, 0.0, speeds_m, turn_s),
+        Freedom::Wide => (1.0, 1.0, speeds_m, 0.0, turn_s),
     };
-    if matches!(freedom, Freedom::Brief | Freedom::Wide) {
-        let turn_s = bounds.turn_rad / bounds.turn_rate_radps;
-        hazard.window_s.1 = turn_s.min(BACK_WITHSTANDS_S);
-    }
-    let volume = hazard.volume.grown(clearance.growth_m(climbs));
-    hazard.volume = widened(volume, at_once_m);
-    let may_mps = changes * bounds.climb_change_mps;
-    let change_mps = may_mps.max(trend.climb_change_mps(obstacle));
+    hazard.window_s.1 = until_s;
+    hazard.volume = widened(hazard.volume.grown(clearance.growth_m(climbs)), at_once_m);
+    let change_mps = (changes * bounds.climb_change_mps).max(trend.climb_change_mps(obstacle));
     let age_s = obstacle.age_s.max(0.0);
     let since = Since {
         age_s,
