@@ -7,7 +7,8 @@
 //! circle. The order of the operations also follows DAIDALUS: distances of some metres are differences
 //! of the earth's radius, and six printed decimals show the rounding.
 
-use super::instants::{DaaMotion, DaaReport, Instant, Place};
+use super::instants::Instant;
+use super::report::{DaaMotion, DaaReport, Place};
 use crate::geodesy::DAIDALUS_RADIUS_M;
 use crate::units::NAUTICAL_MILE_M;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
