@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::situation::Situation;
-use fga_formats::InputError;
+use fga_results::provenance::file_fingerprint;
 use fga_results::{flight, flight_files, replay_page};
 use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
@@ -12,7 +12,6 @@ use fga_sim::run::{Plan, RunLog};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use sha2::{Digest as _, Sha256};
 
 use crate::airspace::{PyGround, PyZone};
 use crate::decision::PyDecision;
@@ -341,12 +340,7 @@ pub(crate) fn run(
         .iter()
         .map(|policy| choice(policy, time_limit_s))
         .collect::<PyResult<Vec<_>>>()?;
-    let bytes =
-        std::fs::read(&file).map_err(|error| input(InputError::unreadable(&file, &error)))?;
-    let mut input_sha256 = String::with_capacity(64);
-    for byte in Sha256::digest(&bytes) {
-        input_sha256.push_str(&format!("{byte:02x}"));
-    }
+    let input_sha256 = file_fingerprint(&file).map_err(input)?;
     let (log, overlaid) = py
         .detach(|| {
             let fly = |policy| fga_sim::run::fly(plan.clone(), policy, &mut |_| ());
