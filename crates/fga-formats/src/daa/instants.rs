@@ -6,7 +6,7 @@ use crate::gzip::read_packed_text;
 use crate::tally::Tally;
 use std::path::Path;
 
-pub use super::report::{DaaMotion, DaaReport, Place};
+pub use super::report::{DaaMotion, DaaReport, EarthPlace, Place};
 
 /// All aircraft of one time.
 #[derive(Debug, Clone, PartialEq)]

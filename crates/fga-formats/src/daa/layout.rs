@@ -2,7 +2,7 @@
 
 use super::columns::DaaColumn;
 use super::extras::Extras;
-use super::report::{DaaMotion, DaaReport, Place};
+use super::report::{DaaMotion, DaaReport, EarthPlace, Place};
 use crate::units::Unit;
 use glam::DVec3;
 
@@ -142,15 +142,15 @@ impl Layout {
         };
         let position = values(&self.position)?;
         let velocity = values(&self.velocity)?;
-        let [first, second, third] = position;
         Ok(DaaReport {
             aircraft: 0,
             place: if self.is_geodetic {
-                Place::Geodetic {
-                    latitude_rad: first,
-                    longitude_rad: second,
-                    altitude_m: third,
-                }
+                let [latitude_rad, longitude_rad, altitude_m] = position;
+                Place::Geodetic(EarthPlace {
+                    latitude_rad,
+                    longitude_rad,
+                    altitude_m,
+                })
             } else {
                 Place::Local(DVec3::from_array(position))
             },

@@ -3,18 +3,22 @@
 use fga_alerts::Deviation;
 use glam::DVec3;
 
+/// A place on the earth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EarthPlace {
+    /// Latitude, radians, north positive.
+    pub latitude_rad: f64,
+    /// Longitude, radians, east positive.
+    pub longitude_rad: f64,
+    /// Altitude, metres.
+    pub altitude_m: f64,
+}
+
 /// The position of an aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// On the earth.
-    Geodetic {
-        /// Latitude, radians, north positive.
-        latitude_rad: f64,
-        /// Longitude, radians, east positive.
-        longitude_rad: f64,
-        /// Altitude, metres.
-        altitude_m: f64,
-    },
+    Geodetic(EarthPlace),
     /// In the plane: east, north, up, metres.
     Local(DVec3),
 }
@@ -23,7 +27,7 @@ impl Place {
     /// Altitude, metres.
     pub const fn altitude_m(&self) -> f64 {
         match self {
-            Self::Geodetic { altitude_m, .. } => *altitude_m,
+            Self::Geodetic(place) => place.altitude_m,
             Self::Local(position_m) => position_m.z,
         }
     }

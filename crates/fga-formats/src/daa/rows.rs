@@ -173,19 +173,15 @@ impl DaaRows {
     fn position(&mut self, place: &Place) -> Result<(DVec3, Option<Geodetic>), String> {
         let columns = &self.layout.position;
         match *place {
-            Place::Geodetic {
-                latitude_rad,
-                longitude_rad,
-                altitude_m,
-            } => {
+            Place::Geodetic(at) => {
                 let place = Geodetic {
-                    latitude_deg: latitude_rad / DEGREE_RAD,
-                    longitude_deg: longitude_rad / DEGREE_RAD,
-                    altitude_m,
+                    latitude_deg: at.latitude_rad / DEGREE_RAD,
+                    longitude_deg: at.longitude_rad / DEGREE_RAD,
+                    altitude_m: at.altitude_m,
                 };
                 limit(place.latitude_deg, 90.0, &columns[0], "deg")?;
                 limit(place.longitude_deg, 360.0, &columns[1], "deg")?;
-                limit(altitude_m, LARGEST_ALTITUDE_M, &columns[2], "m")?;
+                limit(at.altitude_m, LARGEST_ALTITUDE_M, &columns[2], "m")?;
                 let frame = *self
                     .frame
                     .get_or_insert_with(|| LocalFrame::new(place, Earth::Daidalus));

@@ -1,6 +1,6 @@
 //! Alerts and bands as tables, in the layout of DAIDALUS, so that `diff` compares them.
 
-use super::instants::{Instants, Place};
+use super::instants::{EarthPlace, Instants, Place};
 use super::scene::{DaaScene, Seen, Wind};
 use crate::conf::{Configuration, ShownUnit};
 use crate::number::trimmed;
@@ -44,11 +44,12 @@ pub fn watch(
     let mut monitor = Monitor::new(configuration.settings.clone());
     let mut wind = Wind::default();
     let area = &configuration.settings.terminal;
-    let terminal = (area.guidance != TerminalGuidance::Off).then_some(Place::Geodetic {
-        latitude_rad: area.latitude_rad,
-        longitude_rad: area.longitude_rad,
-        altitude_m: 0.0,
-    });
+    let terminal =
+        (area.guidance != TerminalGuidance::Off).then_some(Place::Geodetic(EarthPlace {
+            latitude_rad: area.latitude_rad,
+            longitude_rad: area.longitude_rad,
+            altitude_m: 0.0,
+        }));
     for instant in &recording.instants {
         let Some(scene) = DaaScene::of(instant, &mut wind, terminal) else {
             continue;
@@ -310,14 +311,10 @@ impl DaaTables<'_> {
             &units.vertical_speed,
         );
         let place = match seen.place {
-            Place::Geodetic {
-                latitude_rad,
-                longitude_rad,
-                altitude_m,
-            } => [
-                degrees(latitude_rad),
-                degrees(longitude_rad),
-                in_unit(altitude_m, alt),
+            Place::Geodetic(at) => [
+                degrees(at.latitude_rad),
+                degrees(at.longitude_rad),
+                in_unit(at.altitude_m, alt),
             ],
             Place::Local(p) => [
                 in_unit(p.x, &plane),
