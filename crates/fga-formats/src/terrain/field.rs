@@ -121,29 +121,6 @@ pub(super) enum Heights {
     Fraction(Vec<f32>),
 }
 
-impl Heights {
-    const fn len(&self) -> usize {
-        match self {
-            Self::Whole(heights) => heights.len(),
-            Self::Fraction(heights) => heights.len(),
-        }
-    }
-
-    /// A height, metres; `None` for a hole and beyond the last.
-    fn get(&self, index: usize) -> Option<f64> {
-        match self {
-            Self::Whole(heights) => {
-                let height = *heights.get(index)?;
-                (height != HOLE).then_some(f64::from(height))
-            }
-            Self::Fraction(heights) => {
-                let height = *heights.get(index)?;
-                (!height.is_nan()).then_some(f64::from(height))
-            }
-        }
-    }
-}
-
 /// Heights of the ground on a regular grid of latitudes and longitudes; between four posts the ground is bilinear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightField {
@@ -155,7 +132,10 @@ impl HeightField {
     /// A field of this grid; the message of an error lacks the file.
     pub(super) fn new(grid: HeightGrid, heights: Heights) -> Result<Self, String> {
         grid.check()?;
-        let count = heights.len();
+        let count = match &heights {
+            Heights::Whole(heights) => heights.len(),
+            Heights::Fraction(heights) => heights.len(),
+        };
         if count != grid.rows * grid.columns {
             return Err(format!(
                 "holds {count} heights, expected {} x {}",
@@ -215,7 +195,17 @@ impl HeightField {
         if row >= self.grid.rows || column >= self.grid.columns {
             return None;
         }
-        self.heights.get(row * self.grid.columns + column)
+        let index = row * self.grid.columns + column;
+        match &self.heights {
+            Heights::Whole(heights) => heights
+                .get(index)
+                .filter(|height| **height != HOLE)
+                .map(|height| f64::from(*height)),
+            Heights::Fraction(heights) => heights
+                .get(index)
+                .filter(|height| !height.is_nan())
+                .map(|height| f64::from(*height)),
+        }
     }
 
     /// The bilinear height at a place, metres; `None` outside and beside a hole.
@@ -269,11 +259,17 @@ impl HeightField {
     pub fn summary(&self) -> (Option<[f64; 2]>, usize) {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let mut holes = 0;
-        for index in 0..self.heights.len() {
-            match self.heights.get(index) {
-                Some(height) => range = [range[0].min(height), range[1].max(height)],
-                None => holes += 1,
-            }
+        let mut take = |height: Option<f64>| match height {
+            Some(height) => range = [range[0].min(height), range[1].max(height)],
+            None => holes += 1,
+        };
+        match &self.heights {
+            Heights::Whole(heights) => heights.iter().for_each(|height| {
+                take(Some(f64::from(*height)).filter(|_| *height != HOLE));
+            }),
+            Heights::Fraction(heights) => heights
+                .iter()
+                .for_each(|height| take(Some(f64::from(*height)).filter(|known| !known.is_nan()))),
         }
         ((range[0] <= range[1]).then_some(range), holes)
     }
