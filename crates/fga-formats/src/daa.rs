@@ -37,20 +37,20 @@
 mod columns;
 mod extras;
 pub mod instants;
+mod layout;
 mod recording;
+mod report;
 mod rows;
 pub mod scene;
 pub mod tables;
 mod write;
 
 use crate::error::InputError;
-use crate::gzip::text_of;
-use columns::Layout;
-use extras::Extras;
-pub use recording::{DaaSeparation, Recording, Track, TrackSample};
-use rows::DaaRows;
+use crate::gzip::read_packed_text;
+use rows::rows_of;
 use std::path::Path;
 
+pub use recording::{DaaSeparation, Recording, Track, TrackSample};
 pub use write::write;
 
 /// Reads a recording.
@@ -61,21 +61,7 @@ pub use write::write;
 /// without a unit; a deviation or airspeed that is negative; a time that goes back for one aircraft;
 /// no rows.
 pub fn read(path: &Path) -> Result<Recording, InputError> {
-    parse(&text(path)?, path)
-}
-
-/// The text of a recording's file, decompressed if it is a gzip one.
-pub(crate) fn text(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    text_of(&bytes, path)
-}
-
-/// The numbered lines that are neither blank nor a comment, trimmed.
-fn meaningful_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
-    text.split('\n').zip(1_u64..).filter_map(|(line, number)| {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        (!line.is_empty()).then_some((number, line))
-    })
+    parse(&read_packed_text(path)?, path)
 }
 
 /// Reads a recording from `text`; errors name it `path`. See [`read`].
@@ -83,47 +69,7 @@ fn meaningful_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
-    let mut lines = meaningful_lines(text).peekable();
-
-    let mut parameters = Vec::new();
-    let (header_line, header) = loop {
-        let Some((number, line)) = lines.next() else {
-            return Err(InputError::in_file(
-                path,
-                "is empty, expected a line of column names",
-            ));
-        };
-        match line.split_once('=') {
-            Some((key, value)) => {
-                parameters.push((key.trim().to_ascii_lowercase(), value.trim().to_owned()));
-            }
-            None => break (number, line),
-        }
-    };
-    let mut layout = Layout::from_header(header)
-        .map_err(|message| InputError::at_line(path, header_line, message))?;
-    let mut extras = Extras::from_header(header);
-    if let Some(&(number, line)) = lines.peek()
-        && layout.is_unit_line(line)
-    {
-        layout
-            .take_units(line)
-            .and_then(|()| extras.take_units(line, layout.width))
-            .map_err(|message| InputError::at_line(path, number, message))?;
-        lines.next();
-    }
-
-    let mut rows = DaaRows::new(&layout, &extras);
-    for (number, line) in lines {
-        rows.push(line)
-            .map_err(|message| InputError::at_line(path, number, message))?;
-    }
-    if rows.aircraft.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            "holds no rows, expected at least one below the column names",
-        ));
-    }
+    let (parameters, rows) = rows_of(text, path, |_, _| ())?;
     Ok(Recording {
         aircraft: rows.aircraft,
         frame: rows.frame,

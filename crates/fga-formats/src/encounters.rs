@@ -14,7 +14,7 @@
 
 use crate::atomic;
 use crate::error::{InputError, OutputError, shown};
-use core::str::from_utf8;
+use core::str::{FromStr, from_utf8};
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -93,66 +93,102 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
             format!("is empty, expected the columns {}", COLUMNS.join(",")),
         ));
     }
-    let columns = find_columns(&record, path, line_of(&record))?;
-    let kind_column = find_kind(&record, path, line_of(&record))?;
+    let first_line = line_of(&record);
+    let wrong = |message: String| InputError::at_line(path, first_line, message);
+    let mut columns = [0; COLUMNS.len()];
+    for (column, name) in columns.iter_mut().zip(COLUMNS) {
+        let place = place_of(&record, name).map_err(wrong)?;
+        *column = place.ok_or_else(|| {
+            let all = COLUMNS.join(",");
+            wrong(format!(
+                "the column {name} is missing, expected the columns {all}"
+            ))
+        })?;
+    }
+    let kind_column = place_of(&record, KIND_COLUMN).map_err(wrong)?;
     let width = record.len();
 
-    let mut encounters: Vec<Encounter> = Vec::new();
-    let mut index_of: HashMap<u64, usize> = HashMap::new();
-    let mut seen: HashSet<(usize, u32)> = HashSet::new();
+    let mut grouped = Grouped::default();
     while next(&mut reader, &mut record)? {
         let line = line_of(&record);
+        let wrong = |message: String| InputError::at_line(path, line, message);
         if record.len() == 1 && record.get(0).is_none_or(<[u8]>::is_empty) {
             continue;
         }
         if record.len() != width {
             let found = record.len();
-            return Err(InputError::at_line(
-                path,
-                line,
-                format!("has {found} columns, expected {width} as in the first line"),
-            ));
+            return Err(wrong(format!(
+                "has {found} columns, expected {width} as in the first line"
+            )));
         }
         let row = Row {
             record: &record,
             columns: &columns,
             kind_column,
-            path,
-            line,
         };
-        let id = row.identifier(0)?;
-        let obstacle = row.obstacle()?;
-        let index = match encounters.last() {
-            Some(last) if last.id == id => encounters.len() - 1,
-            _ => *index_of.entry(id).or_insert_with(|| {
-                encounters.push(Encounter {
-                    id,
-                    obstacles: Vec::new(),
-                });
-                encounters.len() - 1
-            }),
+        let push = |id| grouped.push(id, row.obstacle()?);
+        row.identifier(0).and_then(push).map_err(wrong)?;
+    }
+    if grouped.encounters.is_empty() {
+        let message = "holds no encounter, expected at least one row below the column names";
+        return Err(InputError::in_file(path, message));
+    }
+    Ok(grouped.encounters)
+}
+
+/// The index of a column in the file, if present.
+fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
+    let mut places = header.iter().enumerate().filter_map(|(place, field)| {
+        let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
+        field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)
+    });
+    let first = places.next();
+    match places.next() {
+        None => Ok(first),
+        Some(_) => Err(format!("the column {name} appears twice, expected it once")),
+    }
+}
+
+/// Encounters in the order of their first rows.
+#[derive(Default)]
+struct Grouped {
+    encounters: Vec<Encounter>,
+    index_of: HashMap<u64, usize>,
+    seen: HashSet<(usize, u32)>,
+}
+
+impl Grouped {
+    /// Adds an obstacle to the encounter of this number.
+    fn push(&mut self, id: u64, obstacle: Obstacle) -> Result<(), String> {
+        let count = self.encounters.len();
+        let index = match self.encounters.last() {
+            Some(last) if last.id == id => count - 1,
+            _ => *self.index_of.entry(id).or_insert(count),
         };
-        if !seen.insert((index, obstacle.id)) {
-            return Err(InputError::at_line(
-                path,
-                line,
-                format!(
-                    "encounter {id} has a second obstacle {}, expected each number once",
-                    obstacle.id
-                ),
+        if !self.seen.insert((index, obstacle.id)) {
+            return Err(format!(
+                "encounter {id} has a second obstacle {}, expected each number once",
+                obstacle.id
             ));
         }
-        if let Some(encounter) = encounters.get_mut(index) {
-            encounter.obstacles.push(obstacle);
+        match self.encounters.get_mut(index) {
+            Some(encounter) => encounter.obstacles.push(obstacle),
+            None => self.encounters.push(Encounter {
+                id,
+                obstacles: vec![obstacle],
+            }),
         }
+        Ok(())
     }
-    if encounters.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            "holds no encounter, expected at least one row below the column names",
-        ));
-    }
-    Ok(encounters)
+}
+
+/// The numbers of an obstacle in the order of [`COLUMNS`], from the third one on.
+fn numbers_of(obstacle: &Obstacle) -> impl Iterator<Item = f64> {
+    let position_m = obstacle.position_m.to_array().into_iter();
+    let velocity_mps = obstacle.velocity_mps.to_array();
+    position_m
+        .chain(velocity_mps)
+        .chain([obstacle.volume.radius_m()])
 }
 
 /// Groups obstacles from another source than a file into encounters, in the order of their first
@@ -164,18 +200,10 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
 pub fn from_rows(
     rows: impl IntoIterator<Item = (u64, Obstacle)>,
 ) -> Result<Vec<Encounter>, String> {
-    let mut encounters: Vec<Encounter> = Vec::new();
-    let mut index_of: HashMap<u64, usize> = HashMap::new();
-    let mut seen: HashSet<(u64, u32)> = HashSet::new();
+    let mut grouped = Grouped::default();
     for (row, (id, obstacle)) in rows.into_iter().enumerate() {
-        let values = obstacle
-            .position_m
-            .to_array()
-            .into_iter()
-            .chain(obstacle.velocity_mps.to_array())
-            .chain([obstacle.volume.radius_m()]);
-        for (index, value) in values.enumerate() {
-            let name = COLUMNS.get(index + 2).copied().unwrap_or_default();
+        for (value, (index, name)) in numbers_of(&obstacle).zip(COLUMNS.iter().skip(2).enumerate())
+        {
             let largest = if (3..6).contains(&index) {
                 LARGEST_SPEED_MPS
             } else {
@@ -193,27 +221,14 @@ pub fn from_rows(
                 obstacle.volume.radius_m()
             ));
         }
-        if !seen.insert((id, obstacle.id)) {
-            return Err(format!(
-                "row {row}: encounter {id} has a second obstacle {}, expected each number once",
-                obstacle.id
-            ));
-        }
-        let index = *index_of.entry(id).or_insert_with(|| {
-            encounters.push(Encounter {
-                id,
-                obstacles: Vec::new(),
-            });
-            encounters.len() - 1
-        });
-        if let Some(encounter) = encounters.get_mut(index) {
-            encounter.obstacles.push(obstacle);
-        }
+        grouped
+            .push(id, obstacle)
+            .map_err(|message| format!("row {row}: {message}"))?;
     }
-    if encounters.is_empty() {
+    if grouped.encounters.is_empty() {
         return Err("there is no encounter, expected at least one row".to_owned());
     }
-    Ok(encounters)
+    Ok(grouped.encounters)
 }
 
 /// The movement for a word of the column [`KIND_COLUMN`]; `None` for an unknown word.
@@ -227,69 +242,12 @@ pub const fn movement_of(word: &[u8]) -> Option<Movement> {
     }
 }
 
-/// The index of each of [`COLUMNS`] in the file.
-fn find_columns(
-    header: &csv::ByteRecord,
-    path: &Path,
-    line: u64,
-) -> Result<[usize; 9], InputError> {
-    let mut columns = [0; 9];
-    for (column, name) in columns.iter_mut().zip(COLUMNS) {
-        let mut places = header.iter().enumerate().filter_map(|(place, field)| {
-            let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
-            field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)
-        });
-        *column = places.next().ok_or_else(|| {
-            InputError::at_line(
-                path,
-                line,
-                format!(
-                    "the column {name} is missing, expected the columns {}",
-                    COLUMNS.join(",")
-                ),
-            )
-        })?;
-        if places.next().is_some() {
-            return Err(InputError::at_line(
-                path,
-                line,
-                format!("the column {name} appears twice, expected it once"),
-            ));
-        }
-    }
-    Ok(columns)
-}
-
-/// The index of [`KIND_COLUMN`] in the file, if present.
-fn find_kind(
-    header: &csv::ByteRecord,
-    path: &Path,
-    line: u64,
-) -> Result<Option<usize>, InputError> {
-    let mut places = header.iter().enumerate().filter_map(|(place, field)| {
-        field
-            .eq_ignore_ascii_case(KIND_COLUMN.as_bytes())
-            .then_some(place)
-    });
-    let first = places.next();
-    match places.next() {
-        None => Ok(first),
-        Some(_) => Err(InputError::at_line(
-            path,
-            line,
-            format!("the column {KIND_COLUMN} appears twice, expected it at most once"),
-        )),
-    }
-}
-
-/// One row with the context for its errors.
+/// One row.
 struct Row<'a> {
     record: &'a csv::ByteRecord,
-    columns: &'a [usize; 9],
+    columns: &'a [usize; COLUMNS.len()],
     /// The index of `kind` in the file, if present.
     kind_column: Option<usize>,
-    path: &'a Path,
-    line: u64,
 }
 
 impl Row<'_> {
@@ -298,46 +256,42 @@ impl Row<'_> {
         self.record.get(place).unwrap_or_default()
     }
 
-    fn error(&self, column: usize, expected: &str) -> InputError {
+    fn wrong(&self, column: usize, expected: &str) -> String {
         let name = COLUMNS.get(column).copied().unwrap_or_default();
         let found = shown(&String::from_utf8_lossy(self.field(column)));
-        InputError::at_line(
-            self.path,
-            self.line,
-            format!("column {name} holds {found}, expected {expected}"),
-        )
+        format!("column {name} holds {found}, expected {expected}")
     }
 
-    fn identifier(&self, column: usize) -> Result<u64, InputError> {
-        from_utf8(self.field(column))
-            .ok()
-            .and_then(|text| text.parse().ok())
-            .ok_or_else(|| self.error(column, "a whole number from 0"))
+    fn parsed<T: FromStr>(&self, column: usize, expected: &str) -> Result<T, String> {
+        let text = from_utf8(self.field(column)).ok();
+        text.and_then(|text| text.parse().ok())
+            .ok_or_else(|| self.wrong(column, expected))
     }
 
-    fn number(&self, column: usize, largest: f64, unit: &str) -> Result<f64, InputError> {
-        let value: f64 = from_utf8(self.field(column))
-            .ok()
-            .and_then(|text| text.parse().ok())
-            .ok_or_else(|| self.error(column, &format!("a number of {unit}")))?;
+    fn identifier(&self, column: usize) -> Result<u64, String> {
+        self.parsed(column, "a whole number from 0")
+    }
+
+    fn number(&self, column: usize, largest: f64, unit: &str) -> Result<f64, String> {
+        let value: f64 = self.parsed(column, &format!("a number of {unit}"))?;
         if !value.is_finite() {
-            return Err(self.error(column, &format!("a finite number of {unit}")));
+            return Err(self.wrong(column, &format!("a finite number of {unit}")));
         }
         if value.abs() > largest {
-            return Err(self.error(column, &format!("at most {largest:e} {unit} either way")));
+            return Err(self.wrong(column, &format!("at most {largest:e} {unit} either way")));
         }
         Ok(value)
     }
 
-    fn obstacle(&self) -> Result<Obstacle, InputError> {
+    fn obstacle(&self) -> Result<Obstacle, String> {
         let length = |column| self.number(column, LARGEST_LENGTH_M, "metres");
         let speed = |column| self.number(column, LARGEST_SPEED_MPS, "metres per second");
         let radius_m = length(8)?;
         if radius_m < 0.0 {
-            return Err(self.error(8, "a radius of 0 metres or more"));
+            return Err(self.wrong(8, "a radius of 0 metres or more"));
         }
         let id = u32::try_from(self.identifier(1)?)
-            .map_err(|_| self.error(1, "a whole number from 0 to 4294967295"))?;
+            .map_err(|_| self.wrong(1, "a whole number from 0 to 4294967295"))?;
         let position_m = DVec3::new(length(2)?, length(3)?, length(4)?);
         let velocity_mps = DVec3::new(speed(5)?, speed(6)?, speed(7)?);
         let volume = ProtectedVolume::Sphere { radius_m };
@@ -347,18 +301,12 @@ impl Row<'_> {
         })
     }
 
-    fn movement(&self) -> Result<Movement, InputError> {
+    fn movement(&self) -> Result<Movement, String> {
         let field = self.kind_column.and_then(|place| self.record.get(place));
         let field = field.unwrap_or_default();
         movement_of(field).ok_or_else(|| {
-            InputError::at_line(
-                self.path,
-                self.line,
-                format!(
-                    "column {KIND_COLUMN} holds {}, expected still, straight, aircraft or uas",
-                    shown(&String::from_utf8_lossy(field))
-                ),
-            )
+            let found = shown(&String::from_utf8_lossy(field));
+            format!("column {KIND_COLUMN} holds {found}, expected still, straight, aircraft or uas")
         })
     }
 }
@@ -376,26 +324,19 @@ impl<W: Write> EncounterWriter<W> {
     ///
     /// # Errors
     /// Errors of `out`.
-    pub fn new(mut out: W) -> io::Result<Self> {
-        writeln!(out, "{}", COLUMNS.join(","))?;
-        Ok(Self {
-            out,
-            row: Vec::new(),
-            kinds: false,
-        })
+    pub fn new(out: W) -> io::Result<Self> {
+        Self::begun(out, false)
     }
 
-    /// Begins a file with the column `kind`, the movement of every obstacle.
-    ///
-    /// # Errors
-    /// Errors of `out`.
-    pub fn with_kinds(mut out: W) -> io::Result<Self> {
-        writeln!(out, "{},{KIND_COLUMN}", COLUMNS.join(","))?;
-        Ok(Self {
-            out,
-            row: Vec::new(),
-            kinds: true,
-        })
+    fn begun(mut out: W, kinds: bool) -> io::Result<Self> {
+        let kind = if kinds {
+            format!(",{KIND_COLUMN}")
+        } else {
+            String::new()
+        };
+        writeln!(out, "{}{kind}", COLUMNS.join(","))?;
+        let row = Vec::new();
+        Ok(Self { out, row, kinds })
     }
 
     /// Writes one encounter.
@@ -406,18 +347,16 @@ impl<W: Write> EncounterWriter<W> {
         for obstacle in &encounter.obstacles {
             self.row.clear();
             write!(self.row, "{},{}", encounter.id, obstacle.id)?;
-            for value in obstacle
-                .position_m
-                .to_array()
-                .into_iter()
-                .chain(obstacle.velocity_mps.to_array())
-                .chain([obstacle.volume.radius_m()])
-            {
+            for value in numbers_of(obstacle) {
                 // As many digits as it takes to read the same number back.
                 write!(self.row, ",{value}")?;
             }
             if self.kinds {
-                write!(self.row, ",{}", kind_name(obstacle.movement)?)?;
+                let kind = kind_of(obstacle.movement).ok_or_else(|| {
+                    let message = "an obstacle's bounds are not those of a kind, expected still, straight, aircraft or uas";
+                    io::Error::new(io::ErrorKind::InvalidData, message)
+                })?;
+                write!(self.row, ",{kind}")?;
             }
             self.row.push(b'\n');
             self.out.write_all(&self.row)?;
@@ -442,15 +381,6 @@ pub fn kind_of(movement: Movement) -> Option<&'static str> {
     }
 }
 
-fn kind_name(movement: Movement) -> io::Result<&'static str> {
-    kind_of(movement).ok_or_else(|| {
-        io::Error::new(
-            io::ErrorKind::InvalidData,
-            "an obstacle's bounds are not those of a kind, expected still, straight, aircraft or uas",
-        )
-    })
-}
-
 /// Writes a batch file, completely or not at all; with the column `kind` if any obstacle does not fly
 /// straight.
 ///
@@ -466,11 +396,7 @@ pub fn write<'a>(
         .clone()
         .all(|encounter| encounter.obstacles.iter().all(is_straight));
     atomic::write_with(path, |file| {
-        let mut writer = if straight {
-            EncounterWriter::new(file)?
-        } else {
-            EncounterWriter::with_kinds(file)?
-        };
+        let mut writer = EncounterWriter::begun(file, !straight)?;
         encounters.try_for_each(|encounter| writer.write(encounter))
     })
 }

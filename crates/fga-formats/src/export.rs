@@ -18,7 +18,7 @@ pub mod kml;
 mod look;
 pub mod mcap;
 mod shapes;
-mod time;
+mod text;
 
 use crate::error::OutputError;
 use crate::flight::Flight;

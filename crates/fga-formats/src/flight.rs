@@ -9,6 +9,7 @@ use crate::{atomic, units};
 use alloc::borrow::Cow;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
+use glam::{DMat3, DQuat};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -29,7 +30,6 @@ pub struct Flight {
     /// The flown samples, times strictly increasing.
     pub samples: Vec<FlightSample>,
     /// The mission's waypoints, metres.
-    #[serde(with = "vectors")]
     pub mission: Vec<Vec3>,
     /// The obstacles.
     pub obstacles: Vec<FlightObstacle>,
@@ -46,7 +46,6 @@ pub struct FlightSample {
     /// Time, seconds.
     pub time_s: f64,
     /// Position, metres, local frame.
-    #[serde(with = "vector")]
     pub position_m: Vec3,
     /// Course ψ, radians from +x towards +y.
     pub course_rad: f64,
@@ -77,7 +76,6 @@ pub struct ObstacleSample {
     /// Time, seconds.
     pub time_s: f64,
     /// Position, metres, local frame.
-    #[serde(with = "vector")]
     pub position_m: Vec3,
 }
 
@@ -318,6 +316,14 @@ impl FlightSample {
         ]
     }
 
+    /// The attitude as x, y, z, w, in axes into which `turned` turns those of the local frame: the model's x forward, y left, z up.
+    pub fn attitude(&self, turned: impl Fn(Vec3) -> Vec3) -> [f64; 4] {
+        let [forward, left, up] = self.axes().map(turned);
+        DQuat::from_mat3(&DMat3::from_cols(forward, left, up))
+            .normalize()
+            .to_array()
+    }
+
     /// Compass course, degrees within [0, 360).
     pub fn compass_deg(&self) -> f64 {
         crate::geodesy::compass_from_course_deg(self.course_rad)
@@ -331,35 +337,6 @@ impl FlightSample {
     /// Climb angle, degrees.
     pub fn climb_deg(&self) -> f64 {
         self.climb_rad / units::DEGREE_RAD
-    }
-}
-
-/// A vector as `[x, y, z]`.
-mod vector {
-    use fga::Vec3;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(vector: &Vec3, out: S) -> Result<S::Ok, S::Error> {
-        vector.to_array().serialize(out)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec3, D::Error> {
-        <[f64; 3]>::deserialize(input).map(Vec3::from_array)
-    }
-}
-
-/// Vectors as `[[x, y, z], …]`.
-mod vectors {
-    use fga::Vec3;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(vectors: &[Vec3], out: S) -> Result<S::Ok, S::Error> {
-        out.collect_seq(vectors.iter().map(Vec3::to_array))
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec<Vec3>, D::Error> {
-        let rows = Vec::<[f64; 3]>::deserialize(input)?;
-        Ok(rows.into_iter().map(Vec3::from_array).collect())
     }
 }
 

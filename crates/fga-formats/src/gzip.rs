@@ -48,6 +48,11 @@ pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
     Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
+/// The text of a file, as [`text_of`] gives it.
+pub(crate) fn read_packed_text(path: &Path) -> Result<String, InputError> {
+    text_of(&crate::error::read_bytes(path)?, path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

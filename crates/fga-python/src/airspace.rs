@@ -8,7 +8,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::value::frozen;
+use crate::value::{frozen, properties};
 
 /// A zone: a polygon or a circle, seen from above, between two altitudes.
 ///
@@ -16,12 +16,12 @@ use crate::value::frozen;
 /// within it, else out of it. Altitudes are metres, infinite without a limit.
 ///
 /// Raises ValueError for a polygon that crosses itself, too many corners, a number that is not finite, or a floor above the ceiling.
-#[pyclass(frozen, eq, from_py_object, module = "fga")]
+#[pyclass(name = "Zone", frozen, eq, from_py_object, module = "fga")]
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Zone(pub(crate) WorldZone);
+pub(crate) struct PyZone(pub(crate) WorldZone);
 
 #[pymethods]
-impl Zone {
+impl PyZone {
     #[new]
     #[pyo3(signature = (
         *, keep_in = false, polygon_m = None, center_m = None, radius_m = None, floor_m = f64::NEG_INFINITY, ceiling_m = f64::INFINITY,
@@ -58,12 +58,6 @@ impl Zone {
         zone.map(Self).map_err(|error| wrong(error.to_string()))
     }
 
-    /// Whether the aircraft stays within it, not out of it.
-    #[getter]
-    fn keep_in(&self) -> bool {
-        self.0.keep_in()
-    }
-
     /// Corners of a polygon (east, north), metres; None for a circle.
     #[getter]
     fn polygon_m(&self) -> Option<Vec<(f64, f64)>> {
@@ -90,27 +84,19 @@ impl Zone {
             WorldOutline::Polygon(_) => None,
         }
     }
-
-    /// Lowest altitude, metres.
-    #[getter]
-    fn floor_m(&self) -> f64 {
-        self.0.heights_m().0
-    }
-
-    /// Highest altitude, metres.
-    #[getter]
-    fn ceiling_m(&self) -> f64 {
-        self.0.heights_m().1
-    }
 }
 
-frozen! { Zone, this,
-    "keep_in": this.keep_in(),
-    "polygon_m": this.polygon_m(),
-    "center_m": this.center_m(),
-    "radius_m": this.radius_m(),
-    "floor_m": this.floor_m(),
-    "ceiling_m": this.ceiling_m(),
+properties! { PyZone, this,
+    /// Whether the aircraft stays within it, not out of it.
+    keep_in: bool = this.0.keep_in();
+    /// Lowest altitude, metres.
+    floor_m: f64 = this.0.heights_m().0;
+    /// Highest altitude, metres.
+    ceiling_m: f64 = this.0.heights_m().1;
+}
+
+frozen! { PyZone, this,
+    keep_in, polygon_m, center_m, radius_m, floor_m, ceiling_m,
 }
 
 /// East and north of a corner, metres.
@@ -132,12 +118,12 @@ fn place(corner: &Bound<'_, PyAny>) -> PyResult<Vec2> {
 /// `clearance_m` the height above them that is asked for. Copied once.
 ///
 /// Raises ValueError for an array with less than 2 rows or columns, lengths that are not positive, or numbers that are not finite.
-#[pyclass(frozen, from_py_object, module = "fga")]
+#[pyclass(name = "Ground", frozen, from_py_object, module = "fga")]
 #[derive(Debug, Clone)]
-pub(crate) struct Ground(pub(crate) Arc<WorldGround>);
+pub(crate) struct PyGround(pub(crate) Arc<WorldGround>);
 
 #[pymethods]
-impl Ground {
+impl PyGround {
     #[new]
     #[pyo3(signature = (heights_m, corner_m, spacing_m, clearance_m, error_m = 0.0))]
     fn new(
@@ -173,30 +159,6 @@ impl Ground {
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
-    /// The south-west post (east, north), metres.
-    #[getter]
-    fn corner_m(&self) -> (f64, f64) {
-        self.0.posts().0.0.into()
-    }
-
-    /// Distance between posts east and north, metres.
-    #[getter]
-    fn spacing_m(&self) -> (f64, f64) {
-        self.0.posts().0.1.into()
-    }
-
-    /// The height above the ground that is asked for, metres.
-    #[getter]
-    fn clearance_m(&self) -> f64 {
-        self.0.clearance_m()
-    }
-
-    /// Vertical error of the heights, metres.
-    #[getter]
-    fn error_m(&self) -> f64 {
-        self.0.error_m()
-    }
-
     /// Height of the ground at a place east and north, metres; None where it is not known.
     fn height_m(&self, east_m: f64, north_m: f64) -> Option<f64> {
         self.0.height_m(Vec2::new(east_m, north_m))
@@ -207,7 +169,18 @@ impl Ground {
     }
 }
 
-impl PartialEq for Ground {
+properties! { PyGround, this,
+    /// The south-west post (east, north), metres.
+    corner_m: (f64, f64) = this.0.posts().0.0.into();
+    /// Distance between posts east and north, metres.
+    spacing_m: (f64, f64) = this.0.posts().0.1.into();
+    /// The height above the ground that is asked for, metres.
+    clearance_m: f64 = this.0.clearance_m();
+    /// Vertical error of the heights, metres.
+    error_m: f64 = this.0.error_m();
+}
+
+impl PartialEq for PyGround {
     fn eq(&self, other: &Self) -> bool {
         let of = |ground: &Self| {
             let (place, columns, heights_m) = ground.0.posts();
@@ -223,10 +196,7 @@ impl PartialEq for Ground {
     }
 }
 
-frozen! { Ground, this,
-    "heights_m": Python::attach(|py| Ok::<_, PyErr>(this.heights_m(py)?.unbind()))?,
-    "corner_m": this.corner_m(),
-    "spacing_m": this.spacing_m(),
-    "clearance_m": this.clearance_m(),
-    "error_m": this.error_m(),
+frozen! { PyGround, this,
+    heights_m = Python::attach(|py| Ok::<_, PyErr>(this.heights_m(py)?.unbind()))?, corner_m,
+    spacing_m, clearance_m, error_m,
 }

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::Vec3;
-use fga::situation::Ownship as CoreOwnship;
+use fga::situation::Ownship;
 use fga_alerts::{
-    Aircraft, AircraftId, Monitor as CoreMonitor, Quantity, Region, Resolution, State, StepError,
-    Way,
+    Aircraft, AircraftId, Monitor, Quantity, Region, Resolution, State, StepError, Way,
 };
 use fga_formats::InputError;
 use fga_formats::conf::{self, Configuration};
@@ -18,8 +17,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::failure::input;
-use crate::situation::Situation;
-use crate::table::{ArrayColumn, Table};
+use crate::situation::PySituation;
+use crate::table::{ArrayColumn, PyTable};
 
 /// What a band or a value of it meets, as files say it.
 const fn region_word(region: Option<Region>) -> &'static str {
@@ -59,7 +58,7 @@ fn read(recording: &PathBuf, config: &PathBuf) -> Result<(Instants, Configuratio
 /// One row for each time and intruder: `time_s, ownship, traffic, alerter, level`, and `violation_s`, when the
 /// volume of the level begins. `to_csv` gives the bytes of alerts.csv. Raises ValueError with the program's sentence.
 #[pyfunction]
-pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyResult<Table> {
+pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyResult<PyTable> {
     #[derive(Default)]
     struct Rows {
         time_s: Vec<f64>,
@@ -102,7 +101,7 @@ pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyR
             Ok::<_, InputError>((rows, csv))
         })
         .map_err(input)?;
-    let table = Table::of(vec![
+    let table = PyTable::of(vec![
         ("time_s", ArrayColumn::Real(rows.time_s)),
         ("ownship", ArrayColumn::Text(rows.ownship)),
         ("traffic", ArrayColumn::Text(rows.traffic)),
@@ -118,7 +117,7 @@ pub(crate) fn alerts(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyR
 /// One row for each time, quantity and band: `time_s, quantity, low, high, region`, in the unit that the quantity
 /// names; directions are clockwise from north. `to_csv` gives the bytes of bands.out.
 #[pyfunction]
-pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyResult<Table> {
+pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyResult<PyTable> {
     let (rows, text) = py
         .detach(|| {
             let (recorded, configuration) = read(&recording, &config)?;
@@ -139,7 +138,7 @@ pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyRe
             Ok::<_, InputError>((rows, text))
         })
         .map_err(input)?;
-    let table = Table::of(vec![
+    let table = PyTable::of(vec![
         (
             "time_s",
             ArrayColumn::Real(rows.iter().map(|row| row.0).collect()),
@@ -172,8 +171,8 @@ pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyRe
 ///
 /// `step` takes the situations that an `Avoider` takes. Wind is taken out; directions are clockwise from north.
 /// One monitor serves one aircraft and one thread at a time.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Monitor(Mutex<CoreMonitor>);
+#[pyclass(name = "Monitor", frozen, module = "fga")]
+pub(crate) struct PyMonitor(Mutex<Monitor>);
 
 /// A state as the standards' side takes it: through the air.
 fn state(position_m: Vec3, velocity_mps: Vec3) -> State {
@@ -183,7 +182,7 @@ fn state(position_m: Vec3, velocity_mps: Vec3) -> State {
     }
 }
 
-fn through_the_air(own: &CoreOwnship) -> Vec3 {
+fn through_the_air(own: &Ownship) -> Vec3 {
     let level_mps = own.airspeed_mps * own.climb_rad.cos();
     Vec3::new(
         level_mps * own.course_rad.cos(),
@@ -193,11 +192,11 @@ fn through_the_air(own: &CoreOwnship) -> Vec3 {
 }
 
 #[pymethods]
-impl Monitor {
+impl PyMonitor {
     #[new]
     fn new(py: Python<'_>, config: PathBuf) -> PyResult<Self> {
         let configuration = py.detach(|| conf::read(&config)).map_err(input)?;
-        Ok(Self(Mutex::new(CoreMonitor::new(configuration.settings))))
+        Ok(Self(Mutex::new(Monitor::new(configuration.settings))))
     }
 
     /// Takes the aircraft of one time; the alert level of each obstacle by its identifier, 0 for none.
@@ -206,7 +205,7 @@ impl Monitor {
     fn step<'py>(
         &self,
         py: Python<'py>,
-        situation: &Bound<'py, Situation>,
+        situation: &Bound<'py, PySituation>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let situation = situation.get();
         let levels = py.detach(|| -> PyResult<Vec<_>> {
@@ -285,8 +284,8 @@ impl Monitor {
     }
 }
 
-impl Monitor {
-    fn locked(&self) -> PyResult<MutexGuard<'_, CoreMonitor>> {
+impl PyMonitor {
+    fn locked(&self) -> PyResult<MutexGuard<'_, Monitor>> {
         match self.0.try_lock() {
             Ok(guard) => Ok(guard),
             // It is whole: the monitor does not panic.

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use crate::failure::input;
 use crate::own::{LIMIT_S, Policy, is_for_all, warn_of_failures};
 use crate::pilot::model_of;
-use crate::table::{ArrayColumn, Table, batches_of};
+use crate::table::{ArrayColumn, PyTable, batches_of};
 use crate::together;
 use crate::work::interruptible;
 
@@ -217,7 +217,7 @@ pub(crate) fn batch(
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
     time_limit_s: f64,
-) -> PyResult<Table> {
+) -> PyResult<PyTable> {
     let settings = BatchSettings {
         model: model_or_built_in(vehicle)?,
         policy: policy.choice(time_limit_s)?,
@@ -312,7 +312,7 @@ pub(crate) fn batch(
         let words = rows.iter().map(|row| Some(row.3?.name().to_owned()));
         columns.push((FAILURE_COLUMN, ArrayColumn::MaybeText(words.collect())));
     }
-    Ok(Table::of(columns)?.with_csv(csv))
+    Ok(PyTable::of(columns)?.with_csv(csv))
 }
 
 /// Finds for each encounter whether any manoeuvre could save it: `fga oracle`.
@@ -325,7 +325,7 @@ pub(crate) fn oracle(
     horizon_s: f64,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Table> {
+) -> PyResult<PyTable> {
     let model = model_or_built_in(vehicle)?;
     let judge = Judge::new(&model, checked_horizon(horizon_s)?).map_err(PyValueError::new_err)?;
     let rows = encounters_of(encounters)?;
@@ -361,7 +361,7 @@ pub(crate) fn oracle(
         .iter()
         .map(|margin_m| *margin_m >= AVOIDABLE_MARGIN_M)
         .collect();
-    let table = Table::of(vec![
+    let table = PyTable::of(vec![
         (
             "encounter",
             ArrayColumn::Whole(encounters.iter().map(|encounter| encounter.id).collect()),

@@ -10,8 +10,8 @@ use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::folder::{encode_block, number_of};
 use fga_sim::campaign::metrics::Access;
 use fga_sim::campaign::{
-    Campaign as CoreCampaign, CampaignError, CampaignConfiguration, CampaignFlyer, Folder, Manifest, RESULTS, Row,
-    Shard, CampaignStamp, CampaignTask, assemble, reading, run as fly,
+    Campaign, CampaignConfiguration, CampaignError, CampaignFlyer, CampaignStamp, CampaignTask,
+    Folder, Manifest, RESULTS, Row, Shard, assemble, reading, run as fly,
 };
 use fga_sim::own::OwnPolicy;
 use fga_sim::run::RunLog;
@@ -23,16 +23,17 @@ use rayon::prelude::*;
 
 use crate::failure::{campaign as failed, input, output};
 use crate::own::{LIMIT_S, Owns, Pickled, choice, cloned, own, warn_of_failures};
-use crate::table::{ArrayColumn, Table};
+use crate::table::{ArrayColumn, PyTable};
+use crate::value::properties;
 use crate::work::interruptible;
 
 /// A campaign from its file: encounters drawn by number, flown under every policy, in blocks.
 ///
 /// `Campaign(file)` reads a campaign file as the program does. It pickles as its configuration, so workers
 /// need neither the file nor its folder; files of encounters in it must keep their paths.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Campaign {
-    core: CoreCampaign,
+#[pyclass(name = "Campaign", frozen, module = "fga")]
+pub(crate) struct PyCampaign {
+    core: Campaign,
     /// The policies of one's own.
     own: Vec<Pickled>,
     limit_s: f64,
@@ -41,9 +42,9 @@ pub(crate) struct Campaign {
 /// A pickled campaign: what makes it again, of what.
 type Remade<'py> = (Bound<'py, PyAny>, (String, Vec<Pickled>, f64));
 
-impl Campaign {
+impl PyCampaign {
     /// A campaign with the policies of one's own that it may name.
-    pub(crate) const fn of(core: CoreCampaign, own: Vec<Pickled>, limit_s: f64) -> Self {
+    pub(crate) const fn of(core: Campaign, own: Vec<Pickled>, limit_s: f64) -> Self {
         Self { core, own, limit_s }
     }
 
@@ -79,7 +80,7 @@ impl Campaign {
 }
 
 #[pymethods]
-impl Campaign {
+impl PyCampaign {
     #[new]
     #[pyo3(signature = (
         file, encounters = None, policies = Vec::new(), vehicle = None, oracle = false, recordings = Vec::new(),
@@ -126,7 +127,7 @@ impl Campaign {
         };
         py.detach(|| {
             let configuration = file::read(&file, &overrides)?;
-            CoreCampaign::with_own(configuration, &file, &policies)
+            Campaign::with_own(configuration, &file, &policies)
         })
         .map(|core| Self::of(core, pickled, time_limit_s))
         .map_err(failed)
@@ -148,7 +149,7 @@ impl Campaign {
         let each =
             each.map(|(policy, sha256)| self::own(policy.bind(py), time_limit_s, Some(sha256)));
         let owns: Vec<OwnPolicy> = each.collect::<PyResult<_>>()?;
-        CoreCampaign::with_own(configuration, Path::new("the configuration"), &owns)
+        Campaign::with_own(configuration, Path::new("the configuration"), &owns)
             .map(|core| Self::of(core, own, time_limit_s))
             .map_err(failed)
     }
@@ -163,36 +164,6 @@ impl Campaign {
         serde_json::to_string_pretty(&self.manifest())
             .map(|text| text + "\n")
             .map_err(|error| PyValueError::new_err(error.to_string()))
-    }
-
-    /// Its name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.core.configuration.name
-    }
-
-    /// Fingerprint of everything that determines the results.
-    #[getter]
-    fn hash(&self) -> &str {
-        &self.core.hash
-    }
-
-    /// Number of encounters.
-    #[getter]
-    fn encounters(&self) -> u64 {
-        self.core.configuration.encounters
-    }
-
-    /// Number of blocks.
-    #[getter]
-    fn blocks(&self) -> u64 {
-        self.core.configuration.blocks()
-    }
-
-    /// The policies.
-    #[getter]
-    fn policies(&self) -> Vec<String> {
-        self.core.configuration.policies.clone()
     }
 
     /// Encounters of a block: its first number and the one after its last.
@@ -314,7 +285,7 @@ impl Campaign {
         py: Python<'_>,
         encounter: u64,
         policy: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Vec<crate::decision::Decision>> {
+    ) -> PyResult<Vec<crate::decision::PyDecision>> {
         let choice = match (policy, self.core.policies.first()) {
             (Some(policy), _) => choice(policy, self.limit_s)?,
             (None, Some(first)) => first.clone(),
@@ -325,12 +296,12 @@ impl Campaign {
             .map_err(failed)?;
         let decisions = log.decisions.iter();
         Ok(decisions
-            .map(|log| crate::decision::Decision::of(log.decision, log.ownship))
+            .map(|log| crate::decision::PyDecision::of(log.decision, log.ownship))
             .collect())
     }
 
     /// The rows of a results.parquet of this campaign.
-    fn read(&self, py: Python<'_>, path: PathBuf) -> PyResult<Table> {
+    fn read(&self, py: Python<'_>, path: PathBuf) -> PyResult<PyTable> {
         let rows = py
             .detach(|| {
                 let unreadable = |error| fga_formats::InputError::unreadable(&path, &error);
@@ -371,7 +342,20 @@ impl Campaign {
     }
 }
 
-impl Campaign {
+properties! { PyCampaign, this,
+    /// Its name.
+    name: &str = &this.core.configuration.name;
+    /// Fingerprint of everything that determines the results.
+    hash: &str = &this.core.hash;
+    /// Number of encounters.
+    encounters: u64 = this.core.configuration.encounters;
+    /// Number of blocks.
+    blocks: u64 = this.core.configuration.blocks();
+    /// The policies.
+    policies: Vec<String> = this.core.configuration.policies.clone();
+}
+
+impl PyCampaign {
     fn check_block(&self, block: u64) -> PyResult<()> {
         let blocks = self.core.configuration.blocks();
         if block < blocks {
@@ -384,7 +368,7 @@ impl Campaign {
     }
 
     /// Rows with the columns of results.parquet.
-    fn table_of(&self, rows: &[Row]) -> PyResult<Table> {
+    fn table_of(&self, rows: &[Row]) -> PyResult<PyTable> {
         let whole =
             |name, get: fn(&Row) -> u64| (name, ArrayColumn::Whole(rows.iter().map(get).collect()));
         let flag =
@@ -446,7 +430,7 @@ impl Campaign {
             };
             (field.name, column)
         }));
-        Table::of(columns)
+        PyTable::of(columns)
     }
 }
 

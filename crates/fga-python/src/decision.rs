@@ -1,27 +1,24 @@
 //! A decision and its reasons.
 
-use fga::avoider::{
-    Candidate as CoreCandidate, Decision as CoreDecision, Reason, Record, State,
-    Threat as CoreThreat, Verdict, Work,
-};
-use fga::maneuver::{Maneuver, Stage as CoreStage};
+use fga::avoider::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
+use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga_formats::words::{decision_words, reason_key};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::value::{Ownship, Vehicle, expect, frozen, remade};
+use crate::value::{PyOwnship, PyVehicle, expect, frozen, properties, remade};
 
 /// A command from a moment on, until the next stage begins.
 ///
 /// `course_rad` is not wrapped: the aircraft turns by the plain difference to its own course.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Stage", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Stage(pub(crate) CoreStage);
+pub(crate) struct PyStage(pub(crate) Stage);
 
 #[pymethods]
-impl Stage {
+impl PyStage {
     #[new]
     #[pyo3(signature = (course_rad, climb_rad = 0.0, start_s = 0.0, rate_share = 1.0))]
     fn new(course_rad: f64, climb_rad: f64, start_s: f64, rate_share: f64) -> PyResult<Self> {
@@ -41,77 +38,37 @@ impl Stage {
         expect(holds, "start_s", start_s, "0 or more")?;
         let holds = rate_share > 0.0 && rate_share <= 1.0;
         expect(holds, "rate_share", rate_share, "more than 0, at most 1")?;
-        Ok(Self(CoreStage {
+        Ok(Self(Stage {
             start_s,
             course_rad,
             climb_rad,
             rate_share,
         }))
     }
-
-    /// Its start, seconds from the moment of the decision.
-    #[getter]
-    fn start_s(&self) -> f64 {
-        self.0.start_s
-    }
-
-    /// Course to turn to, radians.
-    #[getter]
-    fn course_rad(&self) -> f64 {
-        self.0.course_rad
-    }
-
-    /// Climb angle to take up, radians.
-    #[getter]
-    fn climb_rad(&self) -> f64 {
-        self.0.climb_rad
-    }
-
-    /// Share of the largest course rate to turn with.
-    #[getter]
-    fn rate_share(&self) -> f64 {
-        self.0.rate_share
-    }
 }
 
-frozen! { Stage, this,
-    "course_rad": this.0.course_rad,
-    "climb_rad": this.0.climb_rad,
-    "start_s": this.0.start_s,
-    "rate_share": this.0.rate_share,
+properties! { PyStage, this,
+    /// Its start, seconds from the moment of the decision.
+    start_s: f64 = this.0.start_s;
+    /// Course to turn to, radians.
+    course_rad: f64 = this.0.course_rad;
+    /// Climb angle to take up, radians.
+    climb_rad: f64 = this.0.climb_rad;
+    /// Share of the largest course rate to turn with.
+    rate_share: f64 = this.0.rate_share;
+}
+
+frozen! { PyStage, this,
+    course_rad, climb_rad, start_s, rate_share,
 }
 
 /// The obstacle that a decision is about.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Threat", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Threat(CoreThreat);
+pub(crate) struct PyThreat(Threat);
 
 #[pymethods]
-impl Threat {
-    /// The obstacle's identifier.
-    #[getter]
-    fn id(&self) -> u32 {
-        self.0.id
-    }
-
-    /// Time of the entry into its volume on the mission, seconds from now.
-    #[getter]
-    fn entry_s(&self) -> f64 {
-        self.0.entry_s
-    }
-
-    /// Time of the closest approach, seconds from now.
-    #[getter]
-    fn closest_s(&self) -> f64 {
-        self.0.closest_s
-    }
-
-    /// Separation from its volume at that time, metres; negative inside.
-    #[getter]
-    fn margin_m(&self) -> f64 {
-        self.0.margin_m
-    }
-
+impl PyThreat {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, ThreatParts)> {
         let Self(threat) = self;
         let parts = (threat.id, threat.entry_s, threat.closest_s, threat.margin_m);
@@ -127,37 +84,24 @@ impl Threat {
     }
 }
 
+properties! { PyThreat, this,
+    /// The obstacle's identifier.
+    id: u32 = this.0.id;
+    /// Time of the entry into its volume on the mission, seconds from now.
+    entry_s: f64 = this.0.entry_s;
+    /// Time of the closest approach, seconds from now.
+    closest_s: f64 = this.0.closest_s;
+    /// Separation from its volume at that time, metres; negative inside.
+    margin_m: f64 = this.0.margin_m;
+}
+
 /// An examined manoeuvre.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Candidate", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Candidate(Maneuver, CoreCandidate);
+pub(crate) struct PyCandidate(Maneuver, Candidate);
 
 #[pymethods]
-impl Candidate {
-    /// Its commands.
-    #[getter]
-    fn stages(&self) -> Vec<Stage> {
-        stages(&self.0)
-    }
-
-    /// Certified lower bound of the separation beyond every volume, metres.
-    #[getter]
-    fn margin_m(&self) -> f64 {
-        self.1.margin_m
-    }
-
-    /// Its cost.
-    #[getter]
-    fn cost(&self) -> f64 {
-        self.1.cost
-    }
-
-    /// certified, rejected or chosen.
-    #[getter]
-    fn verdict(&self) -> &'static str {
-        verdict_word(self.1.verdict)
-    }
-
+impl PyCandidate {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CandidateParts)> {
         let Self(maneuver, candidate) = self;
         let parts = (
@@ -180,6 +124,17 @@ impl Candidate {
     }
 }
 
+properties! { PyCandidate, this,
+    /// Its commands.
+    stages: Vec<PyStage> = stages(&this.0);
+    /// Certified lower bound of the separation beyond every volume, metres.
+    margin_m: f64 = this.1.margin_m;
+    /// Its cost.
+    cost: f64 = this.1.cost;
+    /// certified, rejected or chosen.
+    verdict: &'static str = verdict_word(this.1.verdict);
+}
+
 const fn verdict_word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Certified => "certified",
@@ -188,12 +143,12 @@ const fn verdict_word(verdict: Verdict) -> &'static str {
     }
 }
 
-fn stages(maneuver: &Maneuver) -> Vec<Stage> {
-    maneuver.stages().iter().copied().map(Stage).collect()
+fn stages(maneuver: &Maneuver) -> Vec<PyStage> {
+    maneuver.stages().iter().copied().map(PyStage).collect()
 }
 
 /// A manoeuvre of these stages.
-fn maneuver_of(stages: &[PyRef<'_, Stage>]) -> PyResult<Maneuver> {
+fn maneuver_of(stages: &[PyRef<'_, PyStage>]) -> PyResult<Maneuver> {
     let mut maneuver = Maneuver::hold();
     for stage in stages {
         if !maneuver.push(stage.0) {
@@ -219,16 +174,16 @@ fn state_of(word: &str) -> PyResult<State> {
 /// The command until the next step, and its reasons.
 ///
 /// `Decision(stages, state)` makes one, for a policy of your own.
-#[pyclass(frozen, module = "fga")]
+#[pyclass(name = "Decision", frozen, module = "fga")]
 #[derive(Debug)]
-pub(crate) struct Decision {
-    pub(crate) decision: CoreDecision,
+pub(crate) struct PyDecision {
+    pub(crate) decision: Decision,
     /// The aircraft of the decision.
     ownship: Option<fga::situation::Ownship>,
 }
 
-impl Decision {
-    pub(crate) const fn of(decision: CoreDecision, ownship: fga::situation::Ownship) -> Self {
+impl PyDecision {
+    pub(crate) const fn of(decision: Decision, ownship: fga::situation::Ownship) -> Self {
         Self {
             decision,
             ownship: Some(ownship),
@@ -237,10 +192,10 @@ impl Decision {
 }
 
 #[pymethods]
-impl Decision {
+impl PyDecision {
     #[new]
     #[pyo3(signature = (stages, state = "avoiding"))]
-    fn new(stages: Vec<PyRef<'_, Stage>>, state: &str) -> PyResult<Self> {
+    fn new(stages: Vec<PyRef<'_, PyStage>>, state: &str) -> PyResult<Self> {
         let state = state_of(state)?;
         let maneuver = maneuver_of(&stages)?;
         let reason = match state {
@@ -249,21 +204,9 @@ impl Decision {
             State::Recovering => Reason::RejoinKept,
         };
         Ok(Self {
-            decision: CoreDecision::new(state, &maneuver, reason),
+            decision: Decision::new(state, &maneuver, reason),
             ownship: None,
         })
-    }
-
-    /// State of the avoider: cruise, threatened, avoiding or recovering.
-    #[getter]
-    fn state(&self) -> &'static str {
-        self.decision.state.name()
-    }
-
-    /// The reason, by its key in files.
-    #[getter]
-    fn reason(&self) -> &'static str {
-        reason_key(self.decision.record.reason)
     }
 
     /// The decision as a sentence.
@@ -279,16 +222,14 @@ impl Decision {
         decision_words(&self.decision, &ownship, |id| format!("obstacle {id}"))
     }
 
-    /// The command: stages in order of their start; without any: hold course and climb angle.
-    #[getter]
-    fn command(&self) -> Vec<Stage> {
-        stages(&self.decision.command)
-    }
-
     /// The commanded stage this long after the decision, seconds; None before the first one.
     #[pyo3(signature = (after_s = 0.0))]
-    fn stage_at(&self, after_s: f64) -> Option<Stage> {
-        self.decision.command.stage_at(after_s).copied().map(Stage)
+    fn stage_at(&self, after_s: f64) -> Option<PyStage> {
+        self.decision
+            .command
+            .stage_at(after_s)
+            .copied()
+            .map(PyStage)
     }
 
     /// The predicted state of an aircraft with these limits some seconds after the decision, if nothing new
@@ -296,7 +237,7 @@ impl Decision {
     ///
     /// Raises ValueError for a decision of your own, which knows no aircraft, or a time that is not from 0 to
     /// 600.
-    fn predicted(&self, vehicle: &Bound<'_, Vehicle>, after_s: f64) -> PyResult<Ownship> {
+    fn predicted(&self, vehicle: &Bound<'_, PyVehicle>, after_s: f64) -> PyResult<PyOwnship> {
         expect(
             (0.0..=600.0).contains(&after_s),
             "after_s",
@@ -319,7 +260,7 @@ impl Decision {
                 "after_s is {after_s}, expected a time within the prediction"
             ))
         })?;
-        Ok(Ownship(fga::situation::Ownship {
+        Ok(PyOwnship(fga::situation::Ownship {
             position_m: state.position_m,
             course_rad: state.course_rad,
             climb_rad: state.climb_rad,
@@ -328,83 +269,23 @@ impl Decision {
         }))
     }
 
-    /// The most urgent threat.
-    #[getter]
-    fn threat(&self) -> Option<Threat> {
-        self.decision.record.threat.map(Threat)
-    }
-
-    /// Latest start of a certified manoeuvre, seconds from now; None where none exists.
-    #[getter]
-    fn latest_start_s(&self) -> Option<f64> {
-        self.decision.record.latest_start_s
-    }
-
-    /// Start of the chosen manoeuvre, seconds from now.
-    #[getter]
-    fn start_s(&self) -> Option<f64> {
-        self.decision.record.start_s
-    }
-
     /// The manoeuvre, flown or awaited.
     #[getter]
-    fn chosen(&self) -> Option<Candidate> {
+    fn chosen(&self) -> Option<PyCandidate> {
         let chosen = self.decision.record.chosen?;
-        Some(Candidate(self.decision.command, chosen))
+        Some(PyCandidate(self.decision.command, chosen))
     }
 
     /// The best manoeuvre to the other side, if there was a search for it.
     #[getter]
-    fn alternative(&self) -> Option<Candidate> {
+    fn alternative(&self) -> Option<PyCandidate> {
         let (maneuver, worth) = self.decision.record.alternative?;
-        Some(Candidate(maneuver.to(), worth))
-    }
-
-    /// Share of the bounds of aircraft that the manoeuvre withstands.
-    #[getter]
-    fn resilience(&self) -> Option<f64> {
-        self.decision.record.resilience
-    }
-
-    /// Obstacles within the surveillance radius.
-    #[getter]
-    fn tracked(&self) -> u32 {
-        self.decision.record.work.tracked
-    }
-
-    /// Obstacles left out because a number of theirs is not finite.
-    #[getter]
-    fn unusable(&self) -> u32 {
-        self.decision.record.work.unusable
-    }
-
-    /// Obstacles in sight that threaten the mission.
-    #[getter]
-    fn threats(&self) -> u32 {
-        self.decision.record.work.threats
-    }
-
-    /// Manoeuvres evaluated.
-    #[getter]
-    fn candidates(&self) -> u32 {
-        self.decision.record.work.candidates
-    }
-
-    /// Work done, in the unit of `Settings.work_limit`.
-    #[getter]
-    fn work(&self) -> u32 {
-        self.decision.record.work.work
-    }
-
-    /// Whether the step met its limit of work before the search ended.
-    #[getter]
-    fn limit_met(&self) -> bool {
-        self.decision.record.work.limit_met
+        Some(PyCandidate(maneuver.to(), worth))
     }
 
     fn __eq__(&self, other: &Self) -> bool {
         // A proof does not come back from a pickle.
-        let shown = |decision: &CoreDecision| {
+        let shown = |decision: &Decision| {
             let mut shown = *decision;
             shown.record.certified = None;
             shown
@@ -413,7 +294,7 @@ impl Decision {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, DecisionParts)> {
-        let CoreDecision {
+        let Decision {
             state,
             command,
             record,
@@ -423,7 +304,7 @@ impl Decision {
             state.name(),
             reason_key(record.reason),
             command_parts(command),
-            record.threat.map(Threat),
+            record.threat.map(PyThreat),
             (self.chosen(), self.alternative()),
             (record.latest_start_s, record.start_s, record.resilience),
             (record.in_need, record.clock_set_back, work.limit_met),
@@ -435,7 +316,7 @@ impl Decision {
                 record.straight_aircraft,
                 work.unusable,
             ),
-            self.ownship.map(Ownship),
+            self.ownship.map(PyOwnship),
         );
         Ok((remade(py, "_decision")?, parts))
     }
@@ -473,31 +354,60 @@ impl Decision {
     }
 }
 
+properties! { PyDecision, this,
+    /// State of the avoider: cruise, threatened, avoiding or recovering.
+    state: &'static str = this.decision.state.name();
+    /// The reason, by its key in files.
+    reason: &'static str = reason_key(this.decision.record.reason);
+    /// The command: stages in order of their start; without any: hold course and climb angle.
+    command: Vec<PyStage> = stages(&this.decision.command);
+    /// The most urgent threat.
+    threat: Option<PyThreat> = this.decision.record.threat.map(PyThreat);
+    /// Latest start of a certified manoeuvre, seconds from now; None where none exists.
+    latest_start_s: Option<f64> = this.decision.record.latest_start_s;
+    /// Start of the chosen manoeuvre, seconds from now.
+    start_s: Option<f64> = this.decision.record.start_s;
+    /// Share of the bounds of aircraft that the manoeuvre withstands.
+    resilience: Option<f64> = this.decision.record.resilience;
+    /// Obstacles within the surveillance radius.
+    tracked: u32 = this.decision.record.work.tracked;
+    /// Obstacles left out because a number of theirs is not finite.
+    unusable: u32 = this.decision.record.work.unusable;
+    /// Obstacles in sight that threaten the mission.
+    threats: u32 = this.decision.record.work.threats;
+    /// Manoeuvres evaluated.
+    candidates: u32 = this.decision.record.work.candidates;
+    /// Work done, in the unit of `Settings.work_limit`.
+    work: u32 = this.decision.record.work.work;
+    /// Whether the step met its limit of work before the search ended.
+    limit_met: bool = this.decision.record.work.limit_met;
+}
+
 /// What a manoeuvre is pickled as: its stages, and whether it took every stage.
-type CommandParts = (Vec<Stage>, bool);
+type CommandParts = (Vec<PyStage>, bool);
 type ThreatParts = (u32, f64, f64, f64);
 type CandidateParts = (CommandParts, f64, f64, &'static str);
 type DecisionParts = (
     &'static str,
     &'static str,
     CommandParts,
-    Option<Threat>,
-    (Option<Candidate>, Option<Candidate>),
+    Option<PyThreat>,
+    (Option<PyCandidate>, Option<PyCandidate>),
     (Option<f64>, Option<f64>, Option<f64>),
     (bool, bool, bool),
     (u32, u32, u32, u32, u32, u32),
-    Option<Ownship>,
+    Option<PyOwnship>,
 );
 
 fn command_parts(maneuver: &Maneuver) -> CommandParts {
     (stages(maneuver), maneuver.is_whole())
 }
 
-fn command_of((stages, is_whole): (Vec<PyRef<'_, Stage>>, bool)) -> PyResult<Maneuver> {
+fn command_of((stages, is_whole): (Vec<PyRef<'_, PyStage>>, bool)) -> PyResult<Maneuver> {
     let mut maneuver = maneuver_of(&stages)?;
     if !is_whole {
         // The core refuses it, and notes that a stage was lost.
-        maneuver.push(CoreStage {
+        maneuver.push(Stage {
             start_s: f64::NAN,
             course_rad: 0.0,
             climb_rad: 0.0,
@@ -509,8 +419,8 @@ fn command_of((stages, is_whole): (Vec<PyRef<'_, Stage>>, bool)) -> PyResult<Man
 
 /// The threat that was pickled.
 #[pyfunction]
-pub(crate) fn _threat(id: u32, entry_s: f64, closest_s: f64, margin_m: f64) -> Threat {
-    Threat(CoreThreat {
+pub(crate) fn _threat(id: u32, entry_s: f64, closest_s: f64, margin_m: f64) -> PyThreat {
+    PyThreat(Threat {
         id,
         entry_s,
         closest_s,
@@ -521,11 +431,11 @@ pub(crate) fn _threat(id: u32, entry_s: f64, closest_s: f64, margin_m: f64) -> T
 /// The candidate that was pickled.
 #[pyfunction]
 pub(crate) fn _candidate(
-    command: (Vec<PyRef<'_, Stage>>, bool),
+    command: (Vec<PyRef<'_, PyStage>>, bool),
     margin_m: f64,
     cost: f64,
     verdict: &str,
-) -> PyResult<Candidate> {
+) -> PyResult<PyCandidate> {
     let mut verdicts = [Verdict::Certified, Verdict::Rejected, Verdict::Chosen].into_iter();
     let verdict = verdicts
         .find(|known| verdict_word(*known) == verdict)
@@ -534,12 +444,12 @@ pub(crate) fn _candidate(
                 "verdict is {verdict:?}, expected certified, rejected or chosen"
             ))
         })?;
-    let worth = CoreCandidate {
+    let worth = Candidate {
         margin_m,
         cost,
         verdict,
     };
-    Ok(Candidate(command_of(command)?, worth))
+    Ok(PyCandidate(command_of(command)?, worth))
 }
 
 /// The decision that was pickled.
@@ -551,14 +461,17 @@ pub(crate) fn _candidate(
 pub(crate) fn _decision(
     state: &str,
     reason: &str,
-    command: (Vec<PyRef<'_, Stage>>, bool),
-    threat: Option<PyRef<'_, Threat>>,
-    candidates: (Option<PyRef<'_, Candidate>>, Option<PyRef<'_, Candidate>>),
+    command: (Vec<PyRef<'_, PyStage>>, bool),
+    threat: Option<PyRef<'_, PyThreat>>,
+    candidates: (
+        Option<PyRef<'_, PyCandidate>>,
+        Option<PyRef<'_, PyCandidate>>,
+    ),
     figures: (Option<f64>, Option<f64>, Option<f64>),
     flags: (bool, bool, bool),
     work: (u32, u32, u32, u32, u32, u32),
-    ownship: Option<PyRef<'_, Ownship>>,
-) -> PyResult<Decision> {
+    ownship: Option<PyRef<'_, PyOwnship>>,
+) -> PyResult<PyDecision> {
     let mut reasons = Reason::ALL.into_iter();
     let record = Record {
         reason: reasons
@@ -588,8 +501,8 @@ pub(crate) fn _decision(
         // Only the certificate makes a proof.
         certified: None,
     };
-    Ok(Decision {
-        decision: CoreDecision {
+    Ok(PyDecision {
+        decision: Decision {
             state: state_of(state)?,
             command: command_of(command)?,
             record,

@@ -4,39 +4,21 @@ use std::path::PathBuf;
 
 use fga_formats::InputError;
 use fga_formats::flight_log::{self, COLUMNS};
-use fga_sim::identification::{self, Identified as CoreIdentified};
+use fga_sim::identification::{self, Identified};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::failure::input;
 use crate::situation::numbers;
-use crate::value::remade;
+use crate::value::{properties, remade};
 
 /// A figure with its interval: the middle 90 % of what windows of the log give.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Estimate", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Estimate(identification::Estimate);
+pub(crate) struct PyEstimate(identification::Estimate);
 
 #[pymethods]
-impl Estimate {
-    /// The median.
-    #[getter]
-    fn value(&self) -> f64 {
-        self.0.value
-    }
-
-    /// 5 % of the windows give less.
-    #[getter]
-    fn low(&self) -> f64 {
-        self.0.low
-    }
-
-    /// 5 % of the windows give more.
-    #[getter]
-    fn high(&self) -> f64 {
-        self.0.high
-    }
-
+impl PyEstimate {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (f64, f64, f64))> {
         let identification::Estimate { value, low, high } = self.0;
         Ok((remade(py, "_estimate")?, (value, low, high)))
@@ -48,79 +30,22 @@ impl Estimate {
     }
 }
 
+properties! { PyEstimate, this,
+    /// The median.
+    value: f64 = this.0.value;
+    /// 5 % of the windows give less.
+    low: f64 = this.0.low;
+    /// 5 % of the windows give more.
+    high: f64 = this.0.high;
+}
+
 /// What a flight log says about its aircraft.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Identified", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Identified(CoreIdentified);
+pub(crate) struct PyIdentified(Identified);
 
 #[pymethods]
-impl Identified {
-    /// Airspeed, metres per second.
-    #[getter]
-    fn airspeed_mps(&self) -> Estimate {
-        Estimate(self.0.airspeed_mps)
-    }
-
-    /// Steepest bank that is held, or mean bank of 3 s where none is held, degrees.
-    #[getter]
-    fn max_bank_deg(&self) -> Estimate {
-        Estimate(self.0.max_bank_deg)
-    }
-
-    /// Time before a command has any effect, seconds.
-    #[getter]
-    fn dead_time_s(&self) -> Estimate {
-        Estimate(self.0.dead_time_s)
-    }
-
-    /// Time constant of the first-order bank response, seconds.
-    #[getter]
-    fn bank_time_constant_s(&self) -> Estimate {
-        Estimate(self.0.bank_time_constant_s)
-    }
-
-    /// Course rate over that of the ideal coordinated turn.
-    #[getter]
-    fn turn_rate_factor(&self) -> Estimate {
-        Estimate(self.0.turn_rate_factor)
-    }
-
-    /// Steepest descent, degrees.
-    #[getter]
-    fn climb_min_deg(&self) -> Estimate {
-        Estimate(self.0.climb_min_deg)
-    }
-
-    /// Steepest climb, degrees.
-    #[getter]
-    fn climb_max_deg(&self) -> Estimate {
-        Estimate(self.0.climb_max_deg)
-    }
-
-    /// Rate at which the climb angle changes, radians per second.
-    #[getter]
-    fn climb_rate_radps(&self) -> Estimate {
-        Estimate(self.0.climb_rate_radps)
-    }
-
-    /// Horizontal distance from where the figures put the aircraft after 5 s, metres.
-    #[getter]
-    fn position_error_m(&self) -> Estimate {
-        Estimate(self.0.position_error_m)
-    }
-
-    /// Windows of the log in which the command moves and the bank follows it.
-    #[getter]
-    fn windows(&self) -> usize {
-        self.0.windows
-    }
-
-    /// Windows in which the bank does not follow, which are left out.
-    #[getter]
-    fn windows_left_out(&self) -> usize {
-        self.0.windows_left_out
-    }
-
+impl PyIdentified {
     /// The text of a vehicle file. The protected volume is no property of the log.
     ///
     /// Raises ValueError for a radius or a half height that is not positive.
@@ -161,21 +86,46 @@ impl Identified {
     }
 }
 
-type IdentifiedParts = ([Estimate; 9], usize, usize);
+properties! { PyIdentified, this,
+    /// Airspeed, metres per second.
+    airspeed_mps: PyEstimate = PyEstimate(this.0.airspeed_mps);
+    /// Steepest bank that is held, or mean bank of 3 s where none is held, degrees.
+    max_bank_deg: PyEstimate = PyEstimate(this.0.max_bank_deg);
+    /// Time before a command has any effect, seconds.
+    dead_time_s: PyEstimate = PyEstimate(this.0.dead_time_s);
+    /// Time constant of the first-order bank response, seconds.
+    bank_time_constant_s: PyEstimate = PyEstimate(this.0.bank_time_constant_s);
+    /// Course rate over that of the ideal coordinated turn.
+    turn_rate_factor: PyEstimate = PyEstimate(this.0.turn_rate_factor);
+    /// Steepest descent, degrees.
+    climb_min_deg: PyEstimate = PyEstimate(this.0.climb_min_deg);
+    /// Steepest climb, degrees.
+    climb_max_deg: PyEstimate = PyEstimate(this.0.climb_max_deg);
+    /// Rate at which the climb angle changes, radians per second.
+    climb_rate_radps: PyEstimate = PyEstimate(this.0.climb_rate_radps);
+    /// Horizontal distance from where the figures put the aircraft after 5 s, metres.
+    position_error_m: PyEstimate = PyEstimate(this.0.position_error_m);
+    /// Windows of the log in which the command moves and the bank follows it.
+    windows: usize = this.0.windows;
+    /// Windows in which the bank does not follow, which are left out.
+    windows_left_out: usize = this.0.windows_left_out;
+}
+
+type IdentifiedParts = ([PyEstimate; 9], usize, usize);
 
 /// The estimate that was pickled.
 #[pyfunction]
-pub(crate) fn _estimate(value: f64, low: f64, high: f64) -> Estimate {
-    Estimate(identification::Estimate { value, low, high })
+pub(crate) fn _estimate(value: f64, low: f64, high: f64) -> PyEstimate {
+    PyEstimate(identification::Estimate { value, low, high })
 }
 
 /// What was pickled of a flight log.
 #[pyfunction]
 pub(crate) fn _identified(
-    estimates: [PyRef<'_, Estimate>; 9],
+    estimates: [PyRef<'_, PyEstimate>; 9],
     windows: usize,
     windows_left_out: usize,
-) -> Identified {
+) -> PyIdentified {
     let [
         airspeed_mps,
         max_bank_deg,
@@ -187,7 +137,7 @@ pub(crate) fn _identified(
         climb_rate_radps,
         position_error_m,
     ] = estimates.map(|estimate| estimate.0);
-    Identified(CoreIdentified {
+    PyIdentified(Identified {
         airspeed_mps,
         max_bank_deg,
         dead_time_s,
@@ -207,7 +157,7 @@ pub(crate) fn _identified(
 /// `log` is the path of a log (CSV, .tlog, .bin), or a mapping of its columns `t_s, airspeed_mps,
 /// bank_command_rad, bank_rad, course_rad, climb_rad`. Raises ValueError for a log that cannot be used.
 #[pyfunction]
-pub(crate) fn identify(log: &Bound<'_, PyAny>) -> PyResult<Identified> {
+pub(crate) fn identify(log: &Bound<'_, PyAny>) -> PyResult<PyIdentified> {
     let py = log.py();
     if let Ok(path) = log.extract::<PathBuf>() {
         return py
@@ -216,7 +166,7 @@ pub(crate) fn identify(log: &Bound<'_, PyAny>) -> PyResult<Identified> {
                 identification::identify(&log)
                     .map_err(|message| InputError::in_file(&path, message))
             })
-            .map(Identified)
+            .map(PyIdentified)
             .map_err(input);
     }
     if !log.hasattr("keys")? {
@@ -236,6 +186,6 @@ pub(crate) fn identify(log: &Bound<'_, PyAny>) -> PyResult<Identified> {
         *column = numbers(name, &log.get_item(name)?)?;
     }
     py.detach(|| flight_log::from_columns(&columns).and_then(|log| identification::identify(&log)))
-        .map(Identified)
+        .map(PyIdentified)
         .map_err(|message| PyValueError::new_err(format!("the log {message}")))
 }

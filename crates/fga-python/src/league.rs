@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use fga_results::league::{Terms, campaigns, checked_data, data_of_environment, run as fly};
 use pyo3::prelude::*;
 
-use crate::campaign::Campaign;
+use crate::campaign::PyCampaign;
 use crate::failure::{campaign as failed, input};
 use crate::own::{LIMIT_S, Owns, Pickled, cloned, warn_of_failures};
 use crate::work::interruptible;
@@ -74,7 +74,7 @@ pub(crate) fn _league_campaigns<'py>(
     encounters: Option<u64>,
     time_limit_s: f64,
     intruders: Vec<Bound<'py, PyAny>>,
-) -> PyResult<Vec<(String, Campaign)>> {
+) -> PyResult<Vec<(String, PyCampaign)>> {
     let (terms, pickled) = told(&policies, sets, data, encounters, &intruders, time_limit_s)?;
     let found = py
         .detach(|| campaigns(&terms, &out))
@@ -83,7 +83,7 @@ pub(crate) fn _league_campaigns<'py>(
     Ok(found
         .map(|one| {
             let own = cloned(py, &pickled);
-            (one.place, Campaign::of(one.campaign, own, time_limit_s))
+            (one.place, PyCampaign::of(one.campaign, own, time_limit_s))
         })
         .collect())
 }

@@ -5,11 +5,11 @@ use core::time::Duration;
 use std::sync::Arc;
 
 use fga::Vec3;
-use fga::avoider::Decision as CoreDecision;
+use fga::avoider::Decision;
 use fga::avoider::{Reason, State};
 use fga::maneuver::Maneuver;
-use fga::situation::{Obstacle as CoreObstacle, Passing, Situation as CoreSituation};
-use fga::vehicle::Vehicle as CoreVehicle;
+use fga::situation::{Obstacle, Passing, Situation};
+use fga::vehicle::Vehicle;
 use fga_sim::campaign::parse_policy;
 use fga_sim::own::{Answer, Failure, FailureKind, Outside, OwnPolicy, Silence, Worker};
 use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
@@ -17,11 +17,11 @@ use fga_sim::world::{WorldGround, WorldZone};
 use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::airspace::{Ground, Zone};
-use crate::decision::{Decision, Stage};
-use crate::settings::Settings;
-use crate::situation::{Around, Mission, Situation};
-use crate::value::Vehicle;
+use crate::airspace::{PyGround, PyZone};
+use crate::decision::{PyDecision, PyStage};
+use crate::settings::PySettings;
+use crate::situation::{Around, PyMission, PySituation};
+use crate::value::PyVehicle;
 
 /// Time limit of a step without another one, seconds.
 pub(crate) const LIMIT_S: f64 = 1.0;
@@ -191,21 +191,21 @@ pub(crate) fn warn_of_failures<'a>(
 struct Question {
     /// What the first step of a flight needs.
     begins: Option<Begins>,
-    retuned: Option<CoreVehicle>,
+    retuned: Option<Vehicle>,
     time_s: f64,
     ownship: fga::situation::Ownship,
-    obstacles: Vec<CoreObstacle>,
+    obstacles: Vec<Obstacle>,
     wind_mps: Vec3,
 }
 
 struct Begins {
     settings: PolicySettings,
-    vehicle: CoreVehicle,
+    vehicle: Vehicle,
     waypoints_m: Vec<Vec3>,
     passing: Vec<Passing>,
     limits_m: (f64, f64),
-    zones: Vec<Zone>,
-    ground: Option<Ground>,
+    zones: Vec<PyZone>,
+    ground: Option<PyGround>,
 }
 
 /// Asks an object in one flight after the other.
@@ -213,14 +213,14 @@ struct Asked {
     policy: Arc<Py<PyAny>>,
     limit_s: f64,
     settings: PolicySettings,
-    made_for: CoreVehicle,
-    retuned: Option<CoreVehicle>,
+    made_for: Vehicle,
+    retuned: Option<Vehicle>,
     begins: bool,
     asked: Option<Thread<Question, Answer>>,
 }
 
 impl Outside for Asked {
-    fn answer(&mut self, situation: &CoreSituation<'_>) -> Result<Answer, Failure> {
+    fn answer(&mut self, situation: &Situation<'_>) -> Result<Answer, Failure> {
         let mission = &situation.mission;
         let question = Question {
             begins: self.begins.then(|| Begins {
@@ -232,12 +232,12 @@ impl Outside for Asked {
                 zones: mission
                     .zones
                     .iter()
-                    .map(|zone| Zone(WorldZone::of(zone)))
+                    .map(|zone| PyZone(WorldZone::of(zone)))
                     .collect(),
                 ground: mission
                     .ground
                     .and_then(WorldGround::of)
-                    .map(|ground| Ground(Arc::new(ground))),
+                    .map(|ground| PyGround(Arc::new(ground))),
             }),
             retuned: self.retuned.take(),
             time_s: situation.time_s,
@@ -263,7 +263,7 @@ impl Outside for Asked {
         answer
     }
 
-    fn retune(&mut self, vehicle: &CoreVehicle) {
+    fn retune(&mut self, vehicle: &Vehicle) {
         self.retuned = Some(*vehicle);
     }
 
@@ -341,13 +341,13 @@ pub(crate) fn made(
     policy: &Py<PyAny>,
     method: &str,
     settings: &PolicySettings,
-    vehicle: &CoreVehicle,
+    vehicle: &Vehicle,
 ) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
     let arguments = (
         policy,
         method,
-        Settings(settings.avoider),
-        Vehicle(*vehicle),
+        PySettings(settings.avoider),
+        PyVehicle(*vehicle),
     );
     helper(py, "made")?.call1(arguments)?.extract()
 }
@@ -357,7 +357,7 @@ struct Flown {
     policy: Arc<Py<PyAny>>,
     step: Option<Py<PyAny>>,
     retune: Option<Py<PyAny>>,
-    mission: Option<Py<Mission>>,
+    mission: Option<Py<PyMission>>,
 }
 
 impl Flown {
@@ -378,18 +378,19 @@ impl Flown {
     fn ask(&mut self, py: Python<'_>, question: Question) -> PyResult<Py<PyAny>> {
         if let Some(begins) = question.begins {
             let around = (begins.zones, begins.ground);
-            let mission = Mission::of(begins.waypoints_m, begins.passing, begins.limits_m, around);
+            let mission =
+                PyMission::of(begins.waypoints_m, begins.passing, begins.limits_m, around);
             self.mission = Some(Py::new(py, mission)?);
             let (step, retune) = made(py, &self.policy, STEP, &begins.settings, &begins.vehicle)?;
             (self.step, self.retune) = (Some(step), retune);
         }
         if let (Some(vehicle), Some(retune)) = (question.retuned, &self.retune) {
-            retune.call1(py, (Vehicle(vehicle),))?;
+            retune.call1(py, (PyVehicle(vehicle),))?;
         }
         let (Some(step), Some(mission)) = (&self.step, &self.mission) else {
             return Err(PyValueError::new_err("the policy was not made"));
         };
-        let situation = Situation {
+        let situation = PySituation {
             time_s: question.time_s,
             ownship: question.ownship,
             around: Around::Rows(question.obstacles),
@@ -412,16 +413,16 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
         )
     };
     let flies = |maneuver: &Maneuver| {
-        let decision = CoreDecision::new(State::Avoiding, maneuver, Reason::ManeuverKept);
+        let decision = Decision::new(State::Avoiding, maneuver, Reason::ManeuverKept);
         Answer::Decided(Box::new(decision))
     };
     if answer.is_none() {
         return Ok(Answer::Mission);
     }
-    if let Ok(decision) = answer.cast::<Decision>() {
+    if let Ok(decision) = answer.cast::<PyDecision>() {
         return Ok(Answer::Decided(Box::new(decision.get().decision)));
     }
-    if let Ok(stage) = answer.cast::<Stage>() {
+    if let Ok(stage) = answer.cast::<PyStage>() {
         let mut maneuver = Maneuver::hold();
         maneuver.push(stage.get().0);
         return Ok(flies(&maneuver));
@@ -439,7 +440,7 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
     }
     let mut maneuver = Maneuver::hold();
     for item in &items {
-        let stage = item.cast::<Stage>().map_err(|_| wrong())?;
+        let stage = item.cast::<PyStage>().map_err(|_| wrong())?;
         if !maneuver.push(stage.get().0) {
             return Err(Failure::new(
                 FailureKind::WrongShape,

@@ -3,64 +3,40 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use fga::vehicle::Vehicle as CoreVehicle;
+use fga::vehicle::Vehicle;
 use fga_sim::campaign::parse_policy;
-use fga_sim::policy::{Pilot as CorePilot, PolicyChoice, PolicySettings};
-use fga_sim::vehicle_file::VehicleModel as CoreModel;
+use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
+use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::decision::Decision;
+use crate::decision::PyDecision;
 use crate::failure::input;
-use crate::settings::Settings;
-use crate::situation::Situation;
-use crate::value::{Vehicle, refused, tuple, volume_of};
+use crate::settings::PySettings;
+use crate::situation::PySituation;
+use crate::value::{PyVehicle, properties, refused, tuple, volume_of};
 
 /// An aircraft from its TOML file: limits, settings, protected volume, wind.
 ///
 /// `VehicleModel.read(path)` reads a file as the program does, `VehicleModel()` is the aircraft of the
 /// paper's Table 4. Raises ValueError with the sentence of the program.
-#[pyclass(frozen, module = "fga")]
+#[pyclass(name = "VehicleModel", frozen, module = "fga")]
 #[derive(Debug, Clone)]
-pub(crate) struct VehicleModel(pub(crate) CoreModel);
+pub(crate) struct PyVehicleModel(pub(crate) VehicleModel);
 
 #[pymethods]
-impl VehicleModel {
+impl PyVehicleModel {
     #[new]
     fn new() -> PyResult<Self> {
-        CoreModel::built_in().map(Self).map_err(input)
+        VehicleModel::built_in().map(Self).map_err(input)
     }
 
     /// Reads a vehicle file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| CoreModel::read(&path))
+        py.detach(|| VehicleModel::read(&path))
             .map(Self)
             .map_err(input)
-    }
-
-    /// Its name for people.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.0.name
-    }
-
-    /// Its limits.
-    #[getter]
-    fn vehicle(&self) -> Vehicle {
-        Vehicle(self.0.vehicle)
-    }
-
-    /// The decision settings.
-    #[getter]
-    fn settings(&self) -> Settings {
-        Settings(self.0.settings.avoider)
-    }
-
-    /// Radius of the volume about each obstacle, metres.
-    #[getter]
-    fn radius_m(&self) -> f64 {
-        self.0.protection.radius_m()
     }
 
     /// Half height of the volume, metres; None for a sphere.
@@ -69,12 +45,6 @@ impl VehicleModel {
         let half_height_m = self.0.protection.half_height_m();
         let cylinder = volume_of(self.0.protection.radius_m(), Some(half_height_m));
         (self.0.protection == cylinder).then_some(half_height_m)
-    }
-
-    /// Velocity of the air over the ground, metres per second.
-    #[getter]
-    fn wind_mps(&self) -> (f64, f64, f64) {
-        tuple(self.0.wind_mps)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -93,24 +63,37 @@ impl VehicleModel {
     }
 }
 
+properties! { PyVehicleModel, this,
+    /// Its name for people.
+    name: &str = &this.0.name;
+    /// Its limits.
+    vehicle: PyVehicle = PyVehicle(this.0.vehicle);
+    /// The decision settings.
+    settings: PySettings = PySettings(this.0.settings.avoider);
+    /// Radius of the volume about each obstacle, metres.
+    radius_m: f64 = this.0.protection.radius_m();
+    /// Velocity of the air over the ground, metres per second.
+    wind_mps: (f64, f64, f64) = tuple(this.0.wind_mps);
+}
+
 /// A vehicle model: a model, the path of a file, or None for the built-in one.
-pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<CoreModel>> {
+pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<VehicleModel>> {
     let Some(object) = model else {
         return Ok(None);
     };
-    if let Ok(model) = object.cast::<VehicleModel>() {
+    if let Ok(model) = object.cast::<PyVehicleModel>() {
         return Ok(Some(model.get().0.clone()));
     }
     let path: PathBuf = object.extract().map_err(|_| {
         PyTypeError::new_err("vehicle is neither a path nor a VehicleModel, expected one of them")
     })?;
-    CoreModel::read(&path).map(Some).map_err(input)
+    VehicleModel::read(&path).map(Some).map_err(input)
 }
 
 /// A pilot for one thread at a time.
-pub(crate) type SharedPilot = Mutex<Box<dyn CorePilot + Send>>;
+pub(crate) type SharedPilot = Mutex<Box<dyn Pilot + Send>>;
 
-fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send>>> {
+fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Box<dyn Pilot + Send>>> {
     match decider.try_lock() {
         Ok(guard) => Ok(guard),
         // It is complete: the core does not panic.
@@ -121,23 +104,27 @@ fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + 
     }
 }
 
-fn step(py: Python<'_>, decider: &SharedPilot, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+fn step(
+    py: Python<'_>,
+    decider: &SharedPilot,
+    situation: &Bound<'_, PySituation>,
+) -> PyResult<PyDecision> {
     let mut guard = locked(decider)?;
     let pilot = guard.as_mut();
     let situation = situation.get();
     let decision = py.detach(|| situation.with(|situation| pilot.step(situation)));
-    Ok(Decision::of(decision, situation.ownship))
+    Ok(PyDecision::of(decision, situation.ownship))
 }
 
 /// Gives a situation of the simulator to a pilot.
 pub(crate) fn with_pilot<T>(
     object: &Bound<'_, PyAny>,
-    work: impl FnOnce(&mut dyn CorePilot) -> T,
+    work: impl FnOnce(&mut dyn Pilot) -> T,
 ) -> PyResult<T> {
-    if let Ok(avoider) = object.cast::<Avoider>() {
+    if let Ok(avoider) = object.cast::<PyAvoider>() {
         return Ok(work(locked(&avoider.get().0)?.as_mut()));
     }
-    if let Ok(pilot) = object.cast::<Pilot>() {
+    if let Ok(pilot) = object.cast::<PyPilot>() {
         return Ok(work(locked(&pilot.get().decider)?.as_mut()));
     }
     Err(PyTypeError::new_err(format!(
@@ -151,19 +138,19 @@ pub(crate) fn with_pilot<T>(
 /// Call `step` every `settings.decision_period_s` seconds. It remembers its present manoeuvre, so one
 /// aircraft needs one avoider. A step releases the interpreter's lock; a second thread that steps the same
 /// avoider meanwhile gets RuntimeError. It cannot be pickled; after a fork each process has its own copy.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Avoider(SharedPilot);
+#[pyclass(name = "Avoider", frozen, module = "fga")]
+pub(crate) struct PyAvoider(SharedPilot);
 
 #[pymethods]
-impl Avoider {
+impl PyAvoider {
     #[new]
     #[pyo3(signature = (settings = None, vehicle = None))]
     fn new(
-        settings: Option<&Bound<'_, Settings>>,
-        vehicle: Option<&Bound<'_, Vehicle>>,
+        settings: Option<&Bound<'_, PySettings>>,
+        vehicle: Option<&Bound<'_, PyVehicle>>,
     ) -> PyResult<Self> {
         let settings = settings.map_or_else(Default::default, |settings| settings.get().0);
-        let vehicle = vehicle.map_or_else(CoreVehicle::table_4, |vehicle| vehicle.get().0);
+        let vehicle = vehicle.map_or_else(Vehicle::table_4, |vehicle| vehicle.get().0);
         // As the program makes it: for a vehicle with a dead time it looks as far ahead.
         let policy = PolicyChoice::Avoider(settings.start);
         let settings = PolicySettings {
@@ -175,12 +162,12 @@ impl Avoider {
     }
 
     /// Decides the command until the next step.
-    fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+    fn step(&self, py: Python<'_>, situation: &Bound<'_, PySituation>) -> PyResult<PyDecision> {
         step(py, &self.0, situation)
     }
 
     /// Applies changed limits of the vehicle.
-    fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
+    fn retune(&self, vehicle: &Bound<'_, PyVehicle>) -> PyResult<()> {
         locked(&self.0)?.retune(&vehicle.get().0);
         Ok(())
     }
@@ -205,19 +192,19 @@ impl Avoider {
 /// Any policy of the program by its name, as in `Pilot("published --start t0", model)`.
 ///
 /// The same rules hold as for `Avoider`.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Pilot {
+#[pyclass(name = "Pilot", frozen, module = "fga")]
+pub(crate) struct PyPilot {
     name: String,
     decider: SharedPilot,
 }
 
 #[pymethods]
-impl Pilot {
+impl PyPilot {
     #[new]
     #[pyo3(signature = (policy = "turn-aware", model = None))]
     fn new(policy: &str, model: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let model = model_of(model)?
-            .map_or_else(CoreModel::built_in, Ok)
+            .map_or_else(VehicleModel::built_in, Ok)
             .map_err(input)?;
         let choice = parse_policy(policy).map_err(PyValueError::new_err)?;
         let pilot = choice
@@ -236,12 +223,12 @@ impl Pilot {
     }
 
     /// Decides the command until the next step.
-    fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+    fn step(&self, py: Python<'_>, situation: &Bound<'_, PySituation>) -> PyResult<PyDecision> {
         step(py, &self.decider, situation)
     }
 
     /// Applies changed limits of the vehicle.
-    fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
+    fn retune(&self, vehicle: &Bound<'_, PyVehicle>) -> PyResult<()> {
         locked(&self.decider)?.retune(&vehicle.get().0);
         Ok(())
     }

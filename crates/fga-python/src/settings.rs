@@ -1,12 +1,12 @@
 //! The settings of decisions, as a frozen Python class.
 
-use fga::avoider::{Settings as CoreSettings, Start};
+use fga::avoider::{Settings, Start};
 use fga::search::Objective;
 use fga_sim::policy::PolicyChoice;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::value::{frozen, refused};
+use crate::value::{frozen, properties, refused};
 
 /// Settings of the avoider.
 ///
@@ -14,12 +14,12 @@ use crate::value::{frozen, refused};
 /// `shortest-path`. The pages of the crate `fga` have their meanings and ranges.
 ///
 /// Raises ValueError, with the sentence of the program, for a setting out of range.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Settings", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Settings(pub(crate) CoreSettings);
+pub(crate) struct PySettings(pub(crate) Settings);
 
 #[pymethods]
-impl Settings {
+impl PySettings {
     #[new]
     #[pyo3(signature = (
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = f64::INFINITY, horizon_s = 60.0,
@@ -43,7 +43,7 @@ impl Settings {
         work_limit: i64,
         drift_mps: f64,
     ) -> PyResult<Self> {
-        let settings = CoreSettings {
+        let settings = Settings {
             start: match PolicyChoice::parse("turn-aware", Some(start)) {
                 Ok(PolicyChoice::Avoider(start)) => start,
                 Ok(_) => Start::Free,
@@ -88,54 +88,6 @@ impl Settings {
         }
     }
 
-    /// Time from one step to the next, seconds.
-    #[getter]
-    fn decision_period_s(&self) -> f64 {
-        self.0.decision_period_s
-    }
-
-    /// Obstacles farther away do not count, metres.
-    #[getter]
-    fn surveillance_radius_m(&self) -> f64 {
-        self.0.surveillance_radius_m
-    }
-
-    /// Horizon of the certificate, seconds.
-    #[getter]
-    fn horizon_s(&self) -> f64 {
-        self.0.horizon_s
-    }
-
-    /// Distance kept beyond the protected volume, metres.
-    #[getter]
-    fn margin_m(&self) -> f64 {
-        self.0.margin_m
-    }
-
-    /// Standard deviation of the velocity that carries the aircraft off its prediction, m/s.
-    #[getter]
-    fn drift_mps(&self) -> f64 {
-        self.0.drift_mps
-    }
-
-    /// Standard deviations that widen an obstacle's volume.
-    #[getter]
-    fn confidence_sigmas(&self) -> f64 {
-        self.0.confidence_sigmas
-    }
-
-    /// Cost of a change of course, per radian.
-    #[getter]
-    fn heading_cost(&self) -> f64 {
-        self.0.heading_cost
-    }
-
-    /// Cost of a change of climb angle, per radian.
-    #[getter]
-    fn pitch_cost(&self) -> f64 {
-        self.0.pitch_cost
-    }
-
     /// The measure of the cheapest manoeuvre.
     #[getter]
     fn objective(&self) -> &'static str {
@@ -145,24 +97,30 @@ impl Settings {
             Objective::ShortestPath => "shortest-path",
         }
     }
-
-    /// Most work of one step.
-    #[getter]
-    fn work_limit(&self) -> u32 {
-        self.0.work_limit
-    }
 }
 
-frozen! { Settings, this,
-    "start": this.start(),
-    "decision_period_s": this.0.decision_period_s,
-    "surveillance_radius_m": this.0.surveillance_radius_m,
-    "horizon_s": this.0.horizon_s,
-    "margin_m": this.0.margin_m,
-    "drift_mps": this.0.drift_mps,
-    "confidence_sigmas": this.0.confidence_sigmas,
-    "heading_cost": this.0.heading_cost,
-    "pitch_cost": this.0.pitch_cost,
-    "objective": this.objective(),
-    "work_limit": this.0.work_limit,
+properties! { PySettings, this,
+    /// Time from one step to the next, seconds.
+    decision_period_s: f64 = this.0.decision_period_s;
+    /// Obstacles farther away do not count, metres.
+    surveillance_radius_m: f64 = this.0.surveillance_radius_m;
+    /// Horizon of the certificate, seconds.
+    horizon_s: f64 = this.0.horizon_s;
+    /// Distance kept beyond the protected volume, metres.
+    margin_m: f64 = this.0.margin_m;
+    /// Standard deviation of the velocity that carries the aircraft off its prediction, m/s.
+    drift_mps: f64 = this.0.drift_mps;
+    /// Standard deviations that widen an obstacle's volume.
+    confidence_sigmas: f64 = this.0.confidence_sigmas;
+    /// Cost of a change of course, per radian.
+    heading_cost: f64 = this.0.heading_cost;
+    /// Cost of a change of climb angle, per radian.
+    pitch_cost: f64 = this.0.pitch_cost;
+    /// Most work of one step.
+    work_limit: u32 = this.0.work_limit;
+}
+
+frozen! { PySettings, this,
+    start, decision_period_s, surveillance_radius_m, horizon_s, margin_m, drift_mps,
+    confidence_sigmas, heading_cost, pitch_cost, objective, work_limit,
 }

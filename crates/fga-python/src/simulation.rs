@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use fga::situation::Situation as CoreSituation;
-use fga_formats::InputError;
+use fga::situation::Situation;
+use fga_results::provenance::file_fingerprint;
 use fga_results::{flight, flight_files, replay_page};
 use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
@@ -12,16 +12,15 @@ use fga_sim::run::{Plan, RunLog};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use sha2::{Digest as _, Sha256};
 
-use crate::airspace::{Ground, Zone};
-use crate::decision::Decision;
+use crate::airspace::{PyGround, PyZone};
+use crate::decision::PyDecision;
 use crate::failure::{input, output};
 use crate::own::{LIMIT_S, Policy, choice, warn_of_failures};
-use crate::pilot::{VehicleModel, model_of, with_pilot};
-use crate::situation::{Around, Mission, Situation};
-use crate::table::{ArrayColumn, Table};
-use crate::value::{Ownship, Vehicle, refused};
+use crate::pilot::{PyVehicleModel, model_of, with_pilot};
+use crate::situation::{Around, PyMission, PySituation};
+use crate::table::{ArrayColumn, PyTable};
+use crate::value::{PyOwnship, PyVehicle, properties, refused};
 
 /// The result of a flight, by the names of the columns of `results.csv`.
 pub(crate) fn outcome_dict<'py>(
@@ -56,10 +55,10 @@ fn read_plan(
 ///
 /// `step(pilot)` lets a pilot decide and flies on; `situation` and `advance(decision)` are for a policy of
 /// your own. Flown with the same policy, it is the flight of `fga run`, bit for bit.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Simulation {
+#[pyclass(name = "Simulation", frozen, module = "fga")]
+pub(crate) struct PySimulation {
     flight: Mutex<FlyingWorld>,
-    mission: Py<Mission>,
+    mission: Py<PyMission>,
     plan: Plan,
 }
 
@@ -69,7 +68,7 @@ struct FlyingWorld {
     path: FlownPath,
 }
 
-impl Simulation {
+impl PySimulation {
     fn flight(&self) -> PyResult<MutexGuard<'_, FlyingWorld>> {
         match self.flight.try_lock() {
             Ok(guard) => Ok(guard),
@@ -80,8 +79,8 @@ impl Simulation {
         }
     }
 
-    fn of(&self, py: Python<'_>, situation: &CoreSituation<'_>) -> Situation {
-        Situation {
+    fn of(&self, py: Python<'_>, situation: &Situation<'_>) -> PySituation {
+        PySituation {
             time_s: situation.time_s,
             ownship: situation.ownship,
             around: Around::Rows(situation.obstacles.iter().collect()),
@@ -92,7 +91,7 @@ impl Simulation {
 }
 
 #[pymethods]
-impl Simulation {
+impl PySimulation {
     #[new]
     #[pyo3(signature = (file, vehicle = None, ownship = None))]
     fn new(
@@ -103,13 +102,13 @@ impl Simulation {
     ) -> PyResult<Self> {
         let plan = read_plan(&file, vehicle, ownship)?;
         let world = plan.world.clone();
-        let mission = Mission::of(
+        let mission = PyMission::of(
             world.mission_m.clone(),
             world.passing.clone(),
             world.limits_m,
             (
-                world.zones.iter().cloned().map(Zone).collect(),
-                world.ground.clone().map(Ground),
+                world.zones.iter().cloned().map(PyZone).collect(),
+                world.ground.clone().map(PyGround),
             ),
         );
         Ok(Self {
@@ -122,39 +121,9 @@ impl Simulation {
         })
     }
 
-    /// Its name.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.plan.name
-    }
-
-    /// Its aircraft.
-    #[getter]
-    fn model(&self) -> VehicleModel {
-        VehicleModel(self.plan.model.clone())
-    }
-
-    /// Names of the obstacles.
-    #[getter]
-    fn names(&self) -> Vec<String> {
-        self.plan.names.clone()
-    }
-
-    /// Time of the next decision, seconds; at the end the time of the end.
-    #[getter]
-    fn time_s(&self) -> PyResult<f64> {
-        Ok(self.flight()?.flight.time_s())
-    }
-
-    /// The aircraft now.
-    #[getter]
-    fn ownship(&self) -> PyResult<Ownship> {
-        Ok(Ownship(*self.flight()?.flight.ownship()))
-    }
-
     /// The present situation; None once the flight has ended.
     #[getter]
-    fn situation(&self, py: Python<'_>) -> PyResult<Option<Situation>> {
+    fn situation(&self, py: Python<'_>) -> PyResult<Option<PySituation>> {
         let flying = self.flight()?;
         Ok(flying
             .flight
@@ -164,12 +133,12 @@ impl Simulation {
 
     /// Changed limits of the vehicle since the last decision, once; a pilot applies them by `retune`
     /// before it decides.
-    fn take_retuned(&self) -> PyResult<Option<Vehicle>> {
-        Ok(self.flight()?.flight.take_retuned().map(Vehicle))
+    fn take_retuned(&self) -> PyResult<Option<PyVehicle>> {
+        Ok(self.flight()?.flight.take_retuned().map(PyVehicle))
     }
 
     /// Flies a decision until the next one is due. Returns whether the flight goes on.
-    fn advance(&self, py: Python<'_>, decision: &Bound<'_, Decision>) -> PyResult<bool> {
+    fn advance(&self, py: Python<'_>, decision: &Bound<'_, PyDecision>) -> PyResult<bool> {
         let mut guard = self.flight()?;
         let FlyingWorld { flight, path } = &mut *guard;
         let decision = decision.get();
@@ -177,7 +146,7 @@ impl Simulation {
     }
 
     /// Lets a pilot decide and flies on. Returns its decision; None once the flight has ended.
-    fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<Decision>> {
+    fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<PyDecision>> {
         let mut guard = self.flight()?;
         let FlyingWorld { flight, path } = &mut *guard;
         let retuned = flight.take_retuned();
@@ -191,7 +160,7 @@ impl Simulation {
             return Ok(None);
         };
         flight.advance(&decision, path);
-        Ok(Some(Decision::of(decision, ownship)))
+        Ok(Some(PyDecision::of(decision, ownship)))
     }
 
     /// The result of the flight so far, by the names of the columns of results.csv, with `min_terrain_clearance_m` and
@@ -235,9 +204,22 @@ impl Simulation {
     }
 }
 
+properties! { PySimulation, this,
+    /// Its name.
+    name: &str = &this.plan.name;
+    /// Its aircraft.
+    model: PyVehicleModel = PyVehicleModel(this.plan.model.clone());
+    /// Names of the obstacles.
+    names: Vec<String> = this.plan.names.clone();
+    /// Time of the next decision, seconds; at the end the time of the end.
+    time_s: PyResult<f64> = Ok(this.flight()?.flight.time_s());
+    /// The aircraft now.
+    ownship: PyResult<PyOwnship> = Ok(PyOwnship(*this.flight()?.flight.ownship()));
+}
+
 /// One flight with everything logged, as in the files of `fga run`.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Run {
+#[pyclass(name = "Run", frozen, module = "fga")]
+pub(crate) struct PyRun {
     log: RunLog,
     overlaid: Vec<RunLog>,
     input: PathBuf,
@@ -245,7 +227,7 @@ pub(crate) struct Run {
 }
 
 #[pymethods]
-impl Run {
+impl PyRun {
     /// The summary, as `fga run --json` prints it.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -261,12 +243,12 @@ impl Run {
 
     /// The flown states, at most 0.1 s apart: the columns of track.csv, to full precision.
     #[getter]
-    fn track(&self) -> PyResult<Table> {
+    fn track(&self) -> PyResult<PyTable> {
         let samples = &self.log.samples;
         let real = |name, get: fn(&fga_sim::engine::Sample) -> f64| {
             (name, ArrayColumn::Real(samples.iter().map(get).collect()))
         };
-        Table::of(vec![
+        PyTable::of(vec![
             real("t_s", |sample| sample.time_s),
             real("x_m", |sample| sample.position_m.x),
             real("y_m", |sample| sample.position_m.y),
@@ -288,10 +270,10 @@ impl Run {
 
     /// Every decision, in order.
     #[getter]
-    fn decisions(&self) -> Vec<Decision> {
+    fn decisions(&self) -> Vec<PyDecision> {
         let decisions = self.log.decisions.iter();
         decisions
-            .map(|log| Decision::of(log.decision, log.ownship))
+            .map(|log| PyDecision::of(log.decision, log.ownship))
             .collect()
     }
 
@@ -351,19 +333,14 @@ pub(crate) fn run(
     ownship: Option<&str>,
     overlay: Vec<Bound<'_, PyAny>>,
     time_limit_s: f64,
-) -> PyResult<Run> {
+) -> PyResult<PyRun> {
     let plan = read_plan(&file, vehicle, ownship)?;
     let policy = policy.choice(time_limit_s)?;
     let others = overlay
         .iter()
         .map(|policy| choice(policy, time_limit_s))
         .collect::<PyResult<Vec<_>>>()?;
-    let bytes =
-        std::fs::read(&file).map_err(|error| input(InputError::unreadable(&file, &error)))?;
-    let mut input_sha256 = String::with_capacity(64);
-    for byte in Sha256::digest(&bytes) {
-        input_sha256.push_str(&format!("{byte:02x}"));
-    }
+    let input_sha256 = file_fingerprint(&file).map_err(input)?;
     let (log, overlaid) = py
         .detach(|| {
             let fly = |policy| fga_sim::run::fly(plan.clone(), policy, &mut |_| ());
@@ -372,7 +349,7 @@ pub(crate) fn run(
         })
         .map_err(refused)?;
     warn_of_failures(py, core::iter::once(&policy).chain(&others))?;
-    Ok(Run {
+    Ok(PyRun {
         log,
         overlaid,
         input: file,

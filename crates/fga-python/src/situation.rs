@@ -1,17 +1,16 @@
 //! The input of one decision.
 
 use fga::Vec3;
-use fga::situation::{
-    Columns, Mission as CoreMission, Obstacle as CoreObstacle, Obstacles as CoreObstacles, Passing,
-    Situation as CoreSituation,
-};
+use fga::situation::{Columns, Mission, Obstacle, Obstacles, Passing, Situation};
 use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::airspace::{Ground, Zone};
-use crate::value::{NewArguments, Obstacle, Ownship, Triple, expect, expect_finite, frozen, tuple};
+use crate::airspace::{PyGround, PyZone};
+use crate::value::{
+    NewArguments, PyObstacle, PyOwnship, Triple, expect, expect_finite, frozen, properties, tuple,
+};
 
 /// A column of numbers: an array of float64, or any sequence of numbers. Copied, so that it cannot
 /// change while a decision is made without the interpreter's lock.
@@ -91,9 +90,9 @@ fn identifiers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
 ///
 /// Raises ValueError for columns of different lengths, a number that is not finite, a length that is
 /// negative or an identifier that is used twice; TypeError for a column of another type.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Obstacles", frozen, eq, module = "fga")]
 #[derive(Debug, PartialEq)]
-pub(crate) struct Obstacles {
+pub(crate) struct PyObstacles {
     id: Vec<u32>,
     columns: [Vec<f64>; 7],
     half_height_m: Option<Vec<f64>>,
@@ -101,7 +100,7 @@ pub(crate) struct Obstacles {
 }
 
 #[pymethods]
-impl Obstacles {
+impl PyObstacles {
     #[new]
     #[pyo3(signature = (
         *, id, x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, radius_m, half_height_m = None,
@@ -202,7 +201,7 @@ fn expect_distinct(mut ids: Vec<u32>) -> PyResult<()> {
     }
 }
 
-impl Obstacles {
+impl PyObstacles {
     fn check(&self) -> PyResult<()> {
         self.columns()
             .check()
@@ -268,26 +267,26 @@ impl Obstacles {
 /// `zones` those of the airspace, `ground` the heights of the ground. No waypoint at all means: hold course and altitude.
 ///
 /// Raises ValueError for a single waypoint or a number that is not finite.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Mission", frozen, eq, module = "fga")]
 #[derive(Debug, PartialEq)]
-pub(crate) struct Mission {
+pub(crate) struct PyMission {
     waypoints_m: Vec<Vec3>,
     passing: Vec<Passing>,
     limits_m: (f64, f64),
-    zones: Vec<Zone>,
-    ground: Option<Ground>,
+    zones: Vec<PyZone>,
+    ground: Option<PyGround>,
 }
 
 #[pymethods]
-impl Mission {
+impl PyMission {
     #[new]
     #[pyo3(signature = (waypoints_m, fly_over = Vec::new(), limits_m = (f64::NEG_INFINITY, f64::INFINITY), zones = Vec::new(), ground = None))]
     fn new(
         waypoints_m: &Bound<'_, PyAny>,
         fly_over: Vec<usize>,
         limits_m: (f64, f64),
-        zones: Vec<Zone>,
-        ground: Option<Ground>,
+        zones: Vec<PyZone>,
+        ground: Option<PyGround>,
     ) -> PyResult<Self> {
         let waypoints_m: Vec<Vec3> = waypoints_m
             .try_iter()?
@@ -322,12 +321,6 @@ impl Mission {
         })
     }
 
-    /// Waypoints, metres, local frame.
-    #[getter]
-    fn waypoints_m(&self) -> Vec<(f64, f64, f64)> {
-        self.waypoints_m.iter().copied().map(tuple).collect()
-    }
-
     /// Indices of the fly-over waypoints.
     #[getter]
     fn fly_over(&self) -> Vec<usize> {
@@ -337,35 +330,28 @@ impl Mission {
             .collect()
     }
 
-    /// Lowest and highest altitude, metres.
-    #[getter]
-    fn limits_m(&self) -> (f64, f64) {
-        self.limits_m
-    }
-
-    /// The zones.
-    #[getter]
-    fn zones(&self) -> Vec<Zone> {
-        self.zones.clone()
-    }
-
-    /// The ground, if it is known.
-    #[getter]
-    fn ground(&self) -> Option<Ground> {
-        self.ground.clone()
-    }
-
     fn __len__(&self) -> usize {
         self.waypoints_m.len()
     }
 }
 
-impl Mission {
+properties! { PyMission, this,
+    /// Waypoints, metres, local frame.
+    waypoints_m: Vec<(f64, f64, f64)> = this.waypoints_m.iter().copied().map(tuple).collect();
+    /// Lowest and highest altitude, metres.
+    limits_m: (f64, f64) = this.limits_m;
+    /// The zones.
+    zones: Vec<PyZone> = this.zones.clone();
+    /// The ground, if it is known.
+    ground: Option<PyGround> = this.ground.clone();
+}
+
+impl PyMission {
     pub(crate) fn of(
         waypoints_m: Vec<Vec3>,
         mut passing: Vec<Passing>,
         limits_m: (f64, f64),
-        (zones, ground): (Vec<Zone>, Option<Ground>),
+        (zones, ground): (Vec<PyZone>, Option<PyGround>),
     ) -> Self {
         // Beyond the end of the list a waypoint is fly-by, so that equal missions have equal lists.
         passing.truncate(waypoints_m.len());
@@ -384,19 +370,15 @@ impl Mission {
     }
 }
 
-frozen! { Mission, this,
-    "waypoints_m": this.waypoints_m(),
-    "fly_over": this.fly_over(),
-    "limits_m": this.limits_m(),
-    "zones": this.zones(),
-    "ground": this.ground(),
+frozen! { PyMission, this,
+    waypoints_m, fly_over, limits_m, zones, ground,
 }
 
 /// The obstacles of a situation.
 #[derive(Debug)]
 pub(crate) enum Around {
-    Rows(Vec<CoreObstacle>),
-    Columns(Py<Obstacles>),
+    Rows(Vec<Obstacle>),
+    Columns(Py<PyObstacles>),
 }
 
 /// The input of one decision.
@@ -405,24 +387,24 @@ pub(crate) enum Around {
 /// `Obstacle` or one `Obstacles`, over the ground. `wind_mps` is the velocity of the air over the ground.
 ///
 /// Raises ValueError for a number that is not finite or larger than 1e15, or two obstacles with the same `id`.
-#[pyclass(frozen, module = "fga")]
+#[pyclass(name = "Situation", frozen, module = "fga")]
 #[derive(Debug)]
-pub(crate) struct Situation {
+pub(crate) struct PySituation {
     pub(crate) time_s: f64,
     pub(crate) ownship: fga::situation::Ownship,
     pub(crate) around: Around,
-    pub(crate) mission: Py<Mission>,
+    pub(crate) mission: Py<PyMission>,
     pub(crate) wind_mps: Vec3,
 }
 
 #[pymethods]
-impl Situation {
+impl PySituation {
     #[new]
     #[pyo3(signature = (time_s, ownship, mission, obstacles = None, wind_mps = Triple(Vec3::ZERO)))]
     fn new(
         time_s: f64,
-        ownship: &Bound<'_, Ownship>,
-        mission: Py<Mission>,
+        ownship: &Bound<'_, PyOwnship>,
+        mission: Py<PyMission>,
         obstacles: Option<&Bound<'_, PyAny>>,
         wind_mps: Triple,
     ) -> PyResult<Self> {
@@ -430,7 +412,7 @@ impl Situation {
         expect_finite("wind_mps", wind_mps.0)?;
         let around = match obstacles {
             None => Around::Rows(Vec::new()),
-            Some(object) => match object.cast::<Obstacles>() {
+            Some(object) => match object.cast::<PyObstacles>() {
                 Ok(columns) => Around::Columns(columns.clone().unbind()),
                 Err(_) => Around::Rows(rows(object)?),
             },
@@ -450,34 +432,10 @@ impl Situation {
         Ok(situation)
     }
 
-    /// Time of the state, seconds.
-    #[getter]
-    fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
-    /// The aircraft.
-    #[getter]
-    fn ownship(&self) -> Ownship {
-        Ownship(self.ownship)
-    }
-
     /// The mission.
     #[getter]
-    fn mission(&self, py: Python<'_>) -> Py<Mission> {
+    fn mission(&self, py: Python<'_>) -> Py<PyMission> {
         self.mission.clone_ref(py)
-    }
-
-    /// The obstacles, one record each.
-    #[getter]
-    fn obstacles(&self) -> Vec<Obstacle> {
-        self.with(|situation| situation.obstacles.iter().map(Obstacle).collect())
-    }
-
-    /// Velocity of the air over the ground, metres per second.
-    #[getter]
-    fn wind_mps(&self) -> (f64, f64, f64) {
-        tuple(self.wind_mps)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -518,8 +476,19 @@ impl Situation {
     }
 }
 
+properties! { PySituation, this,
+    /// Time of the state, seconds.
+    time_s: f64 = this.time_s;
+    /// The aircraft.
+    ownship: PyOwnship = PyOwnship(this.ownship);
+    /// The obstacles, one record each.
+    obstacles: Vec<PyObstacle> = this.with(|situation| situation.obstacles.iter().map(PyObstacle).collect());
+    /// Velocity of the air over the ground, metres per second.
+    wind_mps: (f64, f64, f64) = tuple(this.wind_mps);
+}
+
 /// A sequence of obstacles with distinct identifiers.
-fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
+fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<Obstacle>> {
     let wrong = |found: &Bound<'_, PyAny>| {
         PyTypeError::new_err(format!(
             "obstacles holds {}, expected a sequence of Obstacle or one Obstacles",
@@ -529,26 +498,26 @@ fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
     let mut rows = Vec::new();
     for item in object.try_iter().map_err(|_| wrong(object))? {
         let item = item?;
-        rows.push(item.cast::<Obstacle>().map_err(|_| wrong(&item))?.get().0);
+        rows.push(item.cast::<PyObstacle>().map_err(|_| wrong(&item))?.get().0);
     }
     expect_distinct(rows.iter().map(|row| row.id).collect())?;
     Ok(rows)
 }
 
-impl Situation {
+impl PySituation {
     /// Passes the situation to the core.
-    pub(crate) fn with<T>(&self, show: impl FnOnce(&CoreSituation<'_>) -> T) -> T {
+    pub(crate) fn with<T>(&self, show: impl FnOnce(&Situation<'_>) -> T) -> T {
         let mission = self.mission.get();
         let zones: Vec<_> = mission.zones.iter().map(|zone| zone.0.zone()).collect();
         let ground = mission.ground.as_ref().and_then(|ground| ground.0.ground());
-        show(&CoreSituation {
+        show(&Situation {
             time_s: self.time_s,
             ownship: self.ownship,
             obstacles: match &self.around {
-                Around::Rows(rows) => CoreObstacles::Rows(rows),
-                Around::Columns(columns) => CoreObstacles::Columns(columns.get().columns()),
+                Around::Rows(rows) => Obstacles::Rows(rows),
+                Around::Columns(columns) => Obstacles::Columns(columns.get().columns()),
             },
-            mission: CoreMission {
+            mission: Mission {
                 waypoints_m: &mission.waypoints_m,
                 passing: &mission.passing,
                 limits_m: mission.limits_m,

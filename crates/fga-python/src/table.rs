@@ -42,14 +42,14 @@ impl ArrayColumn {
 
 /// A table that every library with the Arrow PyCapsule interface takes without copying:
 /// `polars.DataFrame(table)`, `pyarrow.table(table)`, `pandas.DataFrame.from_arrow(table)`, duckdb.
-#[pyclass(frozen, module = "fga")]
+#[pyclass(name = "Table", frozen, module = "fga")]
 #[derive(Debug)]
-pub(crate) struct Table {
+pub(crate) struct PyTable {
     batch: RecordBatch,
     csv: Option<Vec<u8>>,
 }
 
-impl Table {
+impl PyTable {
     /// A table of these columns.
     pub(crate) fn of(columns: Vec<(&str, ArrayColumn)>) -> PyResult<Self> {
         let mut fields = Vec::with_capacity(columns.len());
@@ -74,7 +74,7 @@ impl Table {
 }
 
 #[pymethods]
-impl Table {
+impl PyTable {
     /// The Arrow PyCapsule interface.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(

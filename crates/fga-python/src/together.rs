@@ -12,7 +12,7 @@ use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;
 
 use crate::own::{STEP_ALL, Thread, made, raised};
-use crate::table::{ArrayColumn, Table, batches_of};
+use crate::table::{ArrayColumn, PyTable, batches_of};
 use crate::value::movement_word;
 use crate::work::SharedWork;
 
@@ -153,7 +153,7 @@ fn tables(questions: &Questions<'_>) -> ColumnTables {
 /// The answers of the policy, one for each flight.
 fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec<Answer>, Failure> {
     let wrong = |message: String| Failure::new(FailureKind::WrongShape, message);
-    let [flights, obstacles] = tables.map(Table::of);
+    let [flights, obstacles] = tables.map(PyTable::of);
     let call = || -> PyResult<Py<PyAny>> { step.call1(py, (flights?, obstacles?)) };
     let answer = call().map_err(|error| raised(py, &error))?;
     let batches = batches_of(answer.bind(py)).map_err(|_| {

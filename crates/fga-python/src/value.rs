@@ -3,7 +3,7 @@
 use fga::Vec3;
 use fga::avoider::SettingsError;
 use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
-use fga::vehicle::{Response, Vehicle as CoreVehicle};
+use fga::vehicle::{Response, Vehicle};
 use fga_paper::turn::bank_for_radius_rad;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -82,13 +82,33 @@ pub(crate) fn remade<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, Py
     py.import("fga._fga")?.getattr(name)
 }
 
-/// How a frozen class is printed and pickled: by the arguments that make it again.
+/// Properties of a class, each with its sentence in Python, its type and its value.
+macro_rules! properties {
+    ($class:ident, $this:ident, $($(#[$doc:meta])+ $name:ident: $type:ty = $value:expr;)+) => {
+        #[pymethods]
+        impl $class {
+            $($(#[$doc])+
+            #[getter]
+            fn $name(&self) -> $type {
+                let $this = self;
+                $value
+            })+
+        }
+    };
+}
+pub(crate) use properties;
+
+/// How a frozen class is printed and pickled: by the arguments that make it again, which are properties of the same name unless
+/// another value is given.
 macro_rules! frozen {
-    ($class:ident, $this:ident, $($name:literal: $value:expr),+ $(,)?) => {
+    (@value $this:ident $name:ident) => { $this.$name() };
+    (@value $this:ident $name:ident $value:expr) => { $value };
+    ($class:ident, $this:ident, $($name:ident $(= $value:expr)?),+ $(,)?) => {
         #[pymethods]
         impl $class {
             fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-                $crate::value::shown(stringify!($class), &self.arguments(py)?)
+                let name = stringify!($class).trim_start_matches("Py");
+                $crate::value::shown(name, &self.arguments(py)?)
             }
 
             fn __getnewargs_ex__<'py>(
@@ -100,13 +120,13 @@ macro_rules! frozen {
         }
 
         impl $class {
-            fn arguments<'py>(
-                &self,
-                py: Python<'py>,
-            ) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+            fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
                 let $this = self;
                 let arguments = pyo3::types::PyDict::new(py);
-                $(arguments.set_item($name, $value)?;)+
+                $(
+                    let value = $crate::value::frozen!(@value $this $name $($value)?);
+                    arguments.set_item(stringify!($name), value)?;
+                )+
                 Ok(arguments)
             }
         }
@@ -120,12 +140,12 @@ pub(crate) use frozen;
 /// course), climb angles positive upwards, bank angles positive in a left turn.
 ///
 /// Raises ValueError for a number that is not finite or an airspeed that is not positive.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Ownship", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ownship(pub(crate) fga::situation::Ownship);
+pub(crate) struct PyOwnship(pub(crate) fga::situation::Ownship);
 
 #[pymethods]
-impl Ownship {
+impl PyOwnship {
     #[new]
     #[pyo3(signature = (position_m, course_rad, airspeed_mps, climb_rad = 0.0, bank_rad = 0.0))]
     fn new(
@@ -153,44 +173,23 @@ impl Ownship {
             airspeed_mps,
         }))
     }
-
-    /// Position, metres, local frame.
-    #[getter]
-    fn position_m(&self) -> (f64, f64, f64) {
-        tuple(self.0.position_m)
-    }
-
-    /// Course through the air, radians.
-    #[getter]
-    fn course_rad(&self) -> f64 {
-        self.0.course_rad
-    }
-
-    /// Climb angle, radians.
-    #[getter]
-    fn climb_rad(&self) -> f64 {
-        self.0.climb_rad
-    }
-
-    /// Bank angle, radians, positive in a left turn.
-    #[getter]
-    fn bank_rad(&self) -> f64 {
-        self.0.bank_rad
-    }
-
-    /// Total airspeed, metres per second.
-    #[getter]
-    fn airspeed_mps(&self) -> f64 {
-        self.0.airspeed_mps
-    }
 }
 
-frozen! { Ownship, this,
-    "position_m": this.position_m(),
-    "course_rad": this.0.course_rad,
-    "airspeed_mps": this.0.airspeed_mps,
-    "climb_rad": this.0.climb_rad,
-    "bank_rad": this.0.bank_rad,
+properties! { PyOwnship, this,
+    /// Position, metres, local frame.
+    position_m: (f64, f64, f64) = tuple(this.0.position_m);
+    /// Course through the air, radians.
+    course_rad: f64 = this.0.course_rad;
+    /// Climb angle, radians.
+    climb_rad: f64 = this.0.climb_rad;
+    /// Bank angle, radians, positive in a left turn.
+    bank_rad: f64 = this.0.bank_rad;
+    /// Total airspeed, metres per second.
+    airspeed_mps: f64 = this.0.airspeed_mps;
+}
+
+frozen! { PyOwnship, this,
+    position_m, course_rad, airspeed_mps, climb_rad, bank_rad,
 }
 
 /// The possible motion of an obstacle for a word of a batch file.
@@ -245,12 +244,12 @@ pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedV
 /// `unknown`, `passengers` or `natural-barrier`: only the published rules ask for it.
 ///
 /// Raises ValueError for a number that is not finite or a length that is negative.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Obstacle", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Obstacle(pub(crate) fga::situation::Obstacle);
+pub(crate) struct PyObstacle(pub(crate) fga::situation::Obstacle);
 
 #[pymethods]
-impl Obstacle {
+impl PyObstacle {
     #[new]
     #[pyo3(signature = (
         id, position_m, radius_m, velocity_mps = Triple(Vec3::ZERO), half_height_m = None,
@@ -292,30 +291,6 @@ impl Obstacle {
         Ok(Self(obstacle))
     }
 
-    /// Identifier, unique among the obstacles of a situation.
-    #[getter]
-    fn id(&self) -> u32 {
-        self.0.id
-    }
-
-    /// Centre of the volume, metres, local frame.
-    #[getter]
-    fn position_m(&self) -> (f64, f64, f64) {
-        tuple(self.0.position_m)
-    }
-
-    /// Velocity over the ground, metres per second.
-    #[getter]
-    fn velocity_mps(&self) -> (f64, f64, f64) {
-        tuple(self.0.velocity_mps)
-    }
-
-    /// Radius of the volume, metres.
-    #[getter]
-    fn radius_m(&self) -> f64 {
-        self.0.volume.radius_m()
-    }
-
     /// Half height of a cylinder, metres; None for a sphere.
     #[getter]
     fn half_height_m(&self) -> Option<f64> {
@@ -323,24 +298,6 @@ impl Obstacle {
             ProtectedVolume::Sphere { .. } => None,
             ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
         }
-    }
-
-    /// Standard deviation of the position along an axis, metres.
-    #[getter]
-    fn position_sigma_m(&self) -> f64 {
-        self.0.uncertainty.position_m
-    }
-
-    /// Standard deviation of the velocity along an axis, metres per second.
-    #[getter]
-    fn velocity_sigma_mps(&self) -> f64 {
-        self.0.uncertainty.velocity_mps
-    }
-
-    /// Its possible motion: still, straight, aircraft or uas.
-    #[getter]
-    fn kind(&self) -> &'static str {
-        movement_word(self.0.movement)
     }
 
     /// Its nature: unknown, passengers or natural-barrier.
@@ -354,27 +311,37 @@ impl Obstacle {
     }
 }
 
-frozen! { Obstacle, this,
-    "id": this.0.id,
-    "position_m": this.position_m(),
-    "radius_m": this.radius_m(),
-    "velocity_mps": this.velocity_mps(),
-    "half_height_m": this.half_height_m(),
-    "position_sigma_m": this.position_sigma_m(),
-    "velocity_sigma_mps": this.velocity_sigma_mps(),
-    "kind": this.kind(),
-    "nature": this.nature(),
+properties! { PyObstacle, this,
+    /// Identifier, unique among the obstacles of a situation.
+    id: u32 = this.0.id;
+    /// Centre of the volume, metres, local frame.
+    position_m: (f64, f64, f64) = tuple(this.0.position_m);
+    /// Velocity over the ground, metres per second.
+    velocity_mps: (f64, f64, f64) = tuple(this.0.velocity_mps);
+    /// Radius of the volume, metres.
+    radius_m: f64 = this.0.volume.radius_m();
+    /// Standard deviation of the position along an axis, metres.
+    position_sigma_m: f64 = this.0.uncertainty.position_m;
+    /// Standard deviation of the velocity along an axis, metres per second.
+    velocity_sigma_mps: f64 = this.0.uncertainty.velocity_mps;
+    /// Its possible motion: still, straight, aircraft or uas.
+    kind: &'static str = movement_word(this.0.movement);
+}
+
+frozen! { PyObstacle, this,
+    id, position_m, radius_m, velocity_mps, half_height_m, position_sigma_m, velocity_sigma_mps,
+    kind, nature,
 }
 
 /// Limits of an aircraft at its airspeed, and its response to commands.
 ///
 /// Raises ValueError, with the sentence of the program, for a limit out of range.
-#[pyclass(frozen, eq, module = "fga")]
+#[pyclass(name = "Vehicle", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Vehicle(pub(crate) CoreVehicle);
+pub(crate) struct PyVehicle(pub(crate) Vehicle);
 
 #[pymethods]
-impl Vehicle {
+impl PyVehicle {
     #[new]
     #[pyo3(signature = (
         airspeed_mps, turn_radius_m, climb_min_rad = -core::f64::consts::PI / 12.0,
@@ -395,7 +362,7 @@ impl Vehicle {
         bank_time_constant_s: f64,
         turn_rate_factor: f64,
     ) -> PyResult<Self> {
-        let vehicle = CoreVehicle {
+        let vehicle = Vehicle {
             airspeed_mps,
             turn_radius_m,
             climb_min_rad,
@@ -410,75 +377,32 @@ impl Vehicle {
         vehicle.check().map_err(refused)?;
         Ok(Self(vehicle))
     }
-
-    /// Constant total airspeed, metres per second.
-    #[getter]
-    fn airspeed_mps(&self) -> f64 {
-        self.0.airspeed_mps
-    }
-
-    /// Least radius of the ideal coordinated turn, metres.
-    #[getter]
-    fn turn_radius_m(&self) -> f64 {
-        self.0.turn_radius_m
-    }
-
-    /// Steepest descent, radians, at most 0.
-    #[getter]
-    fn climb_min_rad(&self) -> f64 {
-        self.0.climb_min_rad
-    }
-
-    /// Steepest climb, radians, at least 0.
-    #[getter]
-    fn climb_max_rad(&self) -> f64 {
-        self.0.climb_max_rad
-    }
-
-    /// Rate limit of the climb angle, radians per second.
-    #[getter]
-    fn climb_rate_radps(&self) -> f64 {
-        self.0.climb_rate_radps
-    }
-
-    /// Time before a command has any effect, seconds.
-    #[getter]
-    fn dead_time_s(&self) -> f64 {
-        self.0.response.dead_time_s
-    }
-
-    /// Time constant of the first-order bank response, seconds; 0 for none.
-    #[getter]
-    fn bank_time_constant_s(&self) -> f64 {
-        self.0.response.bank_time_constant_s
-    }
-
-    /// Flown course rate over the ideal coordinated turn's.
-    #[getter]
-    fn turn_rate_factor(&self) -> f64 {
-        self.0.response.turn_rate_factor
-    }
-
-    /// Largest bank angle, radians.
-    #[getter]
-    fn bank_max_rad(&self) -> Option<f64> {
-        bank_for_radius_rad(self.0.airspeed_mps, self.0.turn_radius_m)
-    }
-
-    /// Largest real course rate, radians per second.
-    #[getter]
-    fn course_rate_radps(&self) -> f64 {
-        self.0.course_rate_radps()
-    }
 }
 
-frozen! { Vehicle, this,
-    "airspeed_mps": this.0.airspeed_mps,
-    "turn_radius_m": this.0.turn_radius_m,
-    "climb_min_rad": this.0.climb_min_rad,
-    "climb_max_rad": this.0.climb_max_rad,
-    "climb_rate_radps": this.0.climb_rate_radps,
-    "dead_time_s": this.0.response.dead_time_s,
-    "bank_time_constant_s": this.0.response.bank_time_constant_s,
-    "turn_rate_factor": this.0.response.turn_rate_factor,
+properties! { PyVehicle, this,
+    /// Constant total airspeed, metres per second.
+    airspeed_mps: f64 = this.0.airspeed_mps;
+    /// Least radius of the ideal coordinated turn, metres.
+    turn_radius_m: f64 = this.0.turn_radius_m;
+    /// Steepest descent, radians, at most 0.
+    climb_min_rad: f64 = this.0.climb_min_rad;
+    /// Steepest climb, radians, at least 0.
+    climb_max_rad: f64 = this.0.climb_max_rad;
+    /// Rate limit of the climb angle, radians per second.
+    climb_rate_radps: f64 = this.0.climb_rate_radps;
+    /// Time before a command has any effect, seconds.
+    dead_time_s: f64 = this.0.response.dead_time_s;
+    /// Time constant of the first-order bank response, seconds; 0 for none.
+    bank_time_constant_s: f64 = this.0.response.bank_time_constant_s;
+    /// Flown course rate over the ideal coordinated turn's.
+    turn_rate_factor: f64 = this.0.response.turn_rate_factor;
+    /// Largest bank angle, radians.
+    bank_max_rad: Option<f64> = bank_for_radius_rad(this.0.airspeed_mps, this.0.turn_radius_m);
+    /// Largest real course rate, radians per second.
+    course_rate_radps: f64 = this.0.course_rate_radps();
+}
+
+frozen! { PyVehicle, this,
+    airspeed_mps, turn_radius_m, climb_min_rad, climb_max_rad, climb_rate_radps, dead_time_s,
+    bank_time_constant_s, turn_rate_factor,
 }

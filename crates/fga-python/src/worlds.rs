@@ -4,19 +4,19 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::maneuver::Maneuver;
 use fga_sim::encounters::EncounterSource;
-use fga_sim::shield::Shield as CoreShield;
+use fga_sim::shield::Shield;
 use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::worlds::{Stepped, Worlds as CoreWorlds, WorldsSettings};
+use fga_sim::worlds::{Stepped, Worlds, WorldsSettings};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::decision::Decision;
+use crate::decision::PyDecision;
 use crate::failure::input;
 use crate::pilot::model_of;
-use crate::settings::Settings;
-use crate::situation::Situation;
-use crate::value::{Vehicle, refused};
+use crate::settings::PySettings;
+use crate::situation::PySituation;
+use crate::value::{PyVehicle, refused};
 
 /// Most obstacles seen in all worlds together: 360 MB of observations.
 const MOST_SEEN: usize = 10_000_000;
@@ -31,11 +31,11 @@ type StepArrays<'py> = (
 );
 
 /// Worlds side by side, stepped without the interpreter's lock; `fga.gym` makes environments of them.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Worlds(Mutex<CoreWorlds>);
+#[pyclass(name = "Worlds", frozen, module = "fga")]
+pub(crate) struct PyWorlds(Mutex<Worlds>);
 
-impl Worlds {
-    fn worlds(&self) -> PyResult<MutexGuard<'_, CoreWorlds>> {
+impl PyWorlds {
+    fn worlds(&self) -> PyResult<MutexGuard<'_, Worlds>> {
         match self.0.try_lock() {
             Ok(guard) => Ok(guard),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
@@ -47,7 +47,7 @@ impl Worlds {
 }
 
 #[pymethods]
-impl Worlds {
+impl PyWorlds {
     #[new]
     #[pyo3(signature = (cell, count, seed = 0, vehicle = None, horizon_s = 60.0, seen = 4, shielded = false))]
     #[expect(
@@ -90,7 +90,7 @@ impl Worlds {
             seen,
             shielded,
         };
-        CoreWorlds::new(settings, count)
+        Worlds::new(settings, count)
             .map(|worlds| Self(Mutex::new(worlds)))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
@@ -208,7 +208,7 @@ impl Worlds {
     }
 }
 
-fn observed(worlds: &mut CoreWorlds) -> Vec<f32> {
+fn observed(worlds: &mut Worlds) -> Vec<f32> {
     let width = worlds.observed();
     let mut values = vec![0.0; worlds.len() * width];
     for (index, row) in values.chunks_exact_mut(width).enumerate() {
@@ -222,11 +222,11 @@ fn observed(worlds: &mut CoreWorlds) -> Vec<f32> {
 /// `step(situation, stages)` gives the decision to fly and whether it is the shield's own. It passes the
 /// stages while a certified manoeuvre exists at the end of their path to the next decision, and flies
 /// the avoider instead otherwise.
-#[pyclass(frozen, module = "fga")]
-pub(crate) struct Shield(Mutex<CoreShield>);
+#[pyclass(name = "Shield", frozen, module = "fga")]
+pub(crate) struct PyShield(Mutex<Shield>);
 
-impl Shield {
-    fn shield(&self) -> PyResult<MutexGuard<'_, CoreShield>> {
+impl PyShield {
+    fn shield(&self) -> PyResult<MutexGuard<'_, Shield>> {
         match self.0.try_lock() {
             Ok(guard) => Ok(guard),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
@@ -238,17 +238,17 @@ impl Shield {
 }
 
 #[pymethods]
-impl Shield {
+impl PyShield {
     #[new]
     #[pyo3(signature = (settings = None, vehicle = None))]
     fn new(
-        settings: Option<&Bound<'_, Settings>>,
-        vehicle: Option<&Bound<'_, Vehicle>>,
+        settings: Option<&Bound<'_, PySettings>>,
+        vehicle: Option<&Bound<'_, PyVehicle>>,
     ) -> PyResult<Self> {
         let settings = settings.map_or_else(Default::default, |settings| settings.get().0);
         let vehicle =
             vehicle.map_or_else(fga::vehicle::Vehicle::table_4, |vehicle| vehicle.get().0);
-        CoreShield::new(settings, vehicle)
+        Shield::new(settings, vehicle)
             .map(|shield| Self(Mutex::new(shield)))
             .map_err(refused)
     }
@@ -257,16 +257,16 @@ impl Shield {
     fn step(
         &self,
         py: Python<'_>,
-        situation: &Bound<'_, Situation>,
-        wish: &Bound<'_, Decision>,
-    ) -> PyResult<(Decision, bool)> {
+        situation: &Bound<'_, PySituation>,
+        wish: &Bound<'_, PyDecision>,
+    ) -> PyResult<(PyDecision, bool)> {
         let mut guard = self.shield()?;
         let shield = &mut *guard;
         let situation = situation.get();
         let wish: Maneuver = wish.get().decision.command;
         let shielded = py.detach(|| situation.with(|situation| shield.step(situation, &wish)));
         Ok((
-            Decision::of(shielded.decision, situation.ownship),
+            PyDecision::of(shielded.decision, situation.ownship),
             shielded.engaged,
         ))
     }

@@ -2,7 +2,7 @@
 
 use crate::interval::Estimate;
 use crate::report::{Block, Cell, Column, Report, Section, Table};
-use crate::safety_case::cells::{self, count, facts, number, ratio};
+use crate::safety_case::cells::{self, count, facts, left, needless_of_clear, number, ratio};
 use crate::safety_case::{Lost, PolicyCase, WorstCase};
 
 /// Everything on the page.
@@ -100,10 +100,8 @@ impl League {
                 (columns.len() > 1).then(|| Block::Table(matrix(set, &columns)))
             })
             .collect();
-        (!tables.is_empty()).then(|| Section {
-            title: "Policies against reactions of the intruders".into(),
-            blocks: tables,
-        })
+        let title = "Policies against reactions of the intruders";
+        (!tables.is_empty()).then(|| Section::new(title, tables))
     }
 
     fn limitations(&self) -> Section {
@@ -119,10 +117,7 @@ impl League {
              the default policy was developed with the recorded ones at hand. Decision times differ from run to run: they are in timing.csv."
                 .into(),
         ));
-        Section {
-            title: "What is left out, and what this is no evidence of".into(),
-            blocks,
-        }
+        Section::new("What is left out, and what this is no evidence of", blocks)
     }
 }
 
@@ -183,95 +178,72 @@ impl LeagueSet {
                  first other one of the table that acts. Separations of aircraft: least horizontal, and vertical at that time, m.";
             blocks.push(Block::Table(cells::worst(&self.worst, caption)));
         }
-        Section {
-            title: self.title(),
-            blocks,
-        }
+        Section::new(self.title(), blocks)
     }
 
     fn losses(&self) -> Table {
-        let rows = self.standings.iter().map(|standing| {
-            let case = &standing.case;
-            let left = |lost: &Lost| Cell::Text(format!("{} of {}", lost.flown, lost.nominal));
-            vec![
-                Cell::Text(case.policy.clone()),
-                left(&case.nmac),
-                ratio(&case.nmac),
-                left(&case.lowc),
-                ratio(&case.lowc),
-                ratio(&case.do365),
-                count(case.nmac.induced + case.lowc.induced),
-                Cell::Text(format!("{} of {}", case.needless, case.clear)),
-                count(case.restless),
-            ]
-        });
-        Table {
-            caption: "Losses left with the policy, of those without any; risk ratios of weighted counts with their 95 % interval. NMAC: closer than 500 ft and \
-                 100 ft. LoWC: closer than 2,000 ft and 250 ft (ASTM F3442). Induced: lost with the policy only. Needless: acted though well clear \
-                 without it. Restless: more than three changes between away and back."
-                .into(),
-            columns: vec![
-                Column::text("policy"),
-                Column::number("NMAC"),
-                Column::number("NMAC risk ratio"),
-                Column::number("LoWC"),
-                Column::number("LoWC risk ratio"),
-                Column::number("DO-365B risk ratio"),
-                Column::number("induced"),
-                Column::number("needless"),
-                Column::number("restless"),
+        Table::of(
+            self.standings.iter().map(|standing| &standing.case),
+            "Losses left with the policy, of those without any; risk ratios of weighted counts with their 95 % interval. NMAC: closer than 500 ft and \
+             100 ft. LoWC: closer than 2,000 ft and 250 ft (ASTM F3442). Induced: lost with the policy only. Needless: acted though well clear \
+             without it. Restless: more than three changes between away and back.",
+            [
+                (Column::text("policy"), |case| Cell::text(&case.policy)),
+                (Column::number("NMAC"), |case| left(&case.nmac)),
+                (Column::number("NMAC risk ratio"), |case| ratio(&case.nmac)),
+                (Column::number("LoWC"), |case| left(&case.lowc)),
+                (Column::number("LoWC risk ratio"), |case| ratio(&case.lowc)),
+                (Column::number("DO-365B risk ratio"), |case| {
+                    ratio(&case.do365)
+                }),
+                (Column::number("induced"), |case| {
+                    count(case.nmac.induced + case.lowc.induced)
+                }),
+                (Column::number("needless"), needless_of_clear),
+                (Column::number("restless"), |case| count(case.restless)),
             ],
-            rows: rows.collect(),
-        }
+        )
     }
 
     fn volume(&self) -> Table {
-        let rows = self.standings.iter().map(|standing| {
-            let entered = Estimate::wilson(standing.entered, standing.encounters);
-            let [median_m, most_m] = standing.cross_track_m;
-            vec![
-                Cell::Text(standing.case.policy.clone()),
-                Cell::Text(format!("{} of {}", standing.entered, standing.threatened)),
-                entered.map_or(Cell::Empty, Cell::Share),
-                count(standing.caused),
-                Cell::Text(format!(
-                    "{} of {}",
-                    standing.needless,
-                    standing.encounters - standing.threatened
-                )),
-                number(median_m, 0),
-                number(most_m, 0),
-                number(standing.extra_path_m, 0),
-                number(standing.away_s, 0),
-                number(standing.work[0], 0),
-                number(standing.work[1], 0),
-                count(standing.manoeuvred - standing.rejoined),
-                count(standing.case.failed),
-            ]
-        });
-        Table {
-            caption: "The protected volume of the vehicle file, and what it costs to keep it. Entered: with the policy, of those that holding course and \
-                 altitude (or the recorded flight) enters; share of all encounters with its 95 % interval. Cross-track distance, extra path and time \
-                 away: of flights with a manoeuvre. Work: the largest decision of a flight, median and most of the flights (to 1 %), in units of 100 to 180 \
-                 instructions; only decisions of the core count their work, others stand empty. Failed: encounters in which a policy of one’s own raised, hung or answered wrongly."
-                .into(),
-            columns: vec![
-                Column::text("policy"),
-                Column::number("entered"),
-                Column::number("of all (%)"),
-                Column::number("caused"),
-                Column::number("needless"),
-                Column::number("cross-track median (m)"),
-                Column::number("90 % (m)"),
-                Column::number("extra path median (m)"),
-                Column::number("away median (s)"),
-                Column::number("work median"),
-                Column::number("work most"),
-                Column::number("not back"),
-                Column::number("failed"),
+        let entered = |it: &Standing| Cell::text(format!("{} of {}", it.entered, it.threatened));
+        let share = |it: &Standing| {
+            Estimate::wilson(it.entered, it.encounters).map_or(Cell::Empty, Cell::Share)
+        };
+        let needless = |it: &Standing| {
+            let clear = it.encounters - it.threatened;
+            Cell::text(format!("{} of {clear}", it.needless))
+        };
+        Table::of(
+            &self.standings,
+            "The protected volume of the vehicle file, and what it costs to keep it. Entered: with the policy, of those that holding course and \
+             altitude (or the recorded flight) enters; share of all encounters with its 95 % interval. Cross-track distance, extra path and time \
+             away: of flights with a manoeuvre. Work: the largest decision of a flight, median and most of the flights (to 1 %), in units of 100 to 180 \
+             instructions; only decisions of the core count their work, others stand empty. Failed: encounters in which a policy of one’s own raised, hung or answered wrongly.",
+            [
+                (Column::text("policy"), |it| Cell::text(&it.case.policy)),
+                (Column::number("entered"), entered),
+                (Column::number("of all (%)"), share),
+                (Column::number("caused"), |it| count(it.caused)),
+                (Column::number("needless"), needless),
+                (Column::number("cross-track median (m)"), |it| {
+                    number(it.cross_track_m[0], 0)
+                }),
+                (Column::number("90 % (m)"), |it| {
+                    number(it.cross_track_m[1], 0)
+                }),
+                (Column::number("extra path median (m)"), |it| {
+                    number(it.extra_path_m, 0)
+                }),
+                (Column::number("away median (s)"), |it| number(it.away_s, 0)),
+                (Column::number("work median"), |it| number(it.work[0], 0)),
+                (Column::number("work most"), |it| number(it.work[1], 0)),
+                (Column::number("not back"), |it| {
+                    count(it.manoeuvred - it.rejoined)
+                }),
+                (Column::number("failed"), |it| count(it.case.failed)),
             ],
-            rows: rows.collect(),
-        }
+        )
     }
 
     fn evidence(&self) -> Section {
@@ -282,9 +254,8 @@ impl LeagueSet {
             )
         });
         let results: Vec<(String, String)> = results.collect();
-        Section {
-            title: format!("{}: conditions and results", self.title()),
-            blocks: vec![Block::Table(facts(self.assumed.iter().chain(&results)))],
-        }
+        let title = format!("{}: conditions and results", self.title());
+        let table = facts(self.assumed.iter().chain(&results));
+        Section::new(title, vec![Block::Table(table)])
     }
 }

@@ -98,6 +98,34 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
+/// The cell of an item.
+pub type CellOf<T> = fn(&T) -> Cell;
+
+impl Section {
+    /// A section of some blocks.
+    pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        let title = title.into();
+        Self { title, blocks }
+    }
+}
+
+impl Table {
+    /// A table with a row for each item; every column has its cell of an item beside it.
+    pub fn of<'a, T: 'a, const N: usize>(
+        items: impl IntoIterator<Item = &'a T>,
+        caption: impl Into<String>,
+        columns: [(Column, CellOf<T>); N],
+    ) -> Self {
+        let items = items.into_iter();
+        let rows = items.map(|item| columns.iter().map(|(_, cell)| cell(item)).collect());
+        Self {
+            caption: caption.into(),
+            rows: rows.collect(),
+            columns: columns.map(|(column, _)| column).into(),
+        }
+    }
+}
+
 /// The head of a column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
@@ -148,6 +176,11 @@ pub enum Cell {
 }
 
 impl Cell {
+    /// Text.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
     fn html(&self) -> String {
         match self {
             Self::Text(text) => escape(text),

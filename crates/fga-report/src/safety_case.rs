@@ -12,7 +12,7 @@ mod verdict;
 
 use crate::report::{Block, Cell, Column, Report, Section, Table};
 
-use cells::{count, facts, ratio};
+use cells::{count, facts, left, ratio};
 use verdict::{judged, result, verdict, verdicts};
 
 pub use cases::{
@@ -74,6 +74,12 @@ fn quantile(values: &[f64], share: f64) -> Option<f64> {
 }
 
 impl SafetyCase {
+    /// The policies that act.
+    fn acting(&self) -> impl Iterator<Item = &PolicyCase> {
+        let policies = self.policies.iter();
+        policies.filter(|policy| policy.policy != WITHOUT)
+    }
+
     /// The page as one HTML file.
     pub fn to_html(&self) -> String {
         let mut report = Report::new(&format!("Safety case: {}", self.name));
@@ -99,8 +105,7 @@ impl SafetyCase {
     }
 
     fn evidence(&self) -> Section {
-        let mut policies = self.policies.iter();
-        let system = policies.find(|policy| policy.policy != WITHOUT);
+        let system = self.acting().next();
         let is_stress = self.is_stress;
         let first = system.map(|system| result(system, is_stress));
         let mut blocks: Vec<Block> = first.into_iter().collect();
@@ -109,10 +114,7 @@ impl SafetyCase {
             self.encounters, self.effective
         )));
         blocks.extend(self.met_by_all().map(Block::Paragraph));
-        Section {
-            title: "1. Result".into(),
-            blocks,
-        }
+        Section::new("1. Result", blocks)
     }
 
     /// Aircraft and sensor.
@@ -122,19 +124,14 @@ impl SafetyCase {
             sensors,
             ..
         } = &self.assumed;
-        Section {
-            title: "2. Conditions and sensor".into(),
-            blocks: vec![Block::Table(facts(conditions.iter().chain(sensors)))],
-        }
+        let table = facts(conditions.iter().chain(sensors));
+        Section::new("2. Conditions and sensor", vec![Block::Table(table)])
     }
 
     fn encounters(&self) -> Section {
         let about = self.stands_for.iter().cloned().map(Block::Paragraph);
         let table = Block::Table(facts(self.assumed.encounters.iter()));
-        Section {
-            title: "3. Encounters".into(),
-            blocks: about.chain([table]).collect(),
-        }
+        Section::new("3. Encounters", about.chain([table]).collect())
     }
 
     fn limitations(&self) -> Section {
@@ -144,19 +141,12 @@ impl SafetyCase {
              number. The thresholds of section 4 are second-hand.",
             self.reactions
         );
-        Section {
-            title: "7. Limitations".into(),
-            blocks: vec![Block::Paragraph(text)],
-        }
+        Section::new("7. Limitations", vec![Block::Paragraph(text)])
     }
 
     /// The thresholds that every one of several policies meets, in a sentence.
     fn met_by_all(&self) -> Option<String> {
-        let policies = self
-            .policies
-            .iter()
-            .filter(|policy| policy.policy != WITHOUT);
-        let policies: Vec<&PolicyCase> = policies.collect();
+        let policies: Vec<&PolicyCase> = self.acting().collect();
         let losses = [
             ("NMAC", &NMAC_THRESHOLDS[..]),
             ("LoWC", &LOWC_THRESHOLDS[..]),
@@ -196,11 +186,7 @@ impl SafetyCase {
             columns.push(Column::number("induced"));
             let rows = self.policies.iter().map(|policy| {
                 let lost = of(policy);
-                let mut row = vec![
-                    Cell::Text(policy.policy.clone()),
-                    Cell::Text(format!("{} of {}", lost.flown, lost.nominal)),
-                    ratio(lost),
-                ];
+                let mut row = vec![Cell::Text(policy.policy.clone()), left(lost), ratio(lost)];
                 row.extend(verdicts(lost, thresholds, self.is_stress));
                 row.push(count(lost.induced));
                 row
@@ -250,7 +236,7 @@ impl SafetyCase {
                 let (above, estimate) = policy.nmac.tail?;
                 let mut row = vec![
                     Cell::Text(policy.policy.clone()),
-                    Cell::Text(format!("{} of {}", policy.nmac.flown, policy.nmac.nominal)),
+                    left(&policy.nmac),
                     count(above),
                     Cell::Estimate(estimate, 4),
                 ];
@@ -290,10 +276,7 @@ impl SafetyCase {
                 }),
             ]
         };
-        Section {
-            title: "4. Metrics: rare near mid-air collisions".into(),
-            blocks,
-        }
+        Section::new("4. Metrics: rare near mid-air collisions", blocks)
     }
 
     /// Losses in a flight hour.

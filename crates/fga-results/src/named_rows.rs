@@ -1,5 +1,6 @@
 //! Rows of named values, as CSV and as JSON: the summaries of campaigns.
 
+use fga_formats::words::push_csv_field;
 use serde_json::{Map, Value};
 
 /// A row: names and values in order.
@@ -11,17 +12,26 @@ pub(crate) fn rounded(value: f64) -> f64 {
 }
 
 /// The rows as CSV, under the names of the first.
-pub(crate) fn csv<N: AsRef<str>>(rows: &[Row<N>]) -> String {
-    let mut csv = String::new();
+pub(crate) fn csv<N: AsRef<str>>(rows: &[Row<N>]) -> Vec<u8> {
+    let mut csv = Vec::new();
+    let mut push = |fields: &mut dyn Iterator<Item = String>| {
+        for (index, field) in fields.enumerate() {
+            if index > 0 {
+                csv.push(b',');
+            }
+            push_csv_field(&mut csv, field.as_bytes());
+        }
+        csv.push(b'\n');
+    };
     if let Some(first) = rows.first() {
-        let names: Vec<&str> = first.iter().map(|(name, _)| name.as_ref()).collect();
-        csv.push_str(&names.join(","));
-        csv.push('\n');
+        push(&mut first.iter().map(|(name, _)| name.as_ref().to_owned()));
     }
     for row in rows {
-        let fields: Vec<String> = row.iter().map(|(_, value)| field(value)).collect();
-        csv.push_str(&fields.join(","));
-        csv.push('\n');
+        push(&mut row.iter().map(|(_, value)| match value {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        }));
     }
     csv
 }
@@ -34,16 +44,4 @@ pub(crate) fn objects<N: Into<String>>(rows: Vec<Row<N>>) -> Value {
             Value::Object(named.collect::<Map<_, _>>())
         })
         .collect()
-}
-
-/// A value as a CSV field.
-fn field(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        }
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+use fga_formats::error::read_bytes;
 use fga_formats::{InputError, build};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
@@ -67,6 +68,5 @@ pub fn fingerprint(bytes: &[u8]) -> String {
 /// # Errors
 /// A file that cannot be read.
 pub fn file_fingerprint(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    Ok(fingerprint(&bytes))
+    Ok(fingerprint(&read_bytes(path)?))
 }

@@ -272,9 +272,6 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
             Cell::Text(needed.collect::<Vec<_>>().join(", ")),
         ]
     });
-    let usual = parameters.iter();
-    let usual =
-        usual.map(|(name, usually)| vec![Cell::Text(name.clone()), Cell::Text((*usually).into())]);
     let gusts = if stress.gust_mps > 0.0 {
         format!(
             "One gust changes the wind for some time: {} m/s of standard deviation in each component, at most twice that. The policy \
@@ -285,9 +282,9 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
         "There are no gusts: the vehicle file knows no drift_mps, and none was given.".into()
     };
     report.sections = vec![
-        Section {
-            title: "The likeliest failures".into(),
-            blocks: vec![
+        Section::new(
+            "The likeliest failures",
+            vec![
                 Block::Paragraph(result(stress, found)),
                 Block::Table(Table {
                     caption: "Each leads to its replay. Deviations: distance from the most usual flight, in standard deviations; the less, the likelier. \
@@ -306,10 +303,10 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
                     rows: failures.collect(),
                 }),
             ],
-        },
-        Section {
-            title: "What is searched".into(),
-            blocks: vec![
+        ),
+        Section::new(
+            "What is searched",
+            vec![
                 Block::Paragraph(format!(
                     "The ownship flies straight on its mission and hears each intruder once a second, without noise. Intruders: {}. Each keeps to bounds that the policy knows: turns of \
                      {:.0} °/s and {:.0}°, {:.1} m/s of climb. {} flights begin within three radii of the ownship and count as no failure. {gusts}",
@@ -319,13 +316,16 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
                     stress.bounds.climb_change_mps,
                     found.too_near
                 )),
-                Block::Table(Table {
-                    caption: "The parameters and their usual distributions: assumptions, not measurements.".into(),
-                    columns: vec![Column::text("parameter"), Column::text("usually")],
-                    rows: usual.collect(),
-                }),
+                Block::Table(Table::of(
+                    &parameters,
+                    "The parameters and their usual distributions: assumptions, not measurements.",
+                    [
+                        (Column::text("parameter"), |(name, _)| Cell::text(name)),
+                        (Column::text("usually"), |(_, usually)| Cell::text(*usually)),
+                    ],
+                )),
             ],
-        },
+        ),
     ];
     report.to_html()
 }

@@ -1,6 +1,6 @@
 //! Alerters, their levels and their detectors.
 
-use super::entries::{Allowed, ConfMeasure, Entries, Number};
+use super::entries::{Allowed, Entries};
 use super::keys::CONFLICT_REGIONS;
 use crate::error::{InputError, shown};
 use crate::units::Dimension::{self, Angle, Length, Speed, Time};
@@ -161,8 +161,8 @@ fn quantity(
     key: &str,
     dimension: Dimension,
 ) -> Result<Option<f64>, InputError> {
-    let number = entries.number(key, ConfMeasure::Of(dimension), Allowed::NotNegative)?;
-    Ok(number.map(|Number { si, .. }| si))
+    let number = entries.number(key, Some(dimension), Allowed::NotNegative)?;
+    Ok(number.map(|number| number.si))
 }
 
 /// The volume of a detector of an alerter.
@@ -181,30 +181,19 @@ fn volume(
     let prefix = format!("{alerter}{detector}_");
     // The detector's own name is its identifier.
     entries.text(&format!("{prefix}id"));
-    let well_clear = |entries: &mut Entries, horizontal_time, vertical_time| {
-        Ok::<_, InputError>(WellClear {
-            horizontal_time,
-            vertical_time,
-            ..thresholds(entries, &prefix)?
-        })
+    let class_name = class.rsplit('.').next().unwrap_or_default();
+    let times = match class_name {
+        "WCV_TCPA" => (HorizontalTime::ClosestApproach, VerticalTime::Coaltitude),
+        "WCV_TEP" => (HorizontalTime::Entry, VerticalTime::Coaltitude),
+        "WCV_HZ" => (HorizontalTime::ModifiedTau, VerticalTime::RelativeClimb),
+        _ => (HorizontalTime::ModifiedTau, VerticalTime::Coaltitude),
     };
-    let (tau, coaltitude) = (HorizontalTime::ModifiedTau, VerticalTime::Coaltitude);
-    match class.rsplit('.').next().unwrap_or_default() {
-        "WCV_TAUMOD" => Ok(Volume::WellClear(well_clear(entries, tau, coaltitude)?)),
-        "WCV_TCPA" => {
-            let closest = HorizontalTime::ClosestApproach;
-            Ok(Volume::WellClear(well_clear(entries, closest, coaltitude)?))
-        }
-        "WCV_TEP" => {
-            let entry = HorizontalTime::Entry;
-            Ok(Volume::WellClear(well_clear(entries, entry, coaltitude)?))
-        }
-        "WCV_HZ" => {
-            let climb = VerticalTime::RelativeClimb;
-            Ok(Volume::WellClear(well_clear(entries, tau, climb)?))
+    match class_name {
+        "WCV_TAUMOD" | "WCV_TCPA" | "WCV_TEP" | "WCV_HZ" => {
+            Ok(Volume::WellClear(thresholds(entries, &prefix, times)?))
         }
         "WCV_TAUMOD_SUM" => Ok(Volume::Uncertain(UncertainWellClear {
-            volume: well_clear(entries, tau, coaltitude)?,
+            volume: thresholds(entries, &prefix, times)?,
             factors: own_factors(entries, &prefix, factors)?,
         })),
         "CDCylinder" => {
@@ -228,18 +217,27 @@ fn volume(
     }
 }
 
-fn thresholds(entries: &mut Entries, prefix: &str) -> Result<WellClear, InputError> {
+fn thresholds(
+    entries: &mut Entries,
+    prefix: &str,
+    (horizontal_time, vertical_time): (HorizontalTime, VerticalTime),
+) -> Result<WellClear, InputError> {
     let mut threshold = |key: &str, dimension| -> Result<f64, InputError> {
         let key = format!("{prefix}WCV_{key}");
         let found = quantity(entries, &key, dimension)?;
         found.ok_or_else(|| entries.missing(format!("the key {key} is missing")))
     };
-    Ok(WellClear::do_365(
+    let volume = WellClear::do_365(
         threshold("DTHR", Length)?,
         threshold("TTHR", Time)?,
         threshold("ZTHR", Length)?,
         threshold("TCOA", Time)?,
-    ))
+    );
+    Ok(WellClear {
+        horizontal_time,
+        vertical_time,
+        ..volume
+    })
 }
 
 /// The factors of a detector: its own if the file has them, else those of the top level.
@@ -257,7 +255,7 @@ fn own_factors(
         ("v_vel_z_score", &mut own.vertical_velocity),
     ] {
         let key = format!("{prefix}{key}");
-        if let Some(number) = entries.number(&key, ConfMeasure::Plain, Allowed::NotNegative)? {
+        if let Some(number) = entries.number(&key, None, Allowed::NotNegative)? {
             *target = number.si;
         }
     }

@@ -12,7 +12,7 @@ pub struct ShownUnit {
 }
 
 impl ShownUnit {
-    fn new(symbol: &str, factor: f64) -> Self {
+    pub(super) fn new(symbol: &str, factor: f64) -> Self {
         Self {
             symbol: symbol.to_owned(),
             factor,

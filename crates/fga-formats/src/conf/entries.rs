@@ -1,5 +1,6 @@
 //! The lines `key = value [unit]` of a configuration.
 
+use super::ShownUnit;
 use crate::error::{InputError, shown};
 use crate::units::{Dimension, Unit};
 use alloc::collections::BTreeMap;
@@ -21,22 +22,13 @@ pub(super) struct Entries {
     left: BTreeMap<String, ConfEntry>,
 }
 
-/// The quantity of a number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum ConfMeasure {
-    /// A quantity with a unit.
-    Of(Dimension),
-    /// A plain number.
-    Plain,
-}
-
 /// A parsed number.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Number {
     /// The value in SI units.
     pub(super) si: f64,
-    /// The unit's symbol and factor, where it has one.
-    pub(super) unit: Option<(String, f64)>,
+    /// Its unit, where it has one.
+    pub(super) unit: Option<ShownUnit>,
 }
 
 /// The numbers that a key accepts.
@@ -121,7 +113,8 @@ impl Entries {
             .collect()
     }
 
-    fn error(&self, line: u64, message: String) -> InputError {
+    /// An error about the value of a taken key.
+    pub(super) fn refused(&self, line: u64, message: impl Into<String>) -> InputError {
         InputError::at_line(&self.path, line, message)
     }
 
@@ -137,67 +130,51 @@ impl Entries {
             .map(|entry| (entry.line, entry.value))
     }
 
-    /// Takes a number.
+    /// Takes a number of a quantity, or a plain one.
     pub(super) fn number(
         &mut self,
         key: &str,
-        measure: ConfMeasure,
+        quantity: Option<Dimension>,
         allowed: Allowed,
     ) -> Result<Option<Number>, InputError> {
         let Some((line, text)) = self.text(key) else {
             return Ok(None);
         };
-        let at = |message: String| self.error(line, message);
+        let wrong = |message: String| Err(self.refused(line, format!("{key} {message}")));
         let (digits, symbol) = split_unit(&text);
-        let value: f64 = digits
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| at(format!("{key} is {}, expected a number", shown(&text))))?;
-        let unit = match measure {
-            _ if Unit::is_unspecified(symbol) => None,
-            ConfMeasure::Plain => {
-                return Err(at(format!(
-                    "{key} has the unit {}, expected a plain number",
-                    shown(symbol)
-                )));
-            }
-            ConfMeasure::Of(dimension) => {
-                let known = Unit::parse(symbol);
-                let expected = dimension.with_article();
-                let examples = dimension.examples();
-                match known {
-                    Some(unit) if unit.dimension == dimension => {
-                        Some((symbol.to_owned(), unit.factor))
-                    }
-                    Some(unit) => {
-                        return Err(at(format!(
-                            "{key} has the unit {} of {}, expected {expected} unit such as {examples}",
-                            shown(symbol),
-                            unit.dimension.with_article()
-                        )));
-                    }
-                    None => {
-                        return Err(at(format!(
-                            "{key} has the unknown unit {}, expected {expected} unit such as {examples}",
-                            shown(symbol)
-                        )));
-                    }
-                }
-            }
+        let value: Option<f64> = digits.parse().ok();
+        let Some(value) = value.filter(|value| value.is_finite()) else {
+            return wrong(format!("is {}, expected a number", shown(&text)));
         };
-        if !allowed.contains(value) {
-            return Err(at(format!(
-                "{key} is {}, expected {}",
-                shown(&text),
-                allowed.words()
-            )));
+        let mut unit = None;
+        if !Unit::is_unspecified(symbol) {
+            let symbol_shown = shown(symbol);
+            let Some(dimension) = quantity else {
+                return wrong(format!(
+                    "has the unit {symbol_shown}, expected a plain number"
+                ));
+            };
+            let (expected, examples) = (dimension.with_article(), dimension.examples());
+            let found = match Unit::parse(symbol) {
+                Some(found) if found.dimension == dimension => {
+                    unit = Some(ShownUnit::new(symbol, found.factor));
+                    None
+                }
+                Some(other) => Some(("", format!(" of {}", other.dimension.with_article()))),
+                None => Some(("unknown ", String::new())),
+            };
+            if let Some((unknown, of)) = found {
+                return wrong(format!(
+                    "has the {unknown}unit {symbol_shown}{of}, expected {expected} unit such as {examples}"
+                ));
+            }
         }
-        let factor = unit.as_ref().map_or(1.0, |(_, factor)| *factor);
-        Ok(Some(Number {
-            si: value * factor,
-            unit,
-        }))
+        if !allowed.contains(value) {
+            return wrong(format!("is {}, expected {}", shown(&text), allowed.words()));
+        }
+        let factor = unit.as_ref().map_or(1.0, |unit: &ShownUnit| unit.factor);
+        let si = value * factor;
+        Ok(Some(Number { si, unit }))
     }
 
     /// Takes a boolean.
@@ -208,34 +185,24 @@ impl Entries {
         match text.to_ascii_lowercase().as_str() {
             "true" | "t" => Ok(Some(true)),
             "false" | "f" => Ok(Some(false)),
-            _ => Err(self.error(
+            _ => Err(self.refused(
                 line,
                 format!("{key} is {}, expected true or false", shown(&text)),
             )),
         }
     }
 
-    /// Takes a whole number in a range.
-    pub(super) fn integer(
-        &mut self,
-        key: &str,
-        range: core::ops::RangeInclusive<i32>,
-    ) -> Result<Option<i32>, InputError> {
+    /// Takes a whole number up to a largest one.
+    pub(super) fn count(&mut self, key: &str, most: usize) -> Result<Option<usize>, InputError> {
         let Some((line, text)) = self.text(key) else {
             return Ok(None);
         };
-        match text.parse().ok().filter(|value| range.contains(value)) {
-            Some(value) => Ok(Some(value)),
-            None => Err(self.error(
-                line,
-                format!(
-                    "{key} is {}, expected a whole number from {} to {}",
-                    shown(&text),
-                    range.start(),
-                    range.end()
-                ),
-            )),
-        }
+        let number = text.parse().ok().filter(|number| *number <= most);
+        number.map(Some).ok_or_else(|| {
+            let found = shown(&text);
+            let message = format!("{key} is {found}, expected a whole number from 0 to {most}");
+            self.refused(line, message)
+        })
     }
 
     /// Takes one of several words.
@@ -256,19 +223,14 @@ impl Entries {
             shown(&text),
             known.join(", ")
         );
-        Err(self.error(line, message))
-    }
-
-    /// An error about the value of a taken key.
-    pub(super) fn refused(&self, line: u64, message: impl Into<String>) -> InputError {
-        self.error(line, message.into())
+        Err(self.refused(line, message))
     }
 
     /// Refuses a file with unread keys.
     pub(super) fn nothing_left(&self) -> Result<(), InputError> {
         match self.left.values().min_by_key(|entry| entry.line) {
             None => Ok(()),
-            Some(entry) => Err(self.error(
+            Some(entry) => Err(self.refused(
                 entry.line,
                 format!(
                     "the key {} is unknown, expected one of DAIDALUS 2",

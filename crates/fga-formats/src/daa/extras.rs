@@ -1,6 +1,6 @@
 //! The optional columns of a `.daa` file.
 
-use super::columns::fields;
+use super::columns::DaaColumn;
 use crate::error::shown;
 use crate::units::{Dimension, Unit};
 use fga_alerts::Deviation;
@@ -17,97 +17,20 @@ const DEVIATIONS: [(&str, Dimension); 8] = [
     ("vz_std", Dimension::Speed),
 ];
 
-/// An optional column.
-#[derive(Debug, Clone, Copy)]
-struct Extra {
-    place: usize,
-    name: &'static str,
-    dimension: Dimension,
-    unit: Option<Unit>,
-}
-
-impl Extra {
-    fn find(
-        names: &[String],
-        name: &'static str,
-        dimension: Dimension,
-        unit: Option<Unit>,
-    ) -> Option<Self> {
-        let place = names.iter().position(|known| known == name)?;
-        Some(Self {
-            place,
-            name,
-            dimension,
-            unit,
-        })
-    }
-
-    /// Takes the unit of a line of units.
-    fn take_unit(&mut self, units: &[&str]) -> Result<(), String> {
-        let text = units.get(self.place).copied().unwrap_or_default();
-        if Unit::is_unspecified(text) {
-            return Ok(());
-        }
-        let expected = self.dimension.with_article();
-        let unit = Unit::parse(text)
-            .filter(|unit| unit.dimension == self.dimension)
-            .ok_or_else(|| {
-                format!(
-                    "column {} has the unit {}, expected {expected} unit such as {}",
-                    self.name,
-                    shown(text),
-                    self.dimension.examples()
-                )
-            })?;
-        self.unit = Some(unit);
-        Ok(())
-    }
-
-    /// The number in a row, in SI units; `None` for an empty field.
-    fn value(&self, fields: &[&str]) -> Result<Option<f64>, String> {
-        let text = fields.get(self.place).copied().unwrap_or_default();
-        if text.is_empty() || text == "-" {
-            return Ok(None);
-        }
-        let number: f64 = text
-            .parse()
-            .ok()
-            .filter(|number: &f64| number.is_finite())
-            .ok_or_else(|| {
-                format!(
-                    "column {} holds {}, expected a finite number",
-                    self.name,
-                    shown(text)
-                )
-            })?;
-        let unit = self.unit.ok_or_else(|| {
-            format!(
-                "column {} has no unit, expected one such as {} in a line of units",
-                self.name,
-                self.dimension.examples()
-            )
-        })?;
-        Ok(Some(unit.to_si(number)))
-    }
-}
-
 /// The optional columns.
+#[derive(Debug, Clone)]
 pub(super) struct Extras {
-    heading: Option<Extra>,
-    airspeed: Option<Extra>,
-    air: [Option<Extra>; 2],
+    heading: Option<DaaColumn>,
+    airspeed: Option<DaaColumn>,
+    air: [Option<DaaColumn>; 2],
     alerter: Option<usize>,
-    deviations: [Option<Extra>; 8],
+    deviations: [Option<DaaColumn>; 8],
 }
 
 impl Extras {
-    /// The optional columns that a line of column names has.
-    pub(super) fn from_header(header: &str) -> Self {
-        let names: Vec<String> = fields(header, None)
-            .into_iter()
-            .map(str::to_ascii_lowercase)
-            .collect();
-        let find = |name, dimension, unit| Extra::find(&names, name, dimension, unit);
+    /// The optional columns among these names.
+    pub(super) fn of(names: &[String]) -> Self {
+        let find = |name, dimension, unit| DaaColumn::optional(names, name, dimension, unit);
         Self {
             heading: find("heading", Dimension::Angle, Some(Unit::DEGREE)),
             airspeed: find("airspeed", Dimension::Speed, Some(Unit::KNOT)),
@@ -117,15 +40,11 @@ impl Extras {
         }
     }
 
-    /// Takes the units of a line of units.
-    pub(super) fn take_units(&mut self, line: &str, width: usize) -> Result<(), String> {
-        let units = fields(line, Some(width));
-        [&mut self.heading, &mut self.airspeed]
-            .into_iter()
-            .chain(&mut self.air)
-            .chain(&mut self.deviations)
-            .flatten()
-            .try_for_each(|extra| extra.take_unit(&units))
+    /// Those with a quantity.
+    pub(super) fn columns(&mut self) -> impl Iterator<Item = &mut DaaColumn> {
+        let columns = [&mut self.heading, &mut self.airspeed].into_iter();
+        let columns = columns.chain(&mut self.air);
+        columns.chain(&mut self.deviations).flatten()
     }
 
     /// Velocity through the air to the east and north, metres per second.
@@ -133,7 +52,7 @@ impl Extras {
         let [Some(east), Some(north)] = &self.air else {
             return Ok(None);
         };
-        Ok(east.value(fields)?.zip(north.value(fields)?))
+        Ok(east.given(fields)?.zip(north.given(fields)?))
     }
 
     /// Compass direction (radians) and speed (metres per second) through the air.
@@ -141,7 +60,7 @@ impl Extras {
         let (Some(heading), Some(airspeed)) = (&self.heading, &self.airspeed) else {
             return Ok(None);
         };
-        let (heading, airspeed) = (heading.value(fields)?, airspeed.value(fields)?);
+        let (heading, airspeed) = (heading.given(fields)?, airspeed.given(fields)?);
         if airspeed.is_some_and(|speed_mps| speed_mps < 0.0) {
             return Err("column airspeed is negative, expected 0 or more".into());
         }
@@ -169,7 +88,7 @@ impl Extras {
         let mut values = [0.0; 8];
         for (value, extra) in values.iter_mut().zip(&self.deviations) {
             if let Some(extra) = extra {
-                *value = extra.value(fields)?.unwrap_or(0.0);
+                *value = extra.given(fields)?.unwrap_or(0.0);
                 let signed = extra.name.contains("_en_");
                 if *value < 0.0 && !signed {
                     return Err(format!(

@@ -7,12 +7,13 @@
 //! circle. The order of the operations also follows DAIDALUS: distances of some metres are differences
 //! of the earth's radius, and six printed decimals show the rounding.
 
-use super::instants::{DaaMotion, DaaReport, Instant, Place};
+use super::instants::Instant;
+use super::report::{DaaMotion, DaaReport, EarthPlace, Place};
 use crate::geodesy::DAIDALUS_RADIUS_M;
 use crate::units::NAUTICAL_MILE_M;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use fga_alerts::{Ahead, Aircraft, AircraftId, Deviation, State};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// Time between the two positions that give a velocity, seconds.
 const VELOCITY_STEP_S: f64 = 10.0;
@@ -27,9 +28,9 @@ struct TangentPlane {
 }
 
 /// A place on the sphere, earth-centred: x towards 180° longitude, z north.
-fn centred_m(latitude_rad: f64, longitude_rad: f64) -> DVec3 {
-    let from_pole_rad = FRAC_PI_2 - latitude_rad;
-    let around_rad = PI - longitude_rad;
+fn centred_m(place: &EarthPlace) -> DVec3 {
+    let from_pole_rad = FRAC_PI_2 - place.latitude_rad;
+    let around_rad = PI - place.longitude_rad;
     let axis_m = DAIDALUS_RADIUS_M * libm::sin(from_pole_rad);
     DVec3::new(
         axis_m * libm::cos(around_rad),
@@ -43,8 +44,8 @@ fn unit(v: DVec3) -> DVec3 {
 }
 
 impl TangentPlane {
-    fn at(latitude_rad: f64, longitude_rad: f64) -> Self {
-        let up = centred_m(latitude_rad, longitude_rad);
+    fn at(place: &EarthPlace) -> Self {
+        let up = centred_m(place);
         let eastward = if up.x.abs() < POLE_M && up.y.abs() < POLE_M {
             DVec3::X
         } else {
@@ -56,9 +57,10 @@ impl TangentPlane {
         }
     }
 
-    fn project_m(&self, latitude_rad: f64, longitude_rad: f64) -> DVec2 {
-        let centred = centred_m(latitude_rad, longitude_rad);
-        DVec2::new(self.east.dot(centred), -self.south.dot(centred))
+    fn project_m(&self, place: &EarthPlace) -> DVec3 {
+        let centred = centred_m(place);
+        let (east_m, south_m) = (self.east.dot(centred), self.south.dot(centred));
+        DVec3::new(east_m, -south_m, place.altitude_m)
     }
 }
 
@@ -75,13 +77,9 @@ fn advanced(place: Place, motion: &DaaMotion, after_s: f64) -> Place {
     }
     match place {
         Place::Local(position_m) => Place::Local(position_m + motion.velocity_mps * after_s),
-        Place::Geodetic {
-            latitude_rad,
-            longitude_rad,
-            altitude_m,
-        } => {
+        Place::Geodetic(at) => {
             let arc_rad = motion.speed_mps * after_s / NAUTICAL_MILE_M * PI / (180.0 * 60.0);
-            let (sin_lat, cos_lat) = (libm::sin(latitude_rad), libm::cos(latitude_rad));
+            let (sin_lat, cos_lat) = (libm::sin(at.latitude_rad), libm::cos(at.latitude_rad));
             let (sin_arc, cos_arc) = (libm::sin(arc_rad), libm::cos(arc_rad));
             let (sin_track, cos_track) = (libm::sin(motion.track_rad), libm::cos(motion.track_rad));
             let sine = sin_lat * cos_arc + cos_lat * sin_arc * cos_track;
@@ -90,11 +88,11 @@ fn advanced(place: Place, motion: &DaaMotion, after_s: f64) -> Place {
                 sin_track * sin_arc * cos_lat,
                 cos_arc - sin_lat * libm::sin(latitude),
             );
-            Place::Geodetic {
+            Place::Geodetic(EarthPlace {
                 latitude_rad: latitude,
-                longitude_rad: to_half_turn(longitude_rad + turned),
-                altitude_m: altitude_m + motion.velocity_mps.z * after_s,
-            }
+                longitude_rad: to_half_turn(at.longitude_rad + turned),
+                altitude_m: at.altitude_m + motion.velocity_mps.z * after_s,
+            })
         }
     }
 }
@@ -102,24 +100,11 @@ fn advanced(place: Place, motion: &DaaMotion, after_s: f64) -> Place {
 /// Distance over the ground, metres; infinite between a place on the earth and one in a plane.
 fn distance_m(a: Place, b: Place) -> f64 {
     match (a, b) {
-        (
-            Place::Geodetic {
-                latitude_rad: lat_a,
-                longitude_rad: lon_a,
-                ..
-            },
-            Place::Geodetic {
-                latitude_rad: lat_b,
-                longitude_rad: lon_b,
-                ..
-            },
-        ) => {
-            let (half_lat, half_lon) = (
-                libm::sin((lat_a - lat_b) / 2.0),
-                libm::sin((lon_a - lon_b) / 2.0),
-            );
-            let square =
-                half_lat * half_lat + libm::cos(lat_a) * libm::cos(lat_b) * (half_lon * half_lon);
+        (Place::Geodetic(a), Place::Geodetic(b)) => {
+            let half_lat = libm::sin((a.latitude_rad - b.latitude_rad) / 2.0);
+            let half_lon = libm::sin((a.longitude_rad - b.longitude_rad) / 2.0);
+            let shrunk = libm::cos(a.latitude_rad) * libm::cos(b.latitude_rad);
+            let square = half_lat * half_lat + shrunk * (half_lon * half_lon);
             2.0 * DAIDALUS_RADIUS_M * libm::asin(libm::sqrt(square).clamp(0.0, 1.0))
         }
         (Place::Local(a), Place::Local(b)) => {
@@ -198,11 +183,7 @@ impl DaaScene {
             deviation: report.deviation,
         };
         let plane = match own.place {
-            Place::Geodetic {
-                latitude_rad,
-                longitude_rad,
-                ..
-            } => Some(TangentPlane::at(latitude_rad, longitude_rad)),
+            Place::Geodetic(at) => Some(TangentPlane::at(&at)),
             Place::Local(_) => None,
         };
         Some(Self {
@@ -237,18 +218,9 @@ impl DaaScene {
 
     fn to_plane(&self, place: Place) -> DVec3 {
         match (place, &self.plane) {
-            (
-                Place::Geodetic {
-                    latitude_rad,
-                    longitude_rad,
-                    altitude_m,
-                },
-                Some(plane),
-            ) => plane
-                .project_m(latitude_rad, longitude_rad)
-                .extend(altitude_m),
+            (Place::Geodetic(at), Some(plane)) => plane.project_m(&at),
+            (Place::Geodetic(at), None) => DVec3::new(0.0, 0.0, at.altitude_m),
             (Place::Local(position_m), _) => position_m,
-            (Place::Geodetic { altitude_m, .. }, None) => DVec3::new(0.0, 0.0, altitude_m),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Alerts and bands as tables, in the layout of DAIDALUS, so that `diff` compares them.
 
-use super::instants::{Instants, Place};
+use super::instants::{EarthPlace, Instants, Place};
 use super::scene::{DaaScene, Seen, Wind};
 use crate::conf::{Configuration, ShownUnit};
 use crate::number::trimmed;
@@ -13,6 +13,9 @@ use fga_alerts::{
 
 /// Decimals of every number.
 const DECIMALS: usize = 6;
+
+/// The regions in the order of the tables.
+const REGIONS: [Region; 3] = [Region::Far, Region::Mid, Region::Near];
 
 fn text(value: f64) -> String {
     trimmed(value, DECIMALS)
@@ -41,11 +44,12 @@ pub fn watch(
     let mut monitor = Monitor::new(configuration.settings.clone());
     let mut wind = Wind::default();
     let area = &configuration.settings.terminal;
-    let terminal = (area.guidance != TerminalGuidance::Off).then_some(Place::Geodetic {
-        latitude_rad: area.latitude_rad,
-        longitude_rad: area.longitude_rad,
-        altitude_m: 0.0,
-    });
+    let terminal =
+        (area.guidance != TerminalGuidance::Off).then_some(Place::Geodetic(EarthPlace {
+            latitude_rad: area.latitude_rad,
+            longitude_rad: area.longitude_rad,
+            altitude_m: 0.0,
+        }));
     for instant in &recording.instants {
         let Some(scene) = DaaScene::of(instant, &mut wind, terminal) else {
             continue;
@@ -256,18 +260,13 @@ impl DaaTables<'_> {
     fn states(&self, scene: &DaaScene, out: &mut String) {
         let units = &self.configuration.units;
         let _ = writeln!(out, "Time: {}", seconds(scene.time_s));
-        let (place_names, place_units) = if self.recording.is_geodetic {
-            ("lat lon alt", "[deg] [deg]")
-        } else {
-            ("sx sy sz", "")
-        };
         let plane = self.plane_unit();
         let (xy, alt) = (&plane.symbol, &units.altitude.symbol);
         let (gs, vs) = (&units.horizontal_speed.symbol, &units.vertical_speed.symbol);
-        let place_units = if place_units.is_empty() {
-            format!("[{xy}] [{xy}]")
+        let (place_names, place_units) = if self.recording.is_geodetic {
+            ("lat lon alt", "[deg] [deg]".to_owned())
         } else {
-            place_units.to_owned()
+            ("sx sy sz", format!("[{xy}] [{xy}]"))
         };
         let _ = writeln!(
             out,
@@ -312,14 +311,10 @@ impl DaaTables<'_> {
             &units.vertical_speed,
         );
         let place = match seen.place {
-            Place::Geodetic {
-                latitude_rad,
-                longitude_rad,
-                altitude_m,
-            } => [
-                degrees(latitude_rad),
-                degrees(longitude_rad),
-                in_unit(altitude_m, alt),
+            Place::Geodetic(at) => [
+                degrees(at.latitude_rad),
+                degrees(at.longitude_rad),
+                in_unit(at.altitude_m, alt),
             ],
             Place::Local(p) => [
                 in_unit(p.x, &plane),
@@ -327,8 +322,9 @@ impl DaaTables<'_> {
                 in_unit(p.z, alt),
             ],
         };
-        let d = &seen.deviation;
-        let rest = [
+        let deviation_units = [&plane, &plane, &plane, alt, gs, gs, gs, vs];
+        let deviation = seen.deviation.to_array().into_iter().zip(deviation_units);
+        let motion = [
             degrees(compass(seen.ground.track_rad)),
             in_unit(seen.ground.speed_mps, gs),
             in_unit(seen.ground.velocity_mps.z, vs),
@@ -336,22 +332,12 @@ impl DaaTables<'_> {
             in_unit(seen.air.speed_mps, gs),
             text(time_s),
             seen.alerter.to_string(),
-            in_unit(d.east_m, &plane),
-            in_unit(d.north_m, &plane),
-            in_unit(d.east_north_m, &plane),
-            in_unit(d.up_m, alt),
-            in_unit(d.east_mps, gs),
-            in_unit(d.north_mps, gs),
-            in_unit(d.east_north_mps, gs),
-            in_unit(d.up_mps, vs),
         ];
-        let _ = writeln!(
-            out,
-            "{}, {}, {}",
-            self.name(seen.aircraft),
-            place.join(", "),
-            rest.join(", ")
-        );
+        let fields = place.into_iter().chain(motion);
+        let fields = fields.chain(deviation.map(|(value, unit)| in_unit(value, unit)));
+        let fields: Vec<String> = fields.collect();
+        let name = self.name(seen.aircraft);
+        let _ = writeln!(out, "{name}, {}", fields.join(", "));
     }
 
     /// Conflicts and alerts.
@@ -365,19 +351,14 @@ impl DaaTables<'_> {
             enabled(settings.coordinates_conflicts),
             enabled(settings.coordinates_recovery)
         );
-        let regions = [Region::Far, Region::Mid, Region::Near];
-        for region in regions {
+        for region in REGIONS {
             let aircraft = self.braced(scene, monitor.conflicts(region));
             let name = region.name();
             let _ = writeln!(out, "Conflict Bands Aircraft ({name}): {aircraft}");
         }
-        for region in regions {
-            let times = interval(monitor.conflict_times(region));
-            let _ = writeln!(
-                out,
-                "Time Interval of Conflict ({}): {times}",
-                region.name()
-            );
+        for region in REGIONS {
+            let (name, times) = (region.name(), interval(monitor.conflict_times(region)));
+            let _ = writeln!(out, "Time Interval of Conflict ({name}): {times}");
         }
         for (index, seen) in scene.traffic.iter().enumerate() {
             let alerter = monitor.alerts().get(index).and_then(|alert| alert.alerter);
@@ -412,15 +393,11 @@ impl DaaTables<'_> {
         let region = bands.region_at(value).map_or("UNKNOWN", Region::name);
         let _ = writeln!(out, "Region of Current {title}: {region}\n{title} Bands:");
         for band in bands.bands() {
-            let _ = writeln!(
-                out,
-                "  [{}, {}] {}",
-                with_unit(band.low, unit),
-                with_unit(band.high, unit),
-                band.region.map_or("UNKNOWN", Region::name)
-            );
+            let (low, high) = (with_unit(band.low, unit), with_unit(band.high, unit));
+            let region = band.region.map_or("UNKNOWN", Region::name);
+            let _ = writeln!(out, "  [{low}, {high}] {region}");
         }
-        for region in [Region::Far, Region::Mid, Region::Near] {
+        for region in REGIONS {
             let aircraft = self.braced(scene, bands.peripheral(region));
             let name = region.name();
             let _ = writeln!(
@@ -435,11 +412,8 @@ impl DaaTables<'_> {
                 (Resolution::Unavailable, Way::Low) => f64::NEG_INFINITY,
                 (Resolution::Value(value), _) => value,
             };
-            let _ = writeln!(
-                out,
-                "{title} Resolution ({side}): {}",
-                with_unit(value, unit)
-            );
+            let value = with_unit(value, unit);
+            let _ = writeln!(out, "{title} Resolution ({side}): {value}");
         }
         let preferred = match bands.preferred() {
             Way::High => words.high,
@@ -448,10 +422,8 @@ impl DaaTables<'_> {
         let _ = writeln!(out, "Preferred {title}: {preferred}");
         let recovery = bands.recovery();
         let (time_s, distance_m, height_m) = match recovery {
-            Recovery::NotNeeded => (f64::NAN, f64::NAN, f64::NAN),
-            Recovery::Impossible { .. } => {
-                (f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY)
-            }
+            Recovery::NotNeeded => [f64::NAN; 3].into(),
+            Recovery::Impossible { .. } => [f64::NEG_INFINITY; 3].into(),
             Recovery::Found {
                 time_s,
                 distance_m,

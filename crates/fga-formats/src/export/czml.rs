@@ -2,12 +2,11 @@
 
 use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
 use super::shapes::zone_heights_m;
-use super::time::iso;
-use crate::flight::{Flight, FlightObstacle, FlightSample, FlightZone};
+use super::text::{escaped, iso};
+use crate::flight::{Flight, FlightObstacle, FlightZone};
 use crate::geodesy::LocalFrame;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
-use glam::{DMat3, DQuat};
 use serde_json::{Value, json};
 
 /// Least time between samples, seconds.
@@ -60,14 +59,9 @@ pub fn text(flight: &Flight) -> String {
     Value::Array(packets).to_string()
 }
 
-/// Cesium renders descriptions as HTML; escape them.
+/// Cesium renders descriptions as HTML.
 fn html(text: &str) -> String {
-    let escaped = text
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;");
-    format!("<p>{escaped}</p>")
+    format!("<p>{}</p>", escaped(text))
 }
 
 fn interval(flight: &Flight, from_s: f64, to_s: f64) -> String {
@@ -121,30 +115,29 @@ fn state_lines(flight: &Flight) -> impl Iterator<Item = Value> {
         })
 }
 
-/// The attitude in earth-centred axes as x, y, z, w: the model's x forward, y left, z up.
-fn attitude(frame: &LocalFrame, sample: &FlightSample) -> [f64; 4] {
-    let [forward, left, up] = sample.axes().map(|axis| frame.centred_direction(axis));
-    DQuat::from_mat3(&DMat3::from_cols(forward, left, up))
-        .normalize()
-        .to_array()
+/// Times, longitudes, latitudes and altitudes.
+fn timed(frame: &LocalFrame, rows: impl Iterator<Item = (f64, Vec3)>) -> Vec<f64> {
+    rows.flat_map(|(time_s, position_m)| {
+        let [longitude, latitude, altitude] = degrees(frame, position_m);
+        [time_s, longitude, latitude, altitude]
+    })
+    .collect()
 }
 
 fn aircraft(flight: &Flight, interval: &str) -> Value {
     let frame = flight.frame();
     let samples = flight.thinned(STEP_S);
     let epoch = iso(flight.unix_s(0.0));
-    let positions: Vec<f64> = samples
+    let rows = samples
         .iter()
-        .flat_map(|sample| {
-            let [longitude, latitude, altitude] = degrees(&frame, sample.position_m);
-            [sample.time_s, longitude, latitude, altitude]
-        })
-        .collect();
+        .map(|sample| (sample.time_s, sample.position_m));
+    let positions = timed(&frame, rows);
     let mut last: Option<[f64; 4]> = None;
     let attitudes: Vec<f64> = samples
         .iter()
         .flat_map(|sample| {
-            let mut quaternion = attitude(&frame, sample);
+            // Earth-centred.
+            let mut quaternion = sample.attitude(|axis| frame.centred_direction(axis));
             // q and −q are the same attitude; interpolation takes the near one.
             if let Some(last) = last
                 && last.iter().zip(quaternion).map(|(a, b)| a * b).sum::<f64>() < 0.0
@@ -227,13 +220,7 @@ fn obstacle(flight: &Flight, index: usize, obstacle: &FlightObstacle, interval: 
             interval.to_owned(),
         ),
         (track, _) => {
-            let rows: Vec<f64> = track
-                .iter()
-                .flat_map(|row| {
-                    let [longitude, latitude, altitude] = degrees(&frame, row.position_m);
-                    [row.time_s, longitude, latitude, altitude]
-                })
-                .collect();
+            let rows = timed(&frame, track.iter().map(|row| (row.time_s, row.position_m)));
             let from_s = track.first().map_or(0.0, |row| row.time_s);
             let to_s = track.last().map_or(0.0, |row| row.time_s);
             (

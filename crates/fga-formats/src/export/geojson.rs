@@ -5,8 +5,8 @@
 //! footprint of a moving obstacle is at its position of the least margin.
 
 use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
-use super::shapes::circle;
-use super::time::iso;
+use super::shapes::{self, circle};
+use super::text::iso;
 use crate::flight::{Flight, FlightObstacle};
 use crate::geodesy::LocalFrame;
 use ::geojson::{Feature, FeatureCollection, GeoJson, Geometry, GeometryValue};
@@ -152,13 +152,8 @@ fn place(frame: &LocalFrame, position_m: Vec3) -> [f64; 3] {
     ]
 }
 
-/// A line. GeoJSON needs two points, so a single point is doubled.
 fn line(frame: &LocalFrame, positions: impl Iterator<Item = Vec3>) -> GeometryValue {
-    let mut places: Vec<[f64; 3]> = positions.map(|p| place(frame, p)).collect();
-    if let [only] = places[..] {
-        places.push(only);
-    }
-    GeometryValue::new_line_string(places)
+    GeometryValue::new_line_string(shapes::line(positions.map(|p| place(frame, p))))
 }
 
 fn feature(geometry: GeometryValue, properties: Value) -> Feature {

@@ -5,8 +5,8 @@
 //! surfaces, each with its time span.
 
 use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
-use super::shapes::{surface, zone_surface};
-use super::time::iso;
+use super::shapes::{line, surface, zone_surface};
+use super::text::{escaped, iso};
 use crate::flight::{Flight, FlightObstacle, FlightSample};
 use crate::geodesy::LocalFrame;
 use crate::number::push_fixed;
@@ -40,11 +40,11 @@ pub fn text(flight: &Flight) -> String {
     out.mission(flight);
     let moving = flight.obstacles.iter().filter(|o| !o.is_static()).count();
     let volumes = (VOLUMES_ALL / moving.max(1)).clamp(1, VOLUMES_EACH);
-    out.text.push_str("<Folder><name>Obstacles</name>\n");
-    for obstacle in &flight.obstacles {
-        out.obstacle(flight, obstacle, volumes);
-    }
-    out.text.push_str("</Folder>\n");
+    out.folder("Obstacles", |out| {
+        for obstacle in &flight.obstacles {
+            out.obstacle(flight, obstacle, volumes);
+        }
+    });
     out.zones(flight);
     out.events(flight);
     out.text.push_str("</Document>\n</kml>\n");
@@ -59,21 +59,9 @@ fn title(flight: &Flight) -> String {
     }
 }
 
-/// `text` with XML's reserved characters escaped and forbidden ones removed.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&apos;"),
-            '\t' | '\n' | '\r' | '\u{20}'..='\u{fffd}' | '\u{10000}'.. => out.push(character),
-            _ => {}
-        }
-    }
-    out
+/// A colour behind its opacity: blue, green, red.
+fn kml_color([red, green, blue]: [u8; 3]) -> String {
+    format!("{blue:02x}{green:02x}{red:02x}")
 }
 
 struct Kml {
@@ -85,6 +73,26 @@ struct Kml {
 impl Kml {
     fn element(&mut self, tag: &str, content: &str) {
         let _ = writeln!(self.text, "<{tag}>{}</{tag}>", escaped(content));
+    }
+
+    /// An element with a name and what `fill` writes.
+    fn named(&mut self, tag: &str, name: &str, fill: impl FnOnce(&mut Self)) {
+        let _ = write!(self.text, "<{tag}>");
+        self.element("name", name);
+        fill(self);
+        let _ = writeln!(self.text, "</{tag}>");
+    }
+
+    fn folder(&mut self, name: &str, fill: impl FnOnce(&mut Self)) {
+        self.named("Folder", name, fill);
+    }
+
+    fn placemark(&mut self, name: &str, fill: impl FnOnce(&mut Self)) {
+        self.named("Placemark", name, fill);
+    }
+
+    fn style(&mut self, style: &str) {
+        let _ = write!(self.text, "<styleUrl>#{}</styleUrl>", escaped(style));
     }
 
     fn altitude_mode(&mut self) {
@@ -115,74 +123,77 @@ impl Kml {
 
     fn styles(&mut self) {
         let states = ["cruise", "threatened", "avoiding", "recovering", "other"];
-        for state in states {
-            let [red, green, blue] = state_color(state);
+        let lines = states.map(|state| (state, state_color(state), "ff", 3));
+        for (id, color, alpha, width) in
+            lines
+                .into_iter()
+                .chain([("mission", MISSION_COLOR, "b0", 2)])
+        {
+            let color = kml_color(color);
             let _ = writeln!(
                 self.text,
-                "<Style id=\"{state}\"><LineStyle><color>ff{blue:02x}{green:02x}{red:02x}</color>\
-                 <width>3</width></LineStyle></Style>"
+                "<Style id=\"{id}\"><LineStyle><color>{alpha}{color}</color>\
+                 <width>{width}</width></LineStyle></Style>"
             );
         }
-        let [red, green, blue] = MISSION_COLOR;
-        let _ = writeln!(
-            self.text,
-            "<Style id=\"mission\"><LineStyle><color>b0{blue:02x}{green:02x}{red:02x}</color>\
-             <width>2</width></LineStyle></Style>"
-        );
-        for (id, [red, green, blue]) in [("volume", OBSTACLE_COLOR), ("zone", ZONE_COLOR)] {
+        for (id, color) in [("volume", OBSTACLE_COLOR), ("zone", ZONE_COLOR)] {
+            let color = kml_color(color);
             let _ = writeln!(
                 self.text,
-                "<Style id=\"{id}\"><LineStyle><color>60{blue:02x}{green:02x}{red:02x}</color>\
-                 <width>1</width></LineStyle><PolyStyle><color>50{blue:02x}{green:02x}{red:02x}\
+                "<Style id=\"{id}\"><LineStyle><color>60{color}</color>\
+                 <width>1</width></LineStyle><PolyStyle><color>50{color}\
                  </color></PolyStyle></Style>"
             );
         }
     }
 
-    fn aircraft(&mut self, flight: &Flight) {
-        self.text.push_str("<Placemark>");
-        self.element("name", "Aircraft");
+    /// Positions with time; perhaps with headings.
+    fn track(
+        &mut self,
+        flight: &Flight,
+        rows: impl Iterator<Item = (f64, Vec3)> + Clone,
+        headings_deg: impl Iterator<Item = f64>,
+    ) {
         self.text.push_str("<gx:Track>");
         self.altitude_mode();
-        let samples = flight.thinned(STEP_S);
-        for sample in &samples {
-            let when = iso(flight.unix_s(sample.time_s));
+        for (time_s, _) in rows.clone() {
+            let when = iso(flight.unix_s(time_s));
             let _ = write!(self.text, "<when>{when}</when>");
         }
-        for sample in &samples {
+        for (_, position_m) in rows {
             self.text.push_str("<gx:coord>");
-            self.push_place(sample.position_m, ' ');
+            self.push_place(position_m, ' ');
             self.text.push_str("</gx:coord>");
         }
-        for sample in &samples {
-            let heading = crate::number::fixed(sample.compass_deg(), 2);
+        for heading_deg in headings_deg {
+            let heading = crate::number::fixed(heading_deg, 2);
             let _ = write!(self.text, "<gx:angles>{heading} 0 0</gx:angles>");
         }
-        self.text.push_str("</gx:Track></Placemark>\n");
-
-        self.text
-            .push_str("<Folder><name>Flown track by state</name>\n");
-        for (state, piece) in pieces(flight, STEP_S) {
-            self.text.push_str("<Placemark>");
-            self.element("name", state);
-            let known = state_color(state) != state_color("");
-            let style = if known { state } else { "other" };
-            let _ = write!(self.text, "<styleUrl>#{}</styleUrl>", escaped(style));
-            self.line(piece.iter().map(|sample: &&FlightSample| sample.position_m));
-            self.text.push_str("</Placemark>\n");
-        }
-        self.text.push_str("</Folder>\n");
+        self.text.push_str("</gx:Track>");
     }
 
-    /// A line. Readers need two points, so a single point is doubled.
-    fn line(&mut self, positions: impl IntoIterator<Item = Vec3>) {
-        let mut positions: Vec<Vec3> = positions.into_iter().collect();
-        if let [only] = positions[..] {
-            positions.push(only);
-        }
+    fn aircraft(&mut self, flight: &Flight) {
+        let samples = flight.thinned(STEP_S);
+        let rows = samples
+            .iter()
+            .map(|sample| (sample.time_s, sample.position_m));
+        let headings_deg = samples.iter().map(|sample| sample.compass_deg());
+        self.placemark("Aircraft", |out| out.track(flight, rows, headings_deg));
+        self.folder("Flown track by state", |out| {
+            for (state, piece) in pieces(flight, STEP_S) {
+                out.placemark(state, |out| {
+                    let known = state_color(state) != state_color("");
+                    out.style(if known { state } else { "other" });
+                    out.line(piece.iter().map(|sample: &&FlightSample| sample.position_m));
+                });
+            }
+        });
+    }
+
+    fn line(&mut self, positions: impl Iterator<Item = Vec3>) {
         self.text.push_str("<LineString>");
         self.altitude_mode();
-        self.coordinates(positions);
+        self.coordinates(line(positions));
         self.text.push_str("</LineString>");
     }
 
@@ -190,27 +201,26 @@ impl Kml {
         if flight.mission.is_empty() {
             return;
         }
-        self.text.push_str("<Placemark>");
-        self.element("name", "Mission");
-        self.text.push_str("<styleUrl>#mission</styleUrl>");
-        self.line(flight.mission.iter().copied());
-        self.text.push_str("</Placemark>\n");
+        self.placemark("Mission", |out| {
+            out.style("mission");
+            out.line(flight.mission.iter().copied());
+        });
     }
 
     fn volume(&mut self, obstacle: &FlightObstacle, position_m: Vec3, span: Option<(f64, f64)>) {
-        self.text.push_str("<Placemark>");
-        self.element("name", &format!("{}: protected volume", obstacle.name));
-        if let Some((from_s, to_s)) = span {
-            let (begin, end) = (iso(from_s), iso(to_s));
-            let _ = write!(
-                self.text,
-                "<TimeSpan><begin>{begin}</begin><end>{end}</end></TimeSpan>"
-            );
-        }
-        self.text.push_str("<styleUrl>#volume</styleUrl>");
-        let bands = if span.is_some() { 4 } else { 12 };
-        self.polygons(surface(position_m, obstacle.volume, bands));
-        self.text.push_str("</Placemark>\n");
+        let name = format!("{}: protected volume", obstacle.name);
+        self.placemark(&name, |out| {
+            if let Some((from_s, to_s)) = span {
+                let (begin, end) = (iso(from_s), iso(to_s));
+                let _ = write!(
+                    out.text,
+                    "<TimeSpan><begin>{begin}</begin><end>{end}</end></TimeSpan>"
+                );
+            }
+            out.style("volume");
+            let bands = if span.is_some() { 4 } else { 12 };
+            out.polygons(surface(position_m, obstacle.volume, bands));
+        });
     }
 
     fn polygons(&mut self, polygons: Vec<Vec<Vec3>>) {
@@ -230,80 +240,68 @@ impl Kml {
         if flight.zones.is_empty() {
             return;
         }
-        self.text.push_str("<Folder><name>Zones</name>\n");
-        for zone in &flight.zones {
-            self.text.push_str("<Placemark>");
-            self.element("name", &zone.name);
-            self.element("description", zone.kind());
-            self.text.push_str("<styleUrl>#zone</styleUrl>");
-            self.polygons(zone_surface(flight, zone));
-            self.text.push_str("</Placemark>\n");
-        }
-        self.text.push_str("</Folder>\n");
+        self.folder("Zones", |out| {
+            for zone in &flight.zones {
+                out.placemark(&zone.name, |out| {
+                    out.element("description", zone.kind());
+                    out.style("zone");
+                    out.polygons(zone_surface(flight, zone));
+                });
+            }
+        });
     }
 
     fn obstacle(&mut self, flight: &Flight, obstacle: &FlightObstacle, volumes: usize) {
-        self.text.push_str("<Folder>");
-        self.element("name", &obstacle.name);
-        if let ([only], true) = (&obstacle.track[..], obstacle.is_static()) {
-            self.volume(obstacle, only.position_m, None);
-            self.text.push_str("</Folder>\n");
-            return;
-        }
-        self.text.push_str("<Placemark>");
-        self.element("name", &obstacle.name);
-        self.text.push_str("<gx:Track>");
-        self.altitude_mode();
-        for row in &obstacle.track {
-            let when = iso(flight.unix_s(row.time_s));
-            let _ = write!(self.text, "<when>{when}</when>");
-        }
-        for row in &obstacle.track {
-            self.text.push_str("<gx:coord>");
-            self.push_place(row.position_m, ' ');
-            self.text.push_str("</gx:coord>");
-        }
-        self.text.push_str("</gx:Track></Placemark>\n");
-        // The volume at a series of times within the flight.
-        let (flown_from_s, flown_to_s) = flight.span_s();
-        let (Some(first), Some(last)) = (obstacle.track.first(), obstacle.track.last()) else {
-            self.text.push_str("</Folder>\n");
-            return;
-        };
-        let from_s = first.time_s.max(flown_from_s);
-        let to_s = last.time_s.min(flown_to_s);
-        let step_s = ((to_s - from_s) / volumes as f64).max(0.5);
-        let mut begin_s = from_s;
-        while begin_s < to_s {
-            let end_s = (begin_s + step_s).min(to_s);
-            if let Some(position_m) = obstacle.position_at(f64::midpoint(begin_s, end_s)) {
-                let span = (flight.unix_s(begin_s), flight.unix_s(end_s));
-                self.volume(obstacle, position_m, Some(span));
+        self.folder(&obstacle.name, |out| {
+            if let ([only], true) = (&obstacle.track[..], obstacle.is_static()) {
+                return out.volume(obstacle, only.position_m, None);
             }
-            // A step that no longer advances the time ends the series.
-            begin_s = if end_s > begin_s { end_s } else { to_s };
-        }
-        self.text.push_str("</Folder>\n");
+            let rows = obstacle
+                .track
+                .iter()
+                .map(|row| (row.time_s, row.position_m));
+            out.placemark(&obstacle.name, |out| {
+                out.track(flight, rows, core::iter::empty());
+            });
+            // The volume at a series of times within the flight.
+            let (flown_from_s, flown_to_s) = flight.span_s();
+            let (Some(first), Some(last)) = (obstacle.track.first(), obstacle.track.last()) else {
+                return;
+            };
+            let from_s = first.time_s.max(flown_from_s);
+            let to_s = last.time_s.min(flown_to_s);
+            let step_s = ((to_s - from_s) / volumes as f64).max(0.5);
+            let mut begin_s = from_s;
+            while begin_s < to_s {
+                let end_s = (begin_s + step_s).min(to_s);
+                if let Some(position_m) = obstacle.position_at(f64::midpoint(begin_s, end_s)) {
+                    let span = (flight.unix_s(begin_s), flight.unix_s(end_s));
+                    out.volume(obstacle, position_m, Some(span));
+                }
+                // A step that no longer advances the time ends the series.
+                begin_s = if end_s > begin_s { end_s } else { to_s };
+            }
+        });
     }
 
     fn events(&mut self, flight: &Flight) {
-        self.text.push_str("<Folder><name>Events</name>\n");
-        for event in &flight.events {
-            let Some(position_m) = flight.position_at(event.time_s) else {
-                continue;
-            };
-            self.text.push_str("<Placemark>");
-            self.element("name", &event.kind);
-            self.element("description", &event.text);
-            let when = iso(flight.unix_s(event.time_s));
-            let _ = write!(
-                self.text,
-                "<TimeStamp><when>{when}</when></TimeStamp><Point>"
-            );
-            self.altitude_mode();
-            self.coordinates([position_m]);
-            self.text.push_str("</Point></Placemark>\n");
-        }
-        self.text.push_str("</Folder>\n");
+        self.folder("Events", |out| {
+            for event in &flight.events {
+                let Some(position_m) = flight.position_at(event.time_s) else {
+                    continue;
+                };
+                out.placemark(&event.kind, |out| {
+                    out.element("description", &event.text);
+                    let when = iso(flight.unix_s(event.time_s));
+                    let _ = write!(
+                        out.text,
+                        "<TimeStamp><when>{when}</when></TimeStamp><Point>"
+                    );
+                    out.altitude_mode();
+                    out.coordinates([position_m]);
+                    out.text.push_str("</Point>");
+                });
+            }
+        });
     }
 }

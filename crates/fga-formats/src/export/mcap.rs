@@ -18,7 +18,6 @@ use ::mcap::{McapError, WriteOptions, Writer};
 use alloc::collections::BTreeMap;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
-use glam::{DMat3, DQuat};
 use serde_json::{Value, json};
 use std::io::{self, Cursor};
 
@@ -60,7 +59,7 @@ fn log(flight: &Flight) -> Result<Vec<u8>, McapError> {
         let pose = json!({
             "timestamp": stamp,
             "frame_id": FRAME,
-            "pose": pose(sample.position_m, attitude(sample)),
+            "pose": pose(sample.position_m, sample.attitude(|axis| axis)),
         });
         log.write("/aircraft/pose", POSE_IN_FRAME, time_s, &pose)?;
         if flight.origin.is_some() {
@@ -200,13 +199,6 @@ fn separations(flight: &Flight, sample: &FlightSample) -> Value {
     })
 }
 
-fn attitude(sample: &FlightSample) -> [f64; 4] {
-    let [forward, left, up] = sample.axes();
-    DQuat::from_mat3(&DMat3::from_cols(forward, left, up))
-        .normalize()
-        .to_array()
-}
-
 fn point(position_m: Vec3) -> Value {
     json!({ "x": position_m.x, "y": position_m.y, "z": position_m.z })
 }
@@ -230,7 +222,7 @@ fn scene(flight: &Flight, sample: &FlightSample, first: bool, stamp: &Value) -> 
         stamp,
         "cubes",
         json!([{
-            "pose": pose(sample.position_m, attitude(sample)),
+            "pose": pose(sample.position_m, sample.attitude(|axis| axis)),
             "size": { "x": 4.0, "y": 6.0, "z": 1.0 },
             "color": rgba(state_color(&sample.state), 1.0),
         }]),

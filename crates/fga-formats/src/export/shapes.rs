@@ -27,6 +27,15 @@ pub(super) fn zone_heights_m(flight: &Flight, zone: &FlightZone) -> (f64, f64) {
     )
 }
 
+/// The places of a line. Readers need two, so a single one is doubled.
+pub(super) fn line<T: Clone>(places: impl Iterator<Item = T>) -> Vec<T> {
+    let mut places: Vec<T> = places.collect();
+    if let [only] = &places[..] {
+        places.push(only.clone());
+    }
+    places
+}
+
 /// The surface of a zone as closed polygons: of one to keep within its wall alone, through which the flight is seen.
 pub(super) fn zone_surface(flight: &Flight, zone: &FlightZone) -> Vec<Vec<Vec3>> {
     let (floor_m, ceiling_m) = zone_heights_m(flight, zone);

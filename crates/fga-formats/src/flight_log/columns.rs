@@ -20,13 +20,10 @@ const FEWEST_ROWS: usize = 50;
 
 /// The signals of a text.
 pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> {
-    let expected = || format!("expected the columns {}", COLUMNS.join(","));
+    let expected = format!("expected the columns {}", COLUMNS.join(","));
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(InputError::in_file(
-            path,
-            format!("is empty, {}", expected()),
-        ));
+        return Err(InputError::in_file(path, format!("is empty, {expected}")));
     }
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -43,22 +40,19 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
     let head = reader.headers().map_err(unreadable)?.clone();
     let mut places = [0; 6];
     for (place, name) in places.iter_mut().zip(COLUMNS) {
-        let mut found = head.iter().enumerate().filter(|(_, field)| *field == name);
-        let first = found.next();
-        let count = usize::from(first.is_some()) + found.count();
-        match first {
-            Some((index, _)) if count == 1 => *place = index,
-            _ => {
-                let message = match count {
-                    0 => format!(
-                        "the column {name} is missing, expected the columns {}",
-                        COLUMNS.join(",")
-                    ),
-                    _ => format!("the column {name} is there {count} times, expected it once"),
-                };
-                return Err(InputError::at_line(path, 1, message));
+        let mut found = (0..).zip(&head).filter(|(_, field)| *field == name);
+        let message = match (found.next(), found.count()) {
+            (Some((index, _)), 0) => {
+                *place = index;
+                continue;
             }
-        }
+            (None, _) => format!("the column {name} is missing, {expected}"),
+            (_, more) => format!(
+                "the column {name} is there {} times, expected it once",
+                more + 1
+            ),
+        };
+        return Err(InputError::at_line(path, 1, message));
     }
     let mut columns: [Vec<f64>; 6] = Default::default();
     for record in reader.records() {
@@ -69,11 +63,8 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
             let value: Option<f64> = field.parse().ok().filter(|value: &f64| value.is_finite());
             let value = value.ok_or_else(|| {
                 let found = shown(field);
-                InputError::at_line(
-                    path,
-                    line,
-                    format!("column {name} holds {found}, expected a finite number"),
-                )
+                let message = format!("column {name} holds {found}, expected a finite number");
+                InputError::at_line(path, line, message)
             })?;
             column.push(value);
         }
@@ -115,22 +106,7 @@ pub(super) fn of(columns: &[Vec<f64>; 6]) -> Result<Signals, String> {
         tally: Tally::all_used(count as u64),
         ..Signals::default()
     };
-    let Signals {
-        airspeed_mps,
-        bank_command_rad,
-        bank_rad,
-        course_rad,
-        climb_rad,
-        ..
-    } = &mut signals;
-    let series = [
-        airspeed_mps,
-        bank_command_rad,
-        bank_rad,
-        course_rad,
-        climb_rad,
-    ];
-    for (series, column) in series.into_iter().zip(rest) {
+    for (series, column) in signals.each().into_iter().zip(rest) {
         for (time_s, value) in time_s.iter().zip(column) {
             series.push(*time_s, *value);
         }

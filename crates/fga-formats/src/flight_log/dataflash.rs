@@ -66,17 +66,13 @@ impl MessageFormat {
             fields.push((label.to_owned(), *code, begin));
             begin += width(*code)?;
         }
-        (begin <= length).then(|| {
-            let name = text(message.get(5..9).unwrap_or_default());
-            (
-                kind,
-                Self {
-                    length,
-                    name,
-                    fields,
-                },
-            )
-        })
+        let name = text(message.get(5..9).unwrap_or_default());
+        let format = Self {
+            length,
+            name,
+            fields,
+        };
+        (begin <= length).then_some((kind, format))
     }
 
     /// A field as a text.
@@ -191,9 +187,7 @@ impl Choices {
         }
         Some(Ok(()))
     }
-}
 
-impl Choices {
     /// The phases in order of time, with the commands of older logs, in which a command that begins stands alone.
     fn phases_of_all(&self) -> Phases {
         let apart = |a: usize, b: usize| {

@@ -190,7 +190,8 @@ pub struct FlightLog {
 }
 
 impl Signals {
-    fn each(&mut self) -> [&mut Series; 5] {
+    /// The series, in the order of the fields.
+    pub(super) const fn each(&mut self) -> [&mut Series; 5] {
         [
             &mut self.airspeed_mps,
             &mut self.bank_command_rad,

@@ -9,7 +9,6 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
-use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
 use crate::clock::Elapsed;
 use crate::tally::{LeftOut, Tally};
@@ -28,7 +27,7 @@ const ARMED: u8 = 128;
 /// `MAV_AUTOPILOT_ARDUPILOTMEGA`, whose modes have the numbers that are known here.
 const ARDUPILOT: u8 = 3;
 /// Below this an airspeed says nothing about a climb angle, metres per second.
-const SLOWEST_MPS: f32 = 3.0;
+const SLOWEST_MPS: f64 = 3.0;
 /// Time that passes when the clock of a log is set, seconds: a gap of every signal.
 const SET_S: f64 = 2.0;
 /// Frames that a file of this kind begins with, before the first damaged one.
@@ -57,17 +56,17 @@ fn checksum(bytes: &[u8], seed: u8) -> u16 {
         })
 }
 
-/// Seed of the checksum and full length of the messages that are read.
-const fn known(message: u32) -> Option<(u8, usize)> {
+/// Seed of the checksum of the messages that are read.
+const fn seed(message: u32) -> Option<u8> {
     match message {
-        HEARTBEAT => Some((50, 9)),
-        PARAM_VALUE => Some((220, 25)),
-        MISSION_CURRENT => Some((28, 2)),
-        MISSION_ITEM_INT => Some((38, 37)),
-        SET_ATTITUDE_TARGET => Some((49, 39)),
-        ATTITUDE => Some((39, 28)),
-        NAV_CONTROLLER_OUTPUT => Some((183, 26)),
-        VFR_HUD => Some((20, 20)),
+        HEARTBEAT => Some(50),
+        PARAM_VALUE => Some(220),
+        MISSION_CURRENT => Some(28),
+        MISSION_ITEM_INT => Some(38),
+        SET_ATTITUDE_TARGET => Some(49),
+        ATTITUDE => Some(39),
+        NAV_CONTROLLER_OUTPUT => Some(183),
+        VFR_HUD => Some(20),
         _ => None,
     }
 }
@@ -90,7 +89,7 @@ impl<'a> LogFrame<'a> {
         let payload = frame.get(head..head + size)?;
         let sum = frame.get(head + size..head + size + 2)?;
         frame.get(..head + size + 2 + trailer)?;
-        if let Some((seed, _)) = known(message) {
+        if let Some(seed) = seed(message) {
             let found = u16::from_le_bytes(sum.try_into().ok()?);
             if checksum(frame.get(1..head + size)?, seed) != found {
                 return None;
@@ -115,13 +114,14 @@ impl<'a> LogFrame<'a> {
         u16::from_le_bytes([self.byte(begin), self.byte(begin + 1)])
     }
 
-    /// A number of single precision; bytes that were left out are zero.
-    fn number(&self, begin: usize) -> f32 {
-        let mut bytes = [0; 4];
-        for (index, byte) in bytes.iter_mut().enumerate() {
-            *byte = self.byte(begin + index);
-        }
-        f32::from_le_bytes(bytes)
+    /// Four bytes; those that were left out are zero.
+    fn four(&self, begin: usize) -> [u8; 4] {
+        [0, 1, 2, 3].map(|at| self.byte(begin + at))
+    }
+
+    /// A number of single precision.
+    fn number(&self, begin: usize) -> f64 {
+        f64::from(f32::from_le_bytes(self.four(begin)))
     }
 }
 
@@ -143,28 +143,40 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 /// The signals of one system.
 #[derive(Default)]
 struct SystemSignals {
-    airspeed: Series,
-    command: Series,
-    bank: Series,
-    course: Series,
-    climb: Series,
+    signals: Signals,
     attitudes: usize,
-    phases: Phases,
-    limits: Limits,
 }
 
 impl SystemSignals {
-    /// What the aircraft says of itself beside its signals.
-    fn note(&mut self, frame: &LogFrame<'_>, time_s: f64, commands: &HashMap<u16, u16>) {
+    fn take(&mut self, frame: &LogFrame<'_>, time_s: f64, commands: &HashMap<u16, u16>) {
+        let signals = &mut self.signals;
         match frame.message {
+            ATTITUDE => {
+                self.attitudes += 1;
+                signals.bank_rad.push(time_s, -frame.number(4));
+                let course_rad = FRAC_PI_2 - frame.number(12);
+                signals.course_rad.push(time_s, course_rad);
+            }
+            NAV_CONTROLLER_OUTPUT => {
+                let bank_rad = -frame.number(0).to_radians();
+                signals.bank_command_rad.push(time_s, bank_rad);
+            }
+            VFR_HUD => {
+                let (airspeed_mps, climb_mps) = (frame.number(0), frame.number(12));
+                signals.airspeed_mps.push(time_s, airspeed_mps);
+                if airspeed_mps > SLOWEST_MPS {
+                    let share = (climb_mps / airspeed_mps).clamp(-1.0, 1.0);
+                    signals.climb_rad.push(time_s, libm::asin(share));
+                }
+            }
             HEARTBEAT if frame.byte(5) == ARDUPILOT => {
-                let mode = [0, 1, 2, 3].map(|at| frame.byte(at));
-                self.phases.mode(time_s, u32::from_le_bytes(mode));
-                self.phases.armed(time_s, frame.byte(6) & ARMED != 0);
+                let mode = u32::from_le_bytes(frame.four(0));
+                signals.phases.mode(time_s, mode);
+                signals.phases.armed(time_s, frame.byte(6) & ARMED != 0);
             }
             MISSION_CURRENT => {
                 if let Some(command) = commands.get(&frame.short(0)) {
-                    self.phases.command(time_s, u32::from(*command));
+                    signals.phases.command(time_s, u32::from(*command));
                 }
             }
             PARAM_VALUE => {
@@ -173,7 +185,7 @@ impl SystemSignals {
                     .take_while(|byte| *byte != 0)
                     .collect();
                 let name = String::from_utf8_lossy(&name);
-                self.limits.take(&name, f64::from(frame.number(0)));
+                signals.limits.take(&name, frame.number(0));
             }
             _ => {}
         }
@@ -182,7 +194,7 @@ impl SystemSignals {
 
 /// Bank of a commanded attitude, radians, positive in a left turn.
 fn commanded_bank_rad(frame: &LogFrame<'_>) -> f64 {
-    let [w, x, y, z] = [4, 8, 12, 16].map(|at| f64::from(frame.number(at)));
+    let [w, x, y, z] = [4, 8, 12, 16].map(|at| frame.number(at));
     -libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
 }
 
@@ -215,44 +227,24 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         )]
         let begin_s = *begin_s.get_or_insert(stamp_us as f64 * 1e-6);
         let time_s = begin_s + elapsed.at_s(stamp_us);
-        if frame.message == SET_ATTITUDE_TARGET {
-            tally.used += 1;
-            let bank_rad = commanded_bank_rad(&frame);
-            commanded
-                .entry(frame.byte(36))
-                .or_default()
-                .push(time_s, bank_rad);
-        } else if frame.message == MISSION_ITEM_INT {
-            tally.used += 1;
-            commands.insert(frame.short(28), frame.short(30));
-        } else if known(frame.message).is_none() {
+        if seed(frame.message).is_none() {
             tally.leave_out(LeftOut::NotNeeded);
         } else {
             tally.used += 1;
-            let heard = systems.entry((frame.system, frame.component)).or_default();
-            match frame.message {
-                ATTITUDE => {
-                    heard.attitudes += 1;
-                    heard.bank.push(time_s, -f64::from(frame.number(4)));
-                    heard
-                        .course
-                        .push(time_s, FRAC_PI_2 - f64::from(frame.number(12)));
-                }
-                NAV_CONTROLLER_OUTPUT => {
-                    heard
-                        .command
-                        .push(time_s, -f64::from(frame.number(0)).to_radians());
-                }
-                VFR_HUD => {
-                    let (airspeed, climb) = (frame.number(0), frame.number(12));
-                    heard.airspeed.push(time_s, f64::from(airspeed));
-                    if airspeed > SLOWEST_MPS {
-                        let share = (f64::from(climb) / f64::from(airspeed)).clamp(-1.0, 1.0);
-                        heard.climb.push(time_s, libm::asin(share));
-                    }
-                }
-                _ => heard.note(&frame, time_s, &commands),
+        }
+        match frame.message {
+            SET_ATTITUDE_TARGET => {
+                let series = commanded.entry(frame.byte(36)).or_default();
+                series.push(time_s, commanded_bank_rad(&frame));
             }
+            MISSION_ITEM_INT => {
+                commands.insert(frame.short(28), frame.short(30));
+            }
+            message if seed(message).is_some() => {
+                let heard = systems.entry((frame.system, frame.component)).or_default();
+                heard.take(&frame, time_s, &commands);
+            }
+            _ => {}
         }
         at += frame.length;
     }
@@ -262,24 +254,16 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let most = systems
         .into_iter()
         .max_by_key(|(address, heard)| (heard.attitudes, core::cmp::Reverse(*address)));
-    let ((system, _), mut heard) = most.unwrap_or_default();
+    let ((system, _), SystemSignals { mut signals, .. }) = most.unwrap_or_default();
     // A companion that commands the attitude does so often; the vehicle's own word of it may be slow.
     let mut source = "NAV_CONTROLLER_OUTPUT.nav_roll";
-    if heard.bank.is_fast()
-        && !heard.command.is_fast()
+    if signals.bank_rad.is_fast()
+        && !signals.bank_command_rad.is_fast()
         && let Some(sent) = commanded.remove(&system)
     {
-        (heard.command, source) = (sent, "SET_ATTITUDE_TARGET.q");
+        (signals.bank_command_rad, source) = (sent, "SET_ATTITUDE_TARGET.q");
     }
     Signals {
-        phases: heard.phases,
-        limits: heard.limits,
-        never_flies: None,
-        airspeed_mps: heard.airspeed,
-        bank_command_rad: heard.command,
-        bank_rad: heard.bank,
-        course_rad: heard.course,
-        climb_rad: heard.climb,
         sources: [
             "VFR_HUD.airspeed",
             source,
@@ -288,5 +272,6 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             "VFR_HUD.climb",
         ],
         tally,
+        ..signals
     }
 }

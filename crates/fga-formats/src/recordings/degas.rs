@@ -36,11 +36,9 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         .map(str::trim)
         .collect();
     let wrong = |found: String| {
-        InputError::at_line(
-            path,
-            1,
-            format!("{found}, expected {} [ft, ft/s], 1 Hz", COLUMNS.join(",")),
-        )
+        let expected = COLUMNS.join(",");
+        let message = format!("{found}, expected {expected} [ft, ft/s], 1 Hz");
+        InputError::at_line(path, 1, message)
     };
     if names != COLUMNS {
         return Err(wrong(format!("names the columns {}", names.join(","))));
@@ -54,30 +52,19 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let row: Vec<f64> = line
-            .split(',')
-            .map(|field| {
-                field
-                    .trim()
-                    .parse::<f64>()
-                    .ok()
-                    .map(|feet| feet * FOOT_M)
-                    .filter(|value| value.abs() <= LARGEST)
-                    .ok_or_else(|| {
-                        let field = shown(field.trim());
-                        InputError::at_line(
-                            path,
-                            number,
-                            format!("holds {field}, expected a number"),
-                        )
-                    })
-            })
-            .collect::<Result<_, _>>()?;
+        let at = |message: String| InputError::at_line(path, number, message);
+        let number_of = |field: &str| {
+            let feet: Option<f64> = field.trim().parse().ok();
+            let value = feet.map(|feet| feet * FOOT_M);
+            let wrong = || at(format!("holds {}, expected a number", shown(field.trim())));
+            value
+                .filter(|value| value.abs() <= LARGEST)
+                .ok_or_else(wrong)
+        };
+        let row: Vec<f64> = line.split(',').map(number_of).collect::<Result<_, _>>()?;
         let [e1, e2, n1, n2, h1, h2, ve1, ve2, vn1, vn2, hd1, hd2] =
-            *<&[f64; 12]>::try_from(row.as_slice()).map_err(|_| {
-                let message = format!("has {} fields, expected 12", row.len());
-                InputError::at_line(path, number, message)
-            })?;
+            *<&[f64; 12]>::try_from(row.as_slice())
+                .map_err(|_| at(format!("has {} fields, expected 12", row.len())))?;
         let states = [
             (DVec3::new(e1, n1, h1), DVec3::new(ve1, vn1, hd1)),
             (DVec3::new(e2, n2, h2), DVec3::new(ve2, vn2, hd2)),

@@ -251,46 +251,39 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
         .min(posts_a);
     let count = end.checked_sub(begin)?;
     let in_b = usize::try_from(offset.min(0).checked_neg()?).ok()?;
-    let post = |field: &HeightField, from_south: usize, column: usize| {
-        let row = field.grid().rows.checked_sub(from_south + 1)?;
-        field.post_m(row, column)
+    // The post of the first or the second along the seam.
+    let post = |is_second: bool, along: usize| {
+        let (field, along, across) = if is_second {
+            (second, in_b + along, 0)
+        } else {
+            let last = if east { a.columns } else { a.rows } - 1;
+            (first, begin + along, last)
+        };
+        let (from_south, column) = if east {
+            (along, across)
+        } else {
+            (across, along)
+        };
+        let row = field.grid().rows.checked_sub(from_south + 1);
+        let height_m = row.and_then(|row| field.post_m(row, column));
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "heights are whole numbers of 16 bits or of this type"
+        )]
+        height_m.map_or(f32::NAN, |height_m| height_m as f32)
     };
-    let pairs: Vec<[Option<f64>; 2]> = (0..count)
-        .map(|index| {
-            if east {
-                [
-                    post(first, begin + index, a.columns - 1),
-                    post(second, in_b + index, 0),
-                ]
-            } else {
-                [
-                    post(first, a.rows - 1, begin + index),
-                    post(second, 0, in_b + index),
-                ]
-            }
-        })
-        .collect();
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "heights are whole numbers of 16 bits or of this type"
-    )]
-    let height = |height: Option<f64>| height.map_or(f32::NAN, |height| height as f32);
     let (heights, grid) = if east {
-        let heights = pairs.iter().rev().flatten().map(|post| height(*post));
-        let south_deg = a.south_deg + begin as f64 * a.step_north_deg;
+        let rows = (0..count).rev();
         let grid = HeightGrid {
-            south_deg,
+            south_deg: a.south_deg + begin as f64 * a.step_north_deg,
             west_deg: a.area().east_deg,
             rows: count,
             columns: 2,
             ..*a
         };
+        let heights = rows.flat_map(|along| [post(false, along), post(true, along)]);
         (heights.collect(), grid)
     } else {
-        let [north, south] = [1, 0].map(|side: usize| {
-            let side = move |pair: &[Option<f64>; 2]| if side == 1 { pair[1] } else { pair[0] };
-            pairs.iter().map(side).map(height).collect::<Vec<f32>>()
-        });
         let grid = HeightGrid {
             south_deg: a.area().north_deg,
             west_deg: a.west_deg + begin as f64 * a.step_east_deg,
@@ -298,7 +291,12 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
             columns: count,
             ..*a
         };
-        ([north, south].concat(), grid)
+        let heights = [true, false].map(|side| (0..count).map(move |along| (side, along)));
+        let heights = heights.into_iter().flatten();
+        (
+            heights.map(|(side, along)| post(side, along)).collect(),
+            grid,
+        )
     };
     HeightField::new(grid, Heights::Fraction(heights)).ok()
 }

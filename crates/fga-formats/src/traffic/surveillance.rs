@@ -2,13 +2,14 @@
 //! only they carry a checksum that verifies them and the aircraft's position.
 
 use super::{Altitude, Callsign, Generations, NON_ICAO, TrafficReport};
-use crate::geodesy::course_from_compass_rad;
+use crate::geodesy::{Geodetic, course_from_compass_rad};
 use crate::tally::LeftOut;
 use crate::units::{Feet, FeetPerMinute, Knots};
 use rs1090::decode::adsb::ME;
 use rs1090::decode::bds::bds05::AirbornePosition;
 use rs1090::decode::bds::bds09::{AirborneVelocity, AirborneVelocitySubType};
 use rs1090::decode::cpr::{CPRFormat, airborne_position};
+use rs1090::decode::crc::modes_checksum;
 use rs1090::decode::{ControlFieldType, DF, Message};
 
 /// Most aircraft in memory.
@@ -37,7 +38,7 @@ struct HeardAircraft {
     supplement: Supplement,
     even: Option<(AirbornePosition, f64)>,
     odd: Option<(AirbornePosition, f64)>,
-    place: Option<([f64; 2], f64)>,
+    place: Option<(Geodetic, f64)>,
 }
 
 impl SurveillanceMessage {
@@ -54,7 +55,8 @@ impl SurveillanceMessage {
         if !matches!(format, 17 | 18) {
             return Err(LeftOut::NotNeeded);
         }
-        if checksum(bytes) != 0 {
+        // ICAO Annex 10, volume IV, 3.1.2.3.3: zero if the message is intact.
+        if !matches!(modes_checksum(bytes, 8 * bytes.len()), Ok(0)) {
             return Err(LeftOut::WrongChecksum);
         }
         // Kinds without use here do not reach the decoder.
@@ -152,51 +154,17 @@ impl SurveillanceMessage {
             return None;
         }
         let position = airborne_position(&other, &half)?;
-        let place = [position.latitude, position.longitude];
-        if place[0].abs() > 90.0 || place[1].abs() > 180.0 {
-            return None;
-        }
+        let place = Geodetic::new(position.latitude, position.longitude, 0.0)
+            .filter(|place| place.longitude_deg.abs() <= 180.0)?;
         // A jump means a wrong pair now or before; the next pair decides.
         if let Some((last, last_s)) = heard.place.replace((place, time_s)) {
             let farthest_m = FASTEST_MPS * (time_s - last_s).abs() + 2000.0;
-            if distance_m(last, place) > farthest_m {
+            if last.distance_m(place) > farthest_m {
                 return None;
             }
         }
-        Some(place)
+        Some([place.latitude_deg, place.longitude_deg])
     }
-}
-
-/// Distance on a sphere by the haversine formula, metres.
-fn distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let [a0, a1] = a.map(f64::to_radians);
-    let [b0, b1] = b.map(f64::to_radians);
-    let squared = |x: f64| x * x;
-    let h = squared(libm::sin((b0 - a0) / 2.0))
-        + libm::cos(a0) * libm::cos(b0) * squared(libm::sin((b1 - a1) / 2.0));
-    2.0 * 6_371_000.0 * libm::asin(libm::sqrt(h.min(1.0)))
-}
-
-/// Checksum of a long message: zero if it is intact (ICAO Annex 10, volume IV, 3.1.2.3.3).
-fn checksum(message: &[u8; 14]) -> u32 {
-    const GENERATOR: u32 = 0xFF_F409;
-    let mut remainder = 0_u32;
-    let (content, parity) = message.split_at(11);
-    for byte in content {
-        remainder ^= u32::from(*byte) << 16;
-        for _ in 0..8 {
-            remainder <<= 1;
-            if remainder & 0x100_0000 != 0 {
-                remainder ^= 0x100_0000 | GENERATOR;
-            }
-        }
-    }
-    parity
-        .iter()
-        .zip([16, 8, 0])
-        .fold(remainder, |sum, (byte, shift)| {
-            sum ^ u32::from(*byte) << shift
-        })
 }
 
 /// The part of an operational status that qualifies the kind of a position message.

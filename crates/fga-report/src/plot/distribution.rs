@@ -1,8 +1,8 @@
 //! Distributions: cumulative shares and histograms.
 
-use super::frame::{HEIGHT, PlotFrame, colour, draw_limits, line_look};
+use super::frame::{HEIGHT, PlotFrame, Ruler, colour, draw_limits, line_look};
 use super::{Axis, Spacing};
-use crate::svg::{Point, Rect};
+use crate::svg::{Point, Rect, Svg};
 
 /// A named sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,26 @@ impl SampleSeries {
     }
 }
 
+/// The picture of some samples with its frame, the samples sorted, and the scale along x.
+fn begin(
+    title: &str,
+    series: &[SampleSeries],
+    x: &Axis,
+    limits: &[(f64, String)],
+) -> (Svg, PlotFrame, Vec<Vec<f64>>, Ruler) {
+    let (svg, frame) = PlotFrame::begin(title, &names(series), 74.0, HEIGHT);
+    let sorted: Vec<Vec<f64>> = series.iter().map(SampleSeries::sorted).collect();
+    let ends = sorted
+        .iter()
+        .flat_map(|v| v.first().into_iter().chain(v.last()).copied());
+    let x = frame.x(x, ends.chain(limits.iter().map(|l| l.0)));
+    (svg, frame, sorted, x)
+}
+
+fn names(series: &[SampleSeries]) -> Vec<&str> {
+    series.iter().map(|s| s.name.as_str()).collect()
+}
+
 /// Cumulative shares: the part of each sample that is at most x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cdf {
@@ -42,13 +62,7 @@ pub struct Cdf {
 impl Cdf {
     /// Draws the chart.
     pub fn to_svg(&self) -> String {
-        let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
-        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
-        let sorted: Vec<Vec<f64>> = self.series.iter().map(SampleSeries::sorted).collect();
-        let ends = sorted
-            .iter()
-            .flat_map(|v| v.first().into_iter().chain(v.last()).copied());
-        let x = frame.x(&self.x, ends.chain(self.limits.iter().map(|l| l.0)));
+        let (mut svg, frame, sorted, x) = begin(&self.title, &self.series, &self.x, &self.limits);
         let axis = Axis::percent("cumulative share (%)");
         let y = frame.y(&axis, [0.0, 1.0].into_iter());
         frame.draw_x(&mut svg, &self.x, &x);
@@ -82,7 +96,7 @@ impl Cdf {
         }
         svg.end_clip();
         let empty = sorted.iter().all(Vec::is_empty);
-        frame.finish(svg, &names, empty, |svg, at, series| {
+        frame.finish(svg, &names(&self.series), empty, |svg, at, series| {
             svg.line((at.0 - 13.0, at.1), (at.0 + 13.0, at.1), &line_look(series));
         })
     }
@@ -106,13 +120,7 @@ pub struct Histogram {
 impl Histogram {
     /// Draws the chart; values beyond the axis' range count for the share but belong to no bin.
     pub fn to_svg(&self) -> String {
-        let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
-        let (mut svg, frame) = PlotFrame::begin(&self.title, &names, 74.0, HEIGHT);
-        let sorted: Vec<Vec<f64>> = self.series.iter().map(SampleSeries::sorted).collect();
-        let ends = sorted
-            .iter()
-            .flat_map(|v| v.first().into_iter().chain(v.last()).copied());
-        let x = frame.x(&self.x, ends.chain(self.limits.iter().map(|l| l.0)));
+        let (mut svg, frame, sorted, x) = begin(&self.title, &self.series, &self.x, &self.limits);
         let area = frame.area;
         let bins = self.bins.clamp(1, 400);
         let shares: Vec<Vec<f64>> = sorted
@@ -165,7 +173,7 @@ impl Histogram {
         }
         draw_limits(&mut svg, &area, &x, &self.limits);
         let empty = sorted.iter().all(Vec::is_empty);
-        frame.finish(svg, &names, empty, |svg, at, series| {
+        frame.finish(svg, &names(&self.series), empty, |svg, at, series| {
             let look = format!(
                 "fill=\"{0}\" fill-opacity=\"0.22\" stroke=\"{0}\" stroke-width=\"1.6\"",
                 colour(series)

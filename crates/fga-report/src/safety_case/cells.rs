@@ -1,6 +1,6 @@
 //! Cells and tables that the safety case and the league share.
 
-use super::{Lost, WorstCase};
+use super::{Lost, PolicyCase, WorstCase};
 use crate::report::{Cell, Column, Table};
 
 pub(crate) fn ratio(lost: &Lost) -> Cell {
@@ -16,44 +16,53 @@ pub(crate) fn number(value: Option<f64>, decimals: usize) -> Cell {
     value.map_or(Cell::Empty, |value| Cell::Number(value, decimals))
 }
 
+/// Losses as flown, of those without avoidance.
+pub(crate) fn left(lost: &Lost) -> Cell {
+    Cell::text(format!("{} of {}", lost.flown, lost.nominal))
+}
+
+/// Encounters in which a policy acted without need, of those that are well clear without it.
+pub(crate) fn needless_of_clear(policy: &PolicyCase) -> Cell {
+    Cell::text(format!("{} of {}", policy.needless, policy.clear))
+}
+
 /// Names and values.
 pub(crate) fn facts<'a>(rows: impl Iterator<Item = &'a (String, String)>) -> Table {
-    let cells = rows.map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())]);
-    Table {
-        caption: String::new(),
-        columns: vec![Column::text("what"), Column::text("value")],
-        rows: cells.collect(),
-    }
+    Table::of(
+        rows,
+        "",
+        [
+            (Column::text("what"), |(name, _)| Cell::text(name)),
+            (Column::text("value"), |(_, value)| Cell::text(value)),
+        ],
+    )
+}
+
+fn separation(pair: Option<(f64, f64)>) -> Cell {
+    pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
+        Cell::text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
+    })
 }
 
 /// The worst encounters, each with a link to its replay.
 pub(crate) fn worst(cases: &[WorstCase], caption: &str) -> Table {
-    let separation = |pair: Option<(f64, f64)>| {
-        pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
-            Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
-        })
+    let link = |worst: &WorstCase| Cell::Link {
+        text: worst.encounter.clone(),
+        href: worst.href.clone(),
     };
-    let rows = cases.iter().map(|worst| {
-        vec![
-            Cell::Link {
-                text: worst.encounter.clone(),
-                href: worst.href.clone(),
-            },
-            Cell::Text(worst.policy.clone()),
-            Cell::Text(worst.what.clone()),
-            separation(worst.separation_m[0]),
-            separation(worst.separation_m[1]),
-        ]
-    });
-    Table {
-        caption: caption.into(),
-        columns: vec![
-            Column::text("encounter"),
-            Column::text("policy"),
-            Column::text("what"),
-            Column::number("without"),
-            Column::number("as flown"),
+    Table::of(
+        cases,
+        caption,
+        [
+            (Column::text("encounter"), link),
+            (Column::text("policy"), |it| Cell::text(&it.policy)),
+            (Column::text("what"), |it| Cell::text(&it.what)),
+            (Column::number("without"), |it| {
+                separation(it.separation_m[0])
+            }),
+            (Column::number("as flown"), |it| {
+                separation(it.separation_m[1])
+            }),
         ],
-        rows: rows.collect(),
-    }
+    )
 }

@@ -3,53 +3,37 @@
 
 use core::fmt::Write as _;
 
-use super::cells::{self, count, number, ratio};
-use super::{
-    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, WITHOUT, quantile,
-};
+use super::cells::{self, count, left, needless_of_clear, number, ratio};
+use super::{LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, quantile};
 use crate::plot::{Axis, Cdf, Claim, LineChart, LinePoint, PlotLine, SampleSeries};
 use crate::report::{Block, Cell, Column, Section, Table};
 
 impl SafetyCase {
     pub(super) fn effects(&self) -> Section {
-        let columns = vec![
-            Column::text("policy"),
-            Column::number("acted"),
-            Column::number("needless of clear"),
-            Column::number("restless"),
-            Column::number("not back"),
-            Column::number("departure median (m)"),
-            Column::number("90 % (m)"),
-            Column::number("off mission median (s)"),
-        ];
-        let rows = self
-            .policies
-            .iter()
-            .map(|policy| {
-                vec![
-                    Cell::Text(policy.policy.clone()),
-                    count(policy.acted),
-                    Cell::Text(format!("{} of {}", policy.needless, policy.clear)),
-                    count(policy.restless),
-                    count(policy.not_back),
-                    number(quantile(&policy.departures_m, 0.5), 0),
-                    number(quantile(&policy.departures_m, 0.9), 0),
-                    number(quantile(&policy.away_s, 0.5), 0),
-                ]
-            })
-            .collect();
-        Section {
-            title: "4. Metrics: what it costs".into(),
-            blocks: vec![Block::Table(Table {
-                caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
-                    Restless: the track turned from away to back, or the reverse, more than three times. \
-                    Not back: acted and was not back on its mission when the flight ended. \
-                    Departures and times are those of encounters in which it acted."
-                    .into(),
-                columns,
-                rows,
-            })],
-        }
+        let table = Table::of(
+            &self.policies,
+            "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
+             Restless: the track turned from away to back, or the reverse, more than three times. \
+             Not back: acted and was not back on its mission when the flight ended. \
+             Departures and times are those of encounters in which it acted.",
+            [
+                (Column::text("policy"), |it| Cell::text(&it.policy)),
+                (Column::number("acted"), |it| count(it.acted)),
+                (Column::number("needless of clear"), needless_of_clear),
+                (Column::number("restless"), |it| count(it.restless)),
+                (Column::number("not back"), |it| count(it.not_back)),
+                (Column::number("departure median (m)"), |it| {
+                    number(quantile(&it.departures_m, 0.5), 0)
+                }),
+                (Column::number("90 % (m)"), |it| {
+                    number(quantile(&it.departures_m, 0.9), 0)
+                }),
+                (Column::number("off mission median (s)"), |it| {
+                    number(quantile(&it.away_s, 0.5), 0)
+                }),
+            ],
+        );
+        Section::new("4. Metrics: what it costs", vec![Block::Table(table)])
     }
 
     pub(super) fn times(&self) -> Section {
@@ -95,43 +79,35 @@ impl SafetyCase {
 
     /// In how many encounters the aircraft gave way, and how long before.
     pub(super) fn gave_way(&self) -> Block {
-        let rows = self
-            .policies
-            .iter()
-            .filter(|policy| policy.policy != WITHOUT);
-        let rows = rows.map(|policy| {
-            let lost = &policy.lowc;
-            let kept = (lost.nominal + lost.induced).saturating_sub(lost.flown);
-            vec![
-                Cell::Text(policy.policy.clone()),
-                Cell::Text(format!("{kept} of {}", lost.nominal)),
-                number(quantile(&policy.action_leads_s, 0.0), 1),
-                number(quantile(&policy.action_leads_s, 0.1), 1),
-                number(quantile(&policy.action_leads_s, 0.5), 1),
-            ]
-        });
-        Block::Table(Table {
-            caption: "Giving way, as the proposed 14 CFR Part 108 (2025) asks of unmanned aircraft: encounters that lose well clear (ASTM F3442) without avoidance in \
-                which the aircraft kept well clear of every other one, and seconds from its first maneuver to the closest approach without avoidance: least, \
-                10 % and median."
-                .into(),
-            columns: vec![
-                Column::text("policy"),
-                Column::number("gave way"),
-                Column::number("least (s)"),
-                Column::number("10 %"),
-                Column::number("median"),
+        let kept = |it: &PolicyCase| {
+            let kept = (it.lowc.nominal + it.lowc.induced).saturating_sub(it.lowc.flown);
+            Cell::text(format!("{kept} of {}", it.lowc.nominal))
+        };
+        Block::Table(Table::of(
+            self.acting(),
+            "Giving way, as the proposed 14 CFR Part 108 (2025) asks of unmanned aircraft: encounters that lose well clear (ASTM F3442) without avoidance in \
+             which the aircraft kept well clear of every other one, and seconds from its first maneuver to the closest approach without avoidance: least, \
+             10 % and median.",
+            [
+                (Column::text("policy"), |it| Cell::text(&it.policy)),
+                (Column::number("gave way"), kept),
+                (Column::number("least (s)"), |it| {
+                    number(quantile(&it.action_leads_s, 0.0), 1)
+                }),
+                (Column::number("10 %"), |it| {
+                    number(quantile(&it.action_leads_s, 0.1), 1)
+                }),
+                (Column::number("median"), |it| {
+                    number(quantile(&it.action_leads_s, 0.5), 1)
+                }),
             ],
-            rows: rows.collect(),
-        })
+        ))
     }
 
     pub(super) fn curves(&self) -> Section {
         let converging = |title: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
             let lines: Vec<PlotLine> = self
-                .policies
-                .iter()
-                .filter(|policy| policy.policy != "none")
+                .acting()
                 .map(|policy| PlotLine {
                     name: policy.policy.clone(),
                     points: of(policy)
@@ -169,10 +145,7 @@ impl SafetyCase {
             values: values.to_vec(),
         };
         let mut separations = vec![series("without avoidance", &self.nominal_horizontal_m)];
-        let acting = self
-            .policies
-            .iter()
-            .filter(|policy| policy.policy != "none");
+        let acting = self.acting();
         separations.extend(acting.map(|policy| series(&policy.policy, &policy.horizontal_m)));
         let separations = Cdf {
             title: "Least horizontal separation".into(),
@@ -205,11 +178,7 @@ impl SafetyCase {
     fn width_words(&self, loss: &str, of: fn(&PolicyCase) -> &Lost) -> String {
         let mut text =
             format!("Ratio of {loss} after growing numbers of encounters, with its 95 % interval.");
-        for policy in self
-            .policies
-            .iter()
-            .filter(|policy| policy.policy != "none")
-        {
+        for policy in self.acting() {
             if let Some(ratio) = of(policy).ratio {
                 let half = 0.5 * (ratio.high - ratio.low);
                 let enough = if half <= 0.05 {
@@ -224,46 +193,29 @@ impl SafetyCase {
     }
 
     pub(super) fn by_class(&self) -> Section {
-        let rows = self
-            .classes
-            .iter()
-            .map(|class| {
-                vec![
-                    Cell::Text(class.policy.clone()),
-                    Cell::Text(class.class.clone()),
-                    count(class.encounters),
-                    Cell::Text(format!("{} of {}", class.nmac.flown, class.nmac.nominal)),
-                    ratio(&class.nmac),
-                    Cell::Text(format!("{} of {}", class.lowc.flown, class.lowc.nominal)),
-                    ratio(&class.lowc),
-                ]
-            })
-            .collect();
-        Section {
-            title: "4. Metrics: by class of encounter".into(),
-            blocks: vec![Block::Table(Table {
-                caption: "Head-on: directions at least 150° apart; overtaking: at most 30°. Speeds are those of the intruder over the ground \
-                    at the closest approach without avoidance."
-                    .into(),
-                columns: vec![
-                    Column::text("policy"),
-                    Column::text("class"),
-                    Column::number("encounters"),
-                    Column::number("NMAC with, of without"),
-                    Column::number("ratio"),
-                    Column::number("LoWC with, of without"),
-                    Column::number("ratio"),
-                ],
-                rows,
-            })],
-        }
+        let table = Table::of(
+            &self.classes,
+            "Head-on: directions at least 150° apart; overtaking: at most 30°. Speeds are those of the intruder over the ground \
+             at the closest approach without avoidance.",
+            [
+                (Column::text("policy"), |it| Cell::text(&it.policy)),
+                (Column::text("class"), |it| Cell::text(&it.class)),
+                (Column::number("encounters"), |it| count(it.encounters)),
+                (Column::number("NMAC with, of without"), |it| left(&it.nmac)),
+                (Column::number("ratio"), |it| ratio(&it.nmac)),
+                (Column::number("LoWC with, of without"), |it| left(&it.lowc)),
+                (Column::number("ratio"), |it| ratio(&it.lowc)),
+            ],
+        );
+        Section::new(
+            "4. Metrics: by class of encounter",
+            vec![Block::Table(table)],
+        )
     }
 
     pub(super) fn worst(&self) -> Section {
         let caption = "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.";
-        Section {
-            title: "5. The worst encounters".into(),
-            blocks: vec![Block::Table(cells::worst(&self.worst, caption))],
-        }
+        let table = cells::worst(&self.worst, caption);
+        Section::new("5. The worst encounters", vec![Block::Table(table)])
     }
 }

@@ -1,13 +1,16 @@
 //! The date and time of a BaseStation line.
 
+use chrono::{NaiveDate, NaiveTime};
+
 /// Seconds from 1970-01-01 to a date `YYYY/MM/DD` and a time `hh:mm:ss.fff`.
 pub(super) fn instant_s(date: &str, time: &str) -> Option<f64> {
-    let mut parts = date.split(['/', '-']).map(|part| part.parse::<u32>().ok());
-    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
-    let is_date = parts.next().is_none()
-        && (1..=9999).contains(&year)
-        && (1..=12).contains(&month)
-        && (1..=31).contains(&day);
+    let mut parts = date.split(['/', '-']);
+    let mut next = || parts.next()?.parse::<u32>().ok();
+    let (year, month, day) = (next()?.cast_signed(), next()?, next()?);
+    if parts.next().is_some() || !(1..=9999).contains(&year) {
+        return None;
+    }
+    let date = NaiveDate::from_ymd_opt(year, month, day)?.and_time(NaiveTime::MIN);
     let mut parts = time.split(':');
     let (hour, minute, second) = (parts.next()?, parts.next()?, parts.next()?);
     let (hour, minute): (u32, u32) = (hour.parse().ok()?, minute.parse().ok()?);
@@ -21,19 +24,7 @@ pub(super) fn instant_s(date: &str, time: &str) -> Option<f64> {
     };
     let is_time = parts.next().is_none() && hour < 24 && minute < 60 && second <= 60;
     let day_s = f64::from(hour * 3600 + minute * 60 + second) + thousandths / 1000.0;
-    (is_date && is_time).then(|| days_from_civil(year, month, day) * 86_400.0 + day_s)
-}
-
-/// Days from 1970-01-01 to a date of the Gregorian calendar (Howard Hinnant, "chrono-Compatible Low-Level
-/// Date Algorithms", `days_from_civil`).
-fn days_from_civil(year: u32, month: u32, day: u32) -> f64 {
-    let (year, month) = if month > 2 {
-        (year, month - 3)
-    } else {
-        (year - 1, month + 9)
-    };
-    let day_of_year = (153 * month + 2) / 5 + day - 1;
-    f64::from(year * 365 + year / 4 - year / 100 + year / 400 + day_of_year) - 719_468.0
+    is_time.then(|| date.and_utc().timestamp() as f64 + day_s)
 }
 
 #[cfg(test)]
