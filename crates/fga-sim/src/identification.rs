@@ -109,7 +109,6 @@ impl ClimbFit {
             .zip(smooth.iter().skip(length))
             .step_by(length)
             .map(|(before, after)| {
-                #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
                 let apart_s = length as f64 * period_s;
                 (after - before).abs() / apart_s
             });

@@ -74,6 +74,7 @@ pub mod track;
 pub mod tracker;
 pub mod vehicle_file;
 pub mod way_round;
+mod whole;
 pub mod wind;
 pub mod world;
 pub mod worlds;

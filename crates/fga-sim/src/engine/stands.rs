@@ -9,6 +9,7 @@ use fga::pilot::Pilot;
 
 use super::flight::{EngineFlight, situation};
 use crate::track::Track;
+use crate::whole::whole;
 use crate::world::Ending;
 
 /// A flight that drifts off its line by more than this is not straight along it, metres.
@@ -51,13 +52,7 @@ impl EngineFlight<'_> {
             .min(world.horizon_s - time_s)
             .min(self.goes_on_s(time_s));
         let cycles = libm::floor(left_s / world.settings.avoider.decision_period_s) - 1.0;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a positive count; the cast keeps it in range"
-        )]
-        let cycles = cycles.max(1.0) as u32;
-        cycles
+        whole(cycles).max(1)
     }
 
     /// How long the flight cannot end before its horizon if the aircraft flies straight on, seconds.

@@ -2,6 +2,8 @@
 
 use fga_formats::flight_log::Limits;
 
+use crate::whole::whole;
+
 /// How far ahead the margin looks, seconds: later on the avoider has decided again.
 pub const MARGIN_AHEAD_S: f64 = 5.0;
 
@@ -21,14 +23,8 @@ pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return 0.0;
     };
-    #[expect(clippy::cast_precision_loss, reason = "a number of windows")]
     let place = share * last as f64;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and the last place"
-    )]
-    let below = place.floor() as usize;
+    let below = whole(place) as usize;
     let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
     low + (high - low) * (place - place.floor())
 }
@@ -116,17 +112,10 @@ impl Identified {
 
 /// Rows that last so long.
 pub(super) fn rows_of(seconds: f64, period_s: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a few seconds over some hundredths"
-    )]
-    let rows = (seconds / period_s).round() as usize;
-    rows.max(1)
+    whole((seconds / period_s).round()).max(1) as usize
 }
 
 pub(super) fn mean(values: &[f64]) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
     let count = values.len().max(1) as f64;
     values.iter().sum::<f64>() / count
 }

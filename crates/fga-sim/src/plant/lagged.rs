@@ -13,6 +13,7 @@ use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 use super::rolls::RollMoment;
 use super::{Arc, Plant, rate_to};
+use crate::whole::whole;
 
 /// Longest integration step under the PI autopilot, seconds (50 Hz).
 const LONGEST_STEP_S: f64 = 0.02;
@@ -393,12 +394,7 @@ impl Plant {
     pub(super) fn fly_controlled(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         self.straight = None;
         let span_s = until_s - self.time_s;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of steps: positive and small"
-        )]
-        let steps = (libm::ceil(span_s / LONGEST_STEP_S - 1e-9) as u32).max(1);
+        let steps = whole(libm::ceil(span_s / LONGEST_STEP_S - 1e-9)).max(1);
         let step_s = span_s / f64::from(steps);
         let start_s = self.time_s;
         for k in 1..=steps {
