@@ -60,7 +60,7 @@ use self::places::Places;
 use crate::plan::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
-use crate::vehicle_file::checks::{Checked, sensor};
+use crate::vehicle_file::checks;
 use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
@@ -103,15 +103,12 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let mission_m = waypoints(&file.mission, &places)?;
     let passing = passing(&file.mission, &text, mission_m.len())?;
     let wind_mps = match &file.wind {
-        Some(wind) => wind.checked(&text)?,
+        Some(wind) => checks::wind(wind, text)?,
         None => model.wind_mps,
     };
-    let sensor = sensor(
-        &file.sensor.clone().unwrap_or_default(),
-        &file.noise.clone().unwrap_or_default(),
-        &text,
-        model.sensor,
-    )?;
+    let (sensor, noise) = (file.sensor.clone(), file.noise.clone());
+    let (sensor, noise) = (sensor.unwrap_or_default(), noise.unwrap_or_default());
+    let sensor = checks::sensor(&sensor, &noise, text, model.sensor)?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
@@ -206,7 +203,8 @@ fn limits_m(
     model: &VehicleModel,
     (mission_m, start_m): (&[Vec3], Vec3),
 ) -> Result<(f64, f64), InputError> {
-    let (own_floor_m, own_ceiling_m) = file.limits.checked(text)?;
+    let own = [&file.limits.floor_m, &file.limits.ceiling_m];
+    let (own_floor_m, own_ceiling_m) = checks::limits(own, *text)?;
     let heights_m = mission_m.iter().map(|waypoint| waypoint.z);
     let lowest_m = heights_m.clone().fold(f64::INFINITY, f64::min);
     let highest_m = heights_m.fold(f64::NEG_INFINITY, f64::max);

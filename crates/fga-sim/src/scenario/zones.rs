@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
-use fga_files::vehicle::LimitsTable;
 use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
 use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
 use toml::Spanned;
 
 use super::places::Places;
-use crate::vehicle_file::checks::Checked;
+use crate::vehicle_file::checks;
 use crate::zone::{WorldOutline, WorldZone};
 
 /// Of a file, some zones of which are nearer, those are left out that are farther from the start than this many times the way flown.
@@ -178,11 +177,8 @@ fn heights_m(
     places: &Places<'_>,
 ) -> Result<((f64, f64), bool), InputError> {
     let (table, text) = (entry.get_ref(), &places.text);
-    let own = LimitsTable {
-        floor_m: table.floor_m.clone(),
-        ceiling_m: table.ceiling_m.clone(),
-    };
-    let (own_floor_m, own_ceiling_m) = own.checked(text)?;
+    let own = [&table.floor_m, &table.ceiling_m];
+    let (own_floor_m, own_ceiling_m) = checks::limits(own, *text)?;
     let origin_m = places
         .frame
         .as_ref()
@@ -276,12 +272,9 @@ fn zone(
             format!("{name} is a polygon with a centre, expected radius_m beside a centre");
         return Err(text.error_at(entry, message));
     }
-    let limits = LimitsTable {
-        floor_m: table.floor_m.clone(),
-        ceiling_m: table.ceiling_m.clone(),
-    };
+    let heights_m = checks::limits([&table.floor_m, &table.ceiling_m], *text)?;
     let keep_in = table.kind == ZoneKindName::KeepIn;
-    WorldZone::new(name.clone(), keep_in, outline, limits.checked(text)?)
+    WorldZone::new(name.clone(), keep_in, outline, heights_m)
         .map_err(|error| text.error_at(entry, format!("{name}: {error}")))
 }
 
