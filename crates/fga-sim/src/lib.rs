@@ -72,6 +72,7 @@ pub mod shield;
 pub mod stress;
 pub mod track;
 pub mod tracker;
+mod values;
 pub mod vehicle_file;
 pub mod way_round;
 mod whole;

@@ -14,10 +14,11 @@ use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedF
 use parquet::schema::types::Type;
 
 use super::metrics::{Access, Metrics};
-use super::table::{BEFORE, schema};
+use super::table::{base, schema};
 use super::{Campaign, Row};
 use crate::corrupt::guarded;
 use crate::own::FailureKind;
+use crate::values::{reason, with_gaps};
 
 /// Reads the rows of a file back, one row group a call of `take`.
 ///
@@ -42,13 +43,9 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     Ok(())
 }
 
-/// What is wrong with a table, without the reader's prefix where this crate says it.
+/// What is wrong with a table.
 pub(super) fn unusable(path: &Path, error: &ParquetError) -> InputError {
-    let reason = match error {
-        ParquetError::General(message) => message.clone(),
-        other => other.to_string(),
-    };
-    InputError::in_file(path, format!("cannot be used: {reason}"))
+    InputError::in_file(path, format!("cannot be used: {}", reason(error)))
 }
 
 /// The first column that differs from those of a campaign.
@@ -100,7 +97,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         .collect::<Result<Vec<_>, _>>()?;
     let weight = all::<DoubleType>(group, 23, count)?;
     let mut metrics = vec![Metrics::default(); count];
-    for (column, field) in (BEFORE..).zip(campaign.metric_fields()) {
+    for (column, field) in (base().count()..).zip(campaign.metric_fields()) {
         match field.access {
             Access::Real(_, set) => {
                 let values = maybe::<DoubleType>(group, column, count)?;
@@ -153,16 +150,8 @@ fn values<T: DataType>(
     column: usize,
     count: usize,
 ) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
-    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
-    // The file says how many rows it has, and that may be wrong.
-    let room = count.min(65_536);
-    let (mut values, mut levels) = (Vec::with_capacity(room), Vec::with_capacity(room));
-    while reader
-        .read_records(count, Some(&mut levels), None, &mut values)?
-        .0
-        > 0
-    {}
-    Ok((values, levels))
+    let reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
+    crate::values::read(reader, count)
 }
 
 fn all<T: DataType>(
@@ -187,11 +176,7 @@ fn maybe<T: DataType>(
     count: usize,
 ) -> Result<Vec<Option<T::T>>, ParquetError> {
     let (values, levels) = values::<T>(group, column, count)?;
-    let mut values = values.into_iter();
-    let rows: Vec<Option<T::T>> = levels
-        .into_iter()
-        .map(|level| if level > 0 { values.next() } else { None })
-        .collect();
+    let rows = with_gaps(values, &levels);
     if rows.len() == count {
         Ok(rows)
     } else {

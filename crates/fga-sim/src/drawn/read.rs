@@ -55,24 +55,16 @@ fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> 
         };
         for row in 0..group.count {
             let at = |column: usize| numbers[column][row];
+            let wrong = |column: &str, found: &str, expected: &str| {
+                let message = format!("column {column} holds {found}, expected {expected}");
+                InputError::in_file(path, message)
+            };
             let movement = encounters::movement_of(kinds[row].as_bytes()).ok_or_else(|| {
-                InputError::in_file(
-                    path,
-                    format!(
-                        "column kind holds {}, expected still, straight, aircraft or uas",
-                        shown(&kinds[row])
-                    ),
-                )
+                let kinds_known = "still, straight, aircraft or uas";
+                wrong("kind", &shown(&kinds[row]), kinds_known)
             })?;
-            let id = u32::try_from(obstacle[row]).map_err(|_| {
-                InputError::in_file(
-                    path,
-                    format!(
-                        "column obstacle holds {}, expected less than 2^32",
-                        obstacle[row]
-                    ),
-                )
-            })?;
+            let id = u32::try_from(obstacle[row])
+                .map_err(|_| wrong("obstacle", &obstacle[row].to_string(), "less than 2^32"))?;
             let volume = ProtectedVolume::Sphere { radius_m: at(6) };
             let mut obstacle = Obstacle::straight(
                 id,
@@ -98,33 +90,23 @@ fn read_tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
     for group in table.groups() {
         take_tracks(&group?, &table, path, &mut found)?;
     }
+    let wrong = |message: String| Err(InputError::in_file(path, message));
     let mut numbers: Vec<u64> = found.iter().map(|(number, _)| *number).collect();
     numbers.sort_unstable();
-    if let Some([twice, _]) = numbers
-        .windows(2)
-        .filter_map(|pair| pair.as_array::<2>())
-        .find(|[a, b]| a == b)
-    {
-        return Err(InputError::in_file(
-            path,
-            format!("encounter {twice} stands in two places, expected its rows together"),
+    if let Some(pair) = numbers.windows(2).find(|pair| pair[0] == pair[1]) {
+        let twice = pair[0];
+        return wrong(format!(
+            "encounter {twice} stands in two places, expected its rows together"
         ));
     }
-    for (number, named) in &found {
-        let message = match named.recording.aircraft.as_slice() {
-            [_] => "has one aircraft only, expected the ownship and at least one more",
-            _ => continue,
-        };
-        return Err(InputError::in_file(
-            path,
-            format!("encounter {number} {message}"),
+    let is_alone = |(_, named): &&(u64, Named)| named.recording.aircraft.len() == 1;
+    if let Some((number, _)) = found.iter().find(is_alone) {
+        return wrong(format!(
+            "encounter {number} has one aircraft only, expected the ownship and at least one more"
         ));
     }
     if found.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            "holds no rows, expected at least one",
-        ));
+        return wrong("holds no rows, expected at least one".into());
     }
     let named: Vec<Named> = found.into_iter().map(|(_, named)| named).collect();
     let tracks = named.iter().flat_map(|named| &named.recording.aircraft);
@@ -187,16 +169,9 @@ fn take_tracks(
     found: &mut Vec<(u64, Named)>,
 ) -> Result<(), InputError> {
     let numbers = group.wholes("encounter")?;
-    let seeds = if table.has("seed") {
-        Some(group.wholes("seed")?)
-    } else {
-        None
-    };
-    let weights = if table.has("weight") {
-        Some(group.numbers("weight")?)
-    } else {
-        None
-    };
+    let seeds = table.has("seed").then(|| group.wholes("seed"));
+    let weights = table.has("weight").then(|| group.numbers("weight"));
+    let (seeds, weights) = (seeds.transpose()?, weights.transpose()?);
     let names = group.texts("aircraft")?;
     let values = TRACK_COLUMNS[4..DEVIATIONS_FROM]
         .iter()

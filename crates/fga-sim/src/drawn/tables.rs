@@ -16,14 +16,15 @@ use fga_formats::build;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
 use parquet::basic::Compression;
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::{Content, Origin};
+use crate::values::put;
 
 /// Columns of the tracks, with their meanings.
 pub const TRACK_COLUMNS: [(&str, &str); 21] = [
@@ -212,19 +213,24 @@ impl<W: Write + Send> DrawnWriter<W> {
         }
         let mut group = self.file.next_row_group()?;
         for column in &self.wholes {
-            put::<W, Int64Type>(&mut group, column)?;
+            put::<W, Int64Type>(&mut group, column, None)?;
         }
         if self.content == Content::Tracks {
-            put::<W, DoubleType>(&mut group, &self.weights)?;
-            put::<W, ByteArrayType>(&mut group, &self.texts)?;
+            put::<W, DoubleType>(&mut group, &self.weights, None)?;
+            put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         }
         for column in self.numbers.iter().filter(|column| !column.is_empty()) {
-            put::<W, DoubleType>(&mut group, column)?;
+            put::<W, DoubleType>(&mut group, column, None)?;
         }
         if self.content == Content::Rows {
-            put::<W, ByteArrayType>(&mut group, &self.texts)?;
+            put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         } else {
-            put_air(&mut group, &self.air)?;
+            let air = &self.air;
+            let levels: Vec<i16> = air.iter().map(|air| i16::from(air.is_some())).collect();
+            for axis in 0..2 {
+                let values: Vec<f64> = air.iter().flatten().map(|air| air[axis]).collect();
+                put::<W, DoubleType>(&mut group, &values, Some(&levels))?;
+            }
         }
         group.close()?;
         self.wholes.iter_mut().for_each(Vec::clear);
@@ -243,35 +249,6 @@ impl<W: Write + Send> DrawnWriter<W> {
         self.flush_if(1)?;
         self.file.into_inner()
     }
-}
-
-fn put<W: Write + Send, T: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    values: &[T::T],
-) -> Result<(), ParquetError> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("has too few columns".into()));
-    };
-    column.typed::<T>().write_batch(values, None, None)?;
-    column.close()
-}
-
-/// Puts the velocities through the air, with empty fields where there is none.
-fn put_air<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    air: &[Option<[f64; 2]>],
-) -> Result<(), ParquetError> {
-    let levels: Vec<i16> = air.iter().map(|air| i16::from(air.is_some())).collect();
-    for axis in 0..2 {
-        let values: Vec<f64> = air.iter().flatten().map(|air| air[axis]).collect();
-        let Some(mut column) = group.next_column()? else {
-            return Err(ParquetError::General("has too few columns".into()));
-        };
-        let typed = column.typed::<DoubleType>();
-        typed.write_batch(&values, Some(&levels), None)?;
-        column.close()?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]
