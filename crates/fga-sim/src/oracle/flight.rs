@@ -68,7 +68,7 @@ impl OracleFlight {
         horizon_s: f64,
     ) -> Self {
         let mut flight = Self::default();
-        flight.fly(start, vehicle, maneuver, horizon_s);
+        flight.fly(start, vehicle, maneuver, horizon_s, None);
         flight
     }
 
@@ -121,20 +121,9 @@ impl OracleFlight {
         }
     }
 
-    /// As [`OracleFlight::new`], into the same memory.
-    pub(super) fn fly(
-        &mut self,
-        start: &OracleStart,
-        vehicle: &OracleVehicle,
-        maneuver: &OracleManeuver,
-        horizon_s: f64,
-    ) {
-        self.fly_back(start, vehicle, maneuver, horizon_s, None);
-    }
-
-    /// As [`OracleFlight::fly`], but at `back_s`, or after the second turn if that is later, a
+    /// As [`OracleFlight::new`], into the same memory. At `back_s`, or after the second turn if that is later, a
     /// third turn brings the aircraft back to the start's course, the shorter way, and level.
-    pub(super) fn fly_back(
+    pub(super) fn fly(
         &mut self,
         start: &OracleStart,
         vehicle: &OracleVehicle,
