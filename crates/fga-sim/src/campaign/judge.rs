@@ -13,6 +13,7 @@ use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
 use super::metrics::Metrics;
 use crate::engine::{Observer, Outcome as EngineFlight, Sample};
 use crate::progress::MissionProgress;
+use crate::separation::least_at;
 use crate::track::Track;
 use crate::world::World;
 
@@ -316,17 +317,8 @@ fn nmac_scale(pairs: &[PairSample]) -> Option<f64> {
             continue;
         }
         // The larger of two convex functions is convex along a line.
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..60 {
-            let third = (high - low) / 3.0;
-            let (a, b) = (low + third, high - third);
-            if scale(from_m + moved_m * a) <= scale(from_m + moved_m * b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        least = least.min(scale(from_m + moved_m * (0.5 * (low + high))));
+        let scale_at = |share: f64| scale(from_m + moved_m * share);
+        least = least.min(scale_at(least_at(scale_at, 1.0, 60)));
     }
     Some(least)
 }

@@ -7,7 +7,7 @@ use fga::Vec3;
 use fga::avoider::Decision;
 use fga::pilot::Pilot;
 
-use super::flight::{EngineFlight, situation};
+use super::flight::EngineFlight;
 use crate::track::Track;
 use crate::whole::whole;
 use crate::world::Ending;
@@ -23,13 +23,7 @@ impl EngineFlight<'_> {
         decision: &Decision,
         pilot: &(impl Pilot + ?Sized),
     ) -> u32 {
-        let now = situation(
-            (self.world, (self.zones.as_slice(), self.ground.as_ref())),
-            self.plant.ownship(),
-            self.sensor,
-            time_s,
-        );
-        let stands_s = pilot.stands_s(&now);
+        let stands_s = pilot.stands_s(&self.situation(time_s));
         let is_known = stands_s > 0.0
             && self.replaying().is_none()
             && self.state.progress.is_one_leg()
