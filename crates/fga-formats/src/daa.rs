@@ -43,7 +43,7 @@ pub mod scene;
 pub mod tables;
 mod write;
 
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes};
 use crate::gzip::text_of;
 use columns::Layout;
 use extras::Extras;
@@ -66,8 +66,7 @@ pub fn read(path: &Path) -> Result<Recording, InputError> {
 
 /// The text of a recording's file, decompressed if it is a gzip one.
 pub(crate) fn text(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    text_of(&bytes, path)
+    text_of(&read_bytes(path)?, path)
 }
 
 /// The numbered lines that are neither blank nor a comment, trimmed.

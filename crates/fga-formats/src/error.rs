@@ -87,13 +87,21 @@ fn reason(error: &io::Error) -> String {
     }
 }
 
+/// Reads a file.
+///
+/// # Errors
+/// An unreadable file.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
+    std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
+}
+
 /// Reads a text file; bytes that are not UTF-8 become replacement characters and a byte-order
 /// mark is dropped.
 ///
 /// # Errors
 /// An unreadable file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
     Ok(String::from_utf8_lossy(bytes).into_owned())
 }

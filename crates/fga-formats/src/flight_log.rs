@@ -21,10 +21,9 @@ mod phases;
 mod series;
 mod tlog;
 
-use std::fs;
 use std::path::Path;
 
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes};
 use crate::gzip;
 pub use columns::COLUMNS;
 pub use phases::Limits;
@@ -38,7 +37,7 @@ const ULOG: &[u8] = b"ULog\x01\x12\x35";
 /// # Errors
 /// A file that cannot be read, is no log, or lacks a signal, as one sentence.
 pub fn read(path: &Path) -> Result<FlightLog, InputError> {
-    let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let bytes = gzip::unpacked(&bytes, path)?;
     parse(&bytes, path)
 }

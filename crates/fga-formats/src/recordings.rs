@@ -18,7 +18,7 @@ mod received;
 mod state_vectors;
 
 use crate::daa;
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes};
 use crate::gzip::text_of;
 use crate::traffic::sbs;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ fn has_known_ending(path: &Path) -> bool {
 /// # Errors
 /// A file that is unreadable or no recording; fewer than two aircraft; no two that come close.
 pub fn read(path: &Path) -> Result<Encounters, InputError> {
-    parse(&bytes_of(path)?, path)
+    parse(&read_bytes(path)?, path)
 }
 
 /// Reads a file of any kind.
@@ -86,7 +86,7 @@ pub fn read(path: &Path) -> Result<Encounters, InputError> {
 /// # Errors
 /// A file that is unreadable or no recording.
 pub fn read_content(path: &Path) -> Result<Content, InputError> {
-    parse_content(&bytes_of(path)?, path)
+    parse_content(&read_bytes(path)?, path)
 }
 
 /// Reads the aircraft of a feed, BaseStation lines or state vectors, whether or not two of them come close.
@@ -107,10 +107,6 @@ pub fn read_feed(path: &Path) -> Result<Received, InputError> {
         return Err(InputError::in_file(path, message));
     }
     Ok(received)
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
-    std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
 }
 
 /// Reads the encounters in the bytes of a file; errors name it `path`. See [`read`].

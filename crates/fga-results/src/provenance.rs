@@ -52,21 +52,10 @@ impl Provenance {
     }
 }
 
-/// SHA-256 of some bytes, in hexadecimal.
-pub fn fingerprint(bytes: &[u8]) -> String {
-    use core::fmt::Write as _;
-    let mut text = String::with_capacity(64);
-    for byte in Sha256::digest(bytes) {
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
-}
-
 /// SHA-256 of a file.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn file_fingerprint(path: &Path) -> Result<String, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    Ok(fingerprint(&bytes))
+    Ok(fingerprint(&read_bytes(path)?))
 }

@@ -4,6 +4,7 @@ use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
 
+use super::row::BatchError;
 use crate::policy::{PolicyChoice, PolicySettings};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
@@ -65,6 +66,14 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
         horizon_s: settings.horizon_s,
         ending: Ending::BackAndPassed,
         recorded: None,
+    })
+}
+
+/// The same, or an error about the wind.
+pub(super) fn flyable_world<E>(settings: &BatchSettings) -> Result<World, BatchError<E>> {
+    empty_world(settings).ok_or_else(|| BatchError::Wind {
+        wind_mps: settings.model.wind_mps.length(),
+        airspeed_mps: settings.model.vehicle.airspeed_mps,
     })
 }
 

@@ -20,6 +20,7 @@ use crate::batch::{self, BatchSettings};
 use crate::drawn::{self, Origin, RowTable};
 use crate::encounters::modeled::ModelSource;
 use crate::encounters::{EncounterSource, Scenery};
+use crate::fingerprint::changed;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::own::OwnPolicy;
 use crate::policy::PolicyChoice;
@@ -160,24 +161,16 @@ impl Campaign {
         for source in &configuration.files {
             let rows = drawn::read_rows(&source.path)?;
             if rows.sha256 != source.sha256 {
-                return Err(InputError::in_file(
-                    &source.path,
-                    "is not the file that the campaign was begun with",
-                )
-                .into());
+                return Err(changed(&source.path).into());
             }
             files.push(rows);
         }
-        let file_names = configuration.files.iter().map(|file| {
-            file.path
-                .file_name()
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-        });
-        let model_names = configuration.models.iter().map(|file| {
-            file.path
-                .file_name()
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-        });
+        let name_of = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let file_names = configuration.files.iter().map(|file| name_of(&file.path));
+        let model_names = configuration.models.iter().map(|file| name_of(&file.path));
         let names = file_names
             .chain(configuration.cells.iter().cloned())
             .chain(recordings.folders())
