@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+use fga_formats::error::read_bytes;
 use fga_formats::{InputError, build};
+pub use fga_sim::fingerprint::fingerprint;
 use serde_json::{Value, json};
-use sha2::{Digest as _, Sha256};
 
 /// The target of this build, for `run.json` and the table of a campaign.
 pub const TARGET: &str = env!("FGA_TARGET");

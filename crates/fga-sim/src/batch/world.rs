@@ -5,7 +5,7 @@ use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
 
 use super::row::BatchError;
-use crate::policy::{PolicyChoice, PolicySettings};
+use crate::policy::PolicyChoice;
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
@@ -33,40 +33,19 @@ pub struct BatchSettings {
 pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let model = &settings.model;
     let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;
-    Some(World {
-        mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
-        passing: Vec::new(),
-        limits_m: settings.model.limits_m,
-        zones: Vec::new(),
-        ground: None,
-        start: StartState {
-            position_m: Vec3::ZERO,
-            course_rad,
-            climb_rad,
-        },
-        vehicle: model.vehicle,
-        autopilot: model.autopilot,
-        settings: PolicySettings {
-            avoider: fga::avoider::Settings {
-                surveillance_radius_m: f64::INFINITY,
-                ..model.settings.avoider
-            },
-            ..model.settings
-        },
-        wind_mps: model.wind_mps,
-        gust: None,
-        obstacles: Vec::new(),
-        sensor: crate::sensor::SensorSettings {
-            range_m: f64::INFINITY,
-            ..model.sensor
-        },
-        more_sensors: Vec::new(),
-        seed: settings.seed,
-        stream: 0,
-        horizon_s: settings.horizon_s,
-        ending: Ending::BackAndPassed,
-        recorded: None,
-    })
+    let mission_m = vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M];
+    let start = StartState {
+        position_m: Vec3::ZERO,
+        course_rad,
+        climb_rad,
+    };
+    let until = (settings.horizon_s, Ending::BackAndPassed);
+    let mut world = World::of(model, mission_m, start, until);
+    world.settings.avoider.surveillance_radius_m = f64::INFINITY;
+    world.sensor.range_m = f64::INFINITY;
+    world.more_sensors.clear();
+    world.seed = settings.seed;
+    Some(world)
 }
 
 /// The same, or an error about the wind.

@@ -138,13 +138,14 @@ impl WorldJudge {
         let Some((index, losses)) = self.worst(world, &path) else {
             return metrics;
         };
-        metrics.nominal_nmac = Some(losses.f3442.nmac_s.is_some());
-        metrics.nominal_lowc = Some(losses.f3442.loss_s.is_some());
-        metrics.nominal_do365 = Some(losses.do365.loss_s.is_some());
-        metrics.nominal_severity = losses.do365.severity;
-        metrics.nominal_nmac_scale = losses.scale;
-        metrics.nominal_horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
-        metrics.nominal_vertical_m = losses.f3442.vertical_then_m;
+        losses.note(&mut metrics);
+        metrics.nominal_nmac = metrics.nmac.take();
+        metrics.nominal_lowc = metrics.lowc.take();
+        metrics.nominal_do365 = metrics.do365.take();
+        metrics.nominal_severity = metrics.severity.take();
+        metrics.nominal_nmac_scale = metrics.nmac_scale.take();
+        metrics.nominal_horizontal_m = metrics.horizontal_m.take();
+        metrics.nominal_vertical_m = metrics.vertical_m.take();
         metrics.cpa_s = losses.f3442.slant.map(|least| least.time_s);
         let (Some(cpa_s), Some(intruder)) = (metrics.cpa_s, world.obstacles.get(index)) else {
             return metrics;
@@ -183,13 +184,7 @@ impl WorldJudge {
         path.extend(points_of(own).iter().filter(|(time_s, _)| *time_s < left_s));
         path.extend(flown.path.iter().filter(|(time_s, _)| *time_s >= left_s));
         if let Some((_, losses)) = self.worst(world, &path) {
-            metrics.nmac = Some(losses.f3442.nmac_s.is_some());
-            metrics.lowc = Some(losses.f3442.loss_s.is_some());
-            metrics.do365 = Some(losses.do365.loss_s.is_some());
-            metrics.severity = losses.do365.severity;
-            metrics.nmac_scale = losses.scale;
-            metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
-            metrics.vertical_m = losses.f3442.vertical_then_m;
+            losses.note(metrics);
         }
         let begun = metrics.cpa_s.zip(flown.left_s);
         metrics.action_s = begun.map(|(cpa_s, left_s)| cpa_s - left_s);
@@ -276,6 +271,17 @@ impl WorldJudge {
 }
 
 impl Losses {
+    /// Writes the losses as those of the flown encounter.
+    fn note(&self, metrics: &mut Metrics) {
+        metrics.nmac = Some(self.f3442.nmac_s.is_some());
+        metrics.lowc = Some(self.f3442.loss_s.is_some());
+        metrics.do365 = Some(self.do365.loss_s.is_some());
+        metrics.severity = self.do365.severity;
+        metrics.nmac_scale = self.scale;
+        metrics.horizontal_m = self.f3442.horizontal.map(|least| least.value_m);
+        metrics.vertical_m = self.f3442.vertical_then_m;
+    }
+
     /// Adds the losses against another intruder.
     fn take(&mut self, other: &Self) {
         self.scale = match (self.scale, other.scale) {
