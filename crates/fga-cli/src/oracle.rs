@@ -99,7 +99,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 tracks: false,
             };
             let tracks = Tracks::find(path, &settings)?;
-            tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
+            tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
             let oracle = OracleSettings {
                 horizon_s: args.horizon,
                 ..OracleSettings::default()

@@ -54,6 +54,7 @@ use fga_files::scenario::{KindName, MissionTable, MovementName, ObstacleTable, S
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_formats::words::counted;
 use toml::Spanned;
 
 use self::places::Places;
@@ -240,53 +241,36 @@ fn passing(
 
 /// The mission's waypoints, local, metres.
 fn waypoints(mission: &MissionTable, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
-    let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
-        match (&mission.waypoints_m, &mission.waypoints_deg) {
-            (Some(list), None) => (
-                list,
-                list.get_ref()
-                    .iter()
-                    .map(|at| places.local("a waypoint", at))
-                    .collect(),
-            ),
-            (None, Some(list)) => (
-                list,
-                list.get_ref()
-                    .iter()
-                    .map(|at| places.geodetic("a waypoint", at))
-                    .collect(),
-            ),
-            (None, None) => {
-                return Err(places
-                    .text
-                    .error("mission has no waypoints, expected waypoints_m or waypoints_deg"));
-            }
-            (Some(_), Some(list)) => {
-                return Err(places.text.error_at(
-                    list,
-                    "both waypoints_m and waypoints_deg are given, expected one of them",
-                ));
-            }
-        };
-    let waypoints = waypoints?;
+    let text = places.text;
+    let (list, is_local) = match (&mission.waypoints_m, &mission.waypoints_deg) {
+        (Some(list), None) => (list, true),
+        (None, Some(list)) => (list, false),
+        (None, None) => {
+            let message = "mission has no waypoints, expected waypoints_m or waypoints_deg";
+            return Err(text.error(message));
+        }
+        (Some(_), Some(list)) => {
+            let message = "both waypoints_m and waypoints_deg are given, expected one of them";
+            return Err(text.error_at(list, message));
+        }
+    };
+    let place = |at| {
+        if is_local {
+            places.local("a waypoint", at)
+        } else {
+            places.geodetic("a waypoint", at)
+        }
+    };
+    let waypoints: Vec<Vec3> = list.get_ref().iter().map(place).collect::<Result<_, _>>()?;
     if waypoints.len() < 2 {
-        return Err(places.text.error_at(
-            list,
-            format!(
-                "mission has {} waypoint{}, expected at least two",
-                waypoints.len(),
-                if waypoints.len() == 1 { "" } else { "s" }
-            ),
-        ));
+        let count = counted(waypoints.len(), "waypoint");
+        let message = format!("mission has {count}, expected at least two");
+        return Err(text.error_at(list, message));
     }
-    if let Some(index) = waypoints
-        .windows(2)
-        .position(|pair| pair[0].distance(pair[1]) < 1.0)
-    {
-        return Err(places.text.error_at(
-            &list.get_ref()[index + 1],
-            "a waypoint is less than 1 m from the one before, expected another place",
-        ));
+    let is_short = |pair: &[Vec3]| pair[0].distance(pair[1]) < 1.0;
+    if let Some(index) = waypoints.windows(2).position(is_short) {
+        let message = "a waypoint is less than 1 m from the one before, expected another place";
+        return Err(text.error_at(&list.get_ref()[index + 1], message));
     }
     Ok(waypoints)
 }
@@ -426,33 +410,20 @@ fn charted_sigma_m(table: &ObstacleTable, text: &TomlText<'_>) -> Result<Option<
 fn recorded(text: &TomlText<'_>, points: &Spanned<Vec<[f64; 4]>>) -> Result<Track, InputError> {
     let rows = points.get_ref();
     if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        return Err(text.error_at(
-            points,
-            format!(
-                "track_m has time {} after time {}, expected growing times",
-                pair[1][0], pair[0][0]
-            ),
-        ));
+        let (before_s, after_s) = (pair[0][0], pair[1][0]);
+        let message =
+            format!("track_m has time {after_s} after time {before_s}, expected growing times");
+        return Err(text.error_at(points, message));
     }
     let usable = rows.len() >= 2 && rows.iter().flatten().all(|v| v.is_finite());
-    usable
-        .then(|| {
-            Track::through(
-                rows.iter()
-                    .map(|&[time_s, x, y, z]| TrackPoint {
-                        time_s,
-                        position_m: Vec3::new(x, y, z),
-                    })
-                    .collect(),
-            )
-        })
-        .flatten()
-        .ok_or_else(|| {
-            text.error_at(
-                points,
-                "track_m is not usable, expected at least two rows [t, x, y, z] of finite numbers",
-            )
-        })
+    let track = rows.iter().map(|&[time_s, x, y, z]| TrackPoint {
+        time_s,
+        position_m: Vec3::new(x, y, z),
+    });
+    let track = Track::through(track.collect()).filter(|_| usable);
+    let message =
+        "track_m is not usable, expected at least two rows [t, x, y, z] of finite numbers";
+    track.ok_or_else(|| text.error_at(points, message))
 }
 
 #[cfg(test)]

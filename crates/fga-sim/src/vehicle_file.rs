@@ -151,17 +151,9 @@ fn surveillance_m(
     settings: &Settings,
 ) -> Result<f64, InputError> {
     let Some(value) = &file.surveillance_radius_m else {
-        let Settings {
-            horizon_s,
-            margin_m,
-            ..
-        } = *settings;
-        return Ok(surveillance::derived_m(
-            airspeed_mps,
-            horizon_s,
-            protection,
-            margin_m,
-        ));
+        let (horizon_s, margin_m) = (settings.horizon_s, settings.margin_m);
+        let derived_m = surveillance::derived_m(airspeed_mps, horizon_s, protection, margin_m);
+        return Ok(derived_m);
     };
     // Infinity: everything that the sensor sees.
     if *value.get_ref() == f64::INFINITY {

@@ -21,8 +21,10 @@ use crate::recorded::{self, Recordings};
 #[derive(Debug)]
 pub struct Tracks {
     recordings: Recordings,
-    damaged: Vec<String>,
-    tally: Tally,
+    /// The faults of the files that were left out, one sentence each.
+    pub damaged: Vec<String>,
+    /// What became of the lines and rows of the other files.
+    pub tally: Tally,
 }
 
 impl Tracks {
@@ -52,16 +54,6 @@ impl Tracks {
     /// Names of the encounters in their order.
     pub fn names(&self) -> &[String] {
         self.recordings.names()
-    }
-
-    /// The faults of the files that were left out, one sentence each.
-    pub fn damaged(&self) -> &[String] {
-        &self.damaged
-    }
-
-    /// What became of the lines and rows of the other files.
-    pub const fn tally(&self) -> Tally {
-        self.tally
     }
 
     /// Number of files, with those that were left out.
