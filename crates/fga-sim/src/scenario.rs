@@ -1,39 +1,6 @@
-//! Scenario files: a mission and its obstacles in TOML.
+//! Scenario files: a mission and its obstacles in TOML
+//! (tables: [`fga_files::scenario`], with what each key means).
 //!
-//! ```toml
-//! name = "past-a-mast"
-//! duration_s = 120.0
-//! vehicle = "../vehicles/paper.toml"     # optional; relative to this file
-//!
-//! [mission]
-//! waypoints_m = [[0, 0, 100], [900, 0, 100]]
-//! passing = ["fly-by", "fly-over"]        # optional, one a waypoint: fly-by (default), fly-over (default of the last)
-//!
-//! [[obstacle]]
-//! name = "mast"
-//! kind = "natural-barrier"                # passengers, unknown (default), natural-barrier
-//! position_m = [450, 10, 100]
-//! radius_m = 30.0                         # optional: the vehicle file's protected volume
-//! half_height_m = 60.0                    # with it the volume is a cylinder
-//!
-//! [[obstacle]]
-//! name = "N2"
-//! position_m = [700, 0, 100]
-//! velocity_mps = [-15, 0, 0]
-//! appears_s = 5.0                         # seen from then on
-//! movement = "aircraft"                   # still, straight (default), aircraft, uas
-//!
-//! [[zone]]
-//! name = "school"
-//! kind = "keep-out"                       # or keep-in
-//! polygon_m = [[300, 50], [400, 50], [350, 150]]    # or center_m and radius_m
-//! floor_m = 0.0                           # optional, as ceiling_m
-//! ceiling_m = 150.0
-//!
-//! [terrain]                               # needs an [origin]
-//! file = "valley.tif"
-//! clearance_m = 50.0
-//! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
 //! `position_deg`, `polygon_deg`, `center_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which

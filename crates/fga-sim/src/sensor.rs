@@ -48,7 +48,8 @@ impl Sensor {
         stream: u64,
     ) {
         let settings = core::iter::once(&first).chain(more);
-        self.sources.resize_with(1 + more.len(), SensorSource::new);
+        self.sources
+            .resize_with(1 + more.len(), SensorSource::default);
         for ((source, settings), place) in self.sources.iter_mut().zip(settings).zip(0_u64..) {
             let seed = seed ^ place.wrapping_mul(noise::NEXT_SOURCE);
             source.begin(*settings, obstacles, seed, stream);
@@ -61,7 +62,7 @@ impl Sensor {
     /// First sight of each obstacle, in the order of the world's.
     pub fn first_seen_s(&self) -> &[Option<f64>] {
         match self.sources.as_slice() {
-            [one] => one.first_seen_s(),
+            [one] => &one.first_seen_s,
             _ => &self.first_seen_s,
         }
     }
@@ -69,7 +70,7 @@ impl Sensor {
     /// The result of the last look, extrapolated to its time.
     pub fn known(&self) -> &[Obstacle] {
         match self.sources.as_slice() {
-            [one] => one.known(),
+            [one] => &one.seen,
             _ => &self.fused,
         }
     }
@@ -77,7 +78,7 @@ impl Sensor {
     /// Turns the sensor with the aircraft; fields of regard are about this course, radians.
     pub fn face(&mut self, course_rad: f64) {
         for source in &mut self.sources {
-            source.face(course_rad);
+            source.course_rad = course_rad;
         }
     }
 
@@ -98,7 +99,7 @@ impl Sensor {
         for (obstacle, first_seen_s) in world.iter().zip(&mut self.first_seen_s) {
             let mut best: Option<Obstacle> = None;
             for source in &self.sources {
-                let seen = source.known().iter().find(|seen| seen.id == obstacle.id);
+                let seen = source.seen.iter().find(|seen| seen.id == obstacle.id);
                 let sigma_m = |of: &Obstacle| of.uncertainty.position_m;
                 if let Some(seen) = seen
                     && best.is_none_or(|best| sigma_m(seen) < sigma_m(&best))

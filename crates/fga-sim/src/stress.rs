@@ -240,11 +240,9 @@ struct Test<'a> {
 impl<'a> Test<'a> {
     fn new(stress: &'a Stress) -> Result<Self, String> {
         let settings = BatchSettings {
-            model: stress.model.clone(),
-            policy: stress.policy.clone(),
             horizon_s: HORIZON_S,
             seed: stress.seed,
-            tracks: false,
+            ..BatchSettings::of(stress.model.clone(), stress.policy.clone())
         };
         let world = empty_world(&settings).ok_or(
             "the wind is too strong for the vehicle, expected one in which it holds a line",

@@ -29,6 +29,19 @@ pub struct BatchSettings {
     pub tracks: bool,
 }
 
+impl BatchSettings {
+    /// Those of an aircraft and a policy: flights of a minute, the first seed, no tracks.
+    pub const fn of(model: VehicleModel, policy: PolicyChoice) -> Self {
+        Self {
+            model,
+            policy,
+            horizon_s: 60.0,
+            seed: 0,
+            tracks: false,
+        }
+    }
+}
+
 /// The world of a batch without its obstacles; `None` if the wind is too strong for the line.
 pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let model = &settings.model;

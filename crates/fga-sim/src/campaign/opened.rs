@@ -262,11 +262,8 @@ impl Campaign {
     /// The settings for the flights of a policy.
     pub fn settings(&self, policy: PolicyChoice) -> BatchSettings {
         BatchSettings {
-            model: self.model.clone(),
-            policy,
             horizon_s: self.configuration.horizon_s,
-            seed: 0,
-            tracks: false,
+            ..BatchSettings::of(self.model.clone(), policy)
         }
     }
 
