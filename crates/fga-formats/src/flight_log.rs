@@ -37,9 +37,7 @@ const ULOG: &[u8] = b"ULog\x01\x12\x35";
 /// # Errors
 /// A file that cannot be read, is no log, or lacks a signal, as one sentence.
 pub fn read(path: &Path) -> Result<FlightLog, InputError> {
-    let bytes = read_bytes(path)?;
-    let bytes = gzip::unpacked(&bytes, path)?;
-    parse(&bytes, path)
+    parse(&gzip::unpacked(&read_bytes(path)?, path)?, path)
 }
 
 /// Reads the bytes of a log; `path` is named in errors.

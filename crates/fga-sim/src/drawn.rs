@@ -20,7 +20,7 @@ use fga_formats::recordings::{self, Encounters};
 
 pub use origin::{Content, Origin};
 pub use surroundings::{SURROUNDINGS, SceneryFolder, write_surroundings};
-pub use tables::{DrawnWriter, ROW_COLUMNS, TRACK_COLUMNS};
+pub use tables::DrawnWriter;
 
 /// The table of aircraft with tracks in a drawn folder.
 pub const TRACKS: &str = "tracks.parquet";

@@ -7,15 +7,22 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::writer::SerializedRowGroupWriter;
 
-/// Rows for which a reader makes room at once: the file says how many it has, and that may be wrong.
-const FEW: usize = 65_536;
+/// The columns of a table: each as in the schema, its name and its meaning. A line of the table has the first and the last,
+/// separated by a semicolon.
+pub(crate) fn columns(
+    table: &'static str,
+) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    let lines = table.lines().filter_map(|line| line.split_once("; "));
+    lines.filter_map(|(column, meaning)| Some((column, column.split_whitespace().nth(2)?, meaning)))
+}
 
 /// The values of a column, and for each of its `rows` whether it has one; without the latter where none may be empty.
 pub(crate) fn read<T: DataType>(
     mut column: ColumnReaderImpl<T>,
     rows: usize,
 ) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
-    let (mut values, mut levels) = (Vec::with_capacity(rows.min(FEW)), Vec::new());
+    // The file says how many rows it has, and that may be wrong.
+    let (mut values, mut levels) = (Vec::with_capacity(rows.min(65_536)), Vec::new());
     while column
         .read_records(rows, Some(&mut levels), None, &mut values)?
         .0

@@ -14,11 +14,11 @@ use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedF
 use parquet::schema::types::Type;
 
 use super::metrics::Access;
-use super::table::{base, schema};
+use super::table::{BASE, schema};
 use super::{Campaign, Row};
 use crate::corrupt::guarded;
 use crate::own::FailureKind;
-use crate::values::{reason, with_gaps};
+use crate::values::{columns, reason, with_gaps};
 
 /// Reads the rows of a file back, one row group a call of `take`.
 ///
@@ -111,7 +111,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         name = names.collect::<Result<Vec<_>, _>>()?;
         weight = all::<DoubleType>(group, 23, count)?;
     }
-    for (column, field) in (base().count()..).zip(campaign.metric_fields()) {
+    for (column, field) in (columns(BASE).count()..).zip(campaign.metric_fields()) {
         let metrics = rows.iter_mut().map(|row| &mut row.metrics);
         match field.access {
             Access::Real(_, set) => {

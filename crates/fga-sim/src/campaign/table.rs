@@ -25,10 +25,10 @@ use serde_json::Value;
 
 use super::metrics::{Access, Field};
 use super::{Campaign, CampaignStamp, Row};
-use crate::values::put;
+use crate::values::{columns, put};
 
 /// The columns before the metrics: each as in the schema, and behind the semicolon its meaning; the unit is in the name where there is one.
-const BASE: &str = "
+pub(super) const BASE: &str = "
     required int64 encounter (INTEGER(64,false)); number in the campaign
     required int64 source_encounter (INTEGER(64,false)); number in the file or folder that it comes from, else the same
     required int64 seed (INTEGER(64,false)); master seed
@@ -55,17 +55,10 @@ const BASE: &str = "
     required double weight; for how many encounters of its source it stands; 1 without importance sampling
 ";
 
-/// Each column before the metrics: as in the schema, its name and its meaning.
-pub(super) fn base() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
-    let columns = BASE.lines().filter_map(|line| line.split_once("; "));
-    columns
-        .filter_map(|(column, meaning)| Some((column, column.split_whitespace().nth(2)?, meaning)))
-}
-
 /// Names and meanings of all columns, in their order.
 fn meanings(fields: &[Field]) -> impl Iterator<Item = (&'static str, &'static str)> {
     let metrics = fields.iter().map(|field| (field.name, field.meaning));
-    base()
+    columns(BASE)
         .map(|(_, name, meaning)| (name, meaning))
         .chain(metrics)
 }
@@ -91,7 +84,7 @@ pub(super) fn schema(campaign: &Campaign) -> Result<Arc<Type>, ParquetError> {
 
 fn schema_in_words(campaign: &Campaign) -> String {
     let mut schema = String::from("message campaign {");
-    for (column, ..) in base() {
+    for (column, ..) in columns(BASE) {
         // Writing to a text does not fail.
         let _ = writeln!(schema, "{column};");
     }

@@ -1,5 +1,6 @@
 //! Reads the tables that [`DrawnWriter`](super::TableWriter) writes, and those of others with their columns.
 
+use core::ops::Range;
 use std::path::Path;
 
 use fga::Vec3;
@@ -15,10 +16,17 @@ use fga_formats::tally::Tally;
 use super::columns::{ColumnGroup, ColumnTable, reading};
 use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
 use super::{Content, Origin};
+use crate::values::columns;
 
 /// The largest plausible position and time, metres and seconds, and speed, metres per second.
 const LARGEST: f64 = 1e11;
 const LARGEST_SPEED_MPS: f64 = 5000.0;
+
+/// The names of some columns of a table.
+fn column_names(table: &'static str, which: Range<usize>) -> impl Iterator<Item = &'static str> {
+    let columns = columns(table).skip(which.start).take(which.len());
+    columns.map(|(_, name, _)| name)
+}
 
 /// The content of a table, by its columns.
 pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
@@ -44,9 +52,8 @@ fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> 
     for group in table.groups() {
         let group = group?;
         let [encounter, obstacle] = [group.wholes("encounter")?, group.wholes("obstacle")?];
-        let numbers = ROW_COLUMNS[2..9]
-            .iter()
-            .map(|(name, _)| group.numbers(name))
+        let numbers = column_names(ROW_COLUMNS, 2..9)
+            .map(|name| group.numbers(name))
             .collect::<Result<Vec<_>, _>>()?;
         let kinds = if table.has("kind") {
             group.texts("kind")?
@@ -124,10 +131,8 @@ struct ExtraColumns {
 impl ExtraColumns {
     fn of(group: &ColumnGroup<'_>, table: &ColumnTable<'_>) -> Result<Self, InputError> {
         let mut deviations: [Option<Vec<f64>>; 8] = Default::default();
-        for (column, (name, _)) in deviations
-            .iter_mut()
-            .zip(&TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM])
-        {
+        let names = column_names(TRACK_COLUMNS, DEVIATIONS_FROM..AIR_FROM);
+        for (column, name) in deviations.iter_mut().zip(names) {
             if table.has(name) {
                 *column = Some(group.numbers(name)?);
             }
@@ -149,9 +154,11 @@ impl ExtraColumns {
     fn deviation(&self, row: usize) -> Result<Deviation, String> {
         let values = self.deviations.each_ref();
         let values = values.map(|column| column.as_ref().map_or(0.0, |column| column[row]));
-        let columns = &TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM];
-        for (value, (name, _)) in values.into_iter().zip(columns) {
-            if value < 0.0 && !name.starts_with("east_north") {
+        for (place, value) in values.into_iter().enumerate() {
+            // That of east and north together has a sign.
+            if value < 0.0 && place % 4 != 2 {
+                let mut names = column_names(TRACK_COLUMNS, DEVIATIONS_FROM..AIR_FROM);
+                let name = names.nth(place).unwrap_or_default();
                 return Err(format!(
                     "column {name} holds {value}, expected a deviation of 0 or more"
                 ));
@@ -173,9 +180,8 @@ fn take_tracks(
     let weights = table.has("weight").then(|| group.numbers("weight"));
     let (seeds, weights) = (seeds.transpose()?, weights.transpose()?);
     let names = group.texts("aircraft")?;
-    let values = TRACK_COLUMNS[4..DEVIATIONS_FROM]
-        .iter()
-        .map(|(name, _)| group.numbers(name))
+    let values = column_names(TRACK_COLUMNS, 4..DEVIATIONS_FROM)
+        .map(|name| group.numbers(name))
         .collect::<Result<Vec<_>, _>>()?;
     let extras = ExtraColumns::of(group, table)?;
     for row in 0..group.count {
