@@ -269,11 +269,9 @@ fn fly(
             (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
         }
         let settings = BatchSettings {
-            model,
-            policy: PolicyChoice::default(),
             horizon_s: HORIZON_S,
             seed: 1,
-            tracks: false,
+            ..BatchSettings::of(model, PolicyChoice::default())
         };
         let world = empty_world(&settings).ok_or("no wind is set")?;
         let flown: Vec<(Outcome, u64)> = (0..count)
