@@ -70,7 +70,13 @@ fn other_columns(found: &Type, expected: &Type) -> String {
 fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row>, ParquetError> {
     let count = usize::try_from(group.metadata().num_rows())
         .map_err(|_| ParquetError::General("a row group has no size".into()))?;
-    let mut rows = vec![Row::default(); count];
+    let whole = |column: usize| {
+        let values = all::<Int64Type>(group, column, count)?;
+        Ok::<_, ParquetError>(values.into_iter().map(i64::cast_unsigned))
+    };
+    // The group may say another number of rows than it has: the first column is checked before there are rows.
+    let encounters = whole(0)?;
+    let mut rows = vec![Row::default(); encounters.len()];
     macro_rules! take {
         ($($field:ident = $values:expr;)*) => {
             $(for (row, value) in rows.iter_mut().zip($values) {
@@ -78,10 +84,6 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
             })*
         };
     }
-    let whole = |column: usize| {
-        let values = all::<Int64Type>(group, column, count)?;
-        Ok::<_, ParquetError>(values.into_iter().map(i64::cast_unsigned))
-    };
     let names = maybe::<ByteArrayType>(group, 22, count)?
         .into_iter()
         .map(|name| {
@@ -90,7 +92,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         });
     let obstacles = all::<Int32Type>(group, 5, count)?.into_iter();
     take! {
-        encounter = whole(0)?;
+        encounter = encounters;
         source_encounter = whole(1)?;
         seed = whole(2)?;
         source = indices(group, 3, count, campaign.source_names())?;
