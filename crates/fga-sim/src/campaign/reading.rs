@@ -84,12 +84,8 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
             })*
         };
     }
-    let names = maybe::<ByteArrayType>(group, 22, count)?
-        .into_iter()
-        .map(|name| {
-            let name = name.map(|name| index_of(&name, campaign.encounter_names()));
-            name.transpose()
-        });
+    let names = maybe::<ByteArrayType>(group, 22, count)?.into_iter();
+    let index = |name: ByteArray| index_of(&name, campaign.encounter_names());
     let obstacles = all::<Int32Type>(group, 5, count)?.into_iter();
     take! {
         encounter = encounters;
@@ -110,7 +106,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         max_cross_track_m = all::<DoubleType>(group, 18, count)?;
         extra_path_m = all::<DoubleType>(group, 19, count)?;
         oracle_margin_m = maybe::<DoubleType>(group, 21, count)?;
-        name = names.collect::<Result<Vec<_>, _>>()?;
+        name = names.map(|name| name.map(index).transpose()).collect::<Result<Vec<_>, _>>()?;
         weight = all::<DoubleType>(group, 23, count)?;
     }
     for (column, field) in (columns(BASE).count()..).zip(campaign.metric_fields()) {
