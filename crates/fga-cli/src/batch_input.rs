@@ -69,7 +69,7 @@ impl Input {
             }
             Content::Tracks => {
                 let tracks = Tracks::find(path, &settings)?;
-                tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
+                tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
                 Self {
                     sha256: tracks.sha256(),
                     encounters: BatchEncounters::Tracks(Box::new(tracks)),
@@ -148,14 +148,14 @@ impl Input {
 
 /// The number of reports that recordings left out, by reason, and of the recordings left out whole.
 pub(crate) fn left_out(tracks: &Tracks) -> Map<String, Value> {
-    let mut left_out = tracks.tally().to_json();
-    left_out.insert("recordings".into(), tracks.damaged().len().into());
+    let mut left_out = tracks.tally.to_json();
+    left_out.insert("recordings".into(), tracks.damaged.len().into());
     left_out
 }
 
 /// Left-out recordings are an error unless `--skip-damaged` accepts them.
 pub(crate) fn verdict(tracks: &Tracks, skip_damaged: bool) -> Result<ExitCode, Failure> {
-    let damaged = tracks.damaged().len();
+    let damaged = tracks.damaged.len();
     if damaged == 0 || skip_damaged {
         return Ok(ExitCode::SUCCESS);
     }

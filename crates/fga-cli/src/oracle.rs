@@ -92,14 +92,11 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
             let given = args.vehicle.given()?;
             let model = given.map_or_else(VehicleModel::recorded, Ok)?;
             let settings = BatchSettings {
-                model,
-                policy: PolicyChoice::default(),
                 horizon_s: f64::INFINITY,
-                seed: 0,
-                tracks: false,
+                ..BatchSettings::of(model, PolicyChoice::default())
             };
             let tracks = Tracks::find(path, &settings)?;
-            tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
+            tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
             let oracle = OracleSettings {
                 horizon_s: args.horizon,
                 ..OracleSettings::default()

@@ -13,10 +13,10 @@ use clap::Args;
 use fga::vehicle::Vehicle;
 use fga_sim::baselines::{
     Baseline, BaselinePilot, Cube, Orca, PotentialField, Steering, VelocityObstacles, View,
-    VoltagePotential, WaypointGreedy, WaypointOptimal,
+    VoltagePotential, Waypoints,
 };
 use fga_sim::batch::{BatchSettings, empty_world, populate};
-use fga_sim::encounters::{EncounterSource, Family, Range};
+use fga_sim::encounters::{DrawnThreats, EncounterSource, Family, Range};
 use fga_sim::engine::{Engine, Outcome};
 use fga_sim::oracle::{OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
@@ -39,10 +39,12 @@ const FINALISTS: usize = 5;
 const HORIZON_S: f64 = 60.0;
 
 fn cells(seed: u64) -> Vec<(&'static str, EncounterSource)> {
-    let threats = |count, near: f64, far: f64, slow: f64, fast: f64| Family::Threats {
-        count,
-        first_seen_m: Range(near, far),
-        speed_mps: Range(slow, fast),
+    let threats = |count, near: f64, far: f64, slow: f64, fast: f64| {
+        Family::Threats(DrawnThreats {
+            count,
+            first_seen_m: Range(near, far),
+            speed_mps: Range(slow, fast),
+        })
     };
     let source = |family, planar| EncounterSource::table_4(family, planar, seed);
     vec![
@@ -212,14 +214,10 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
                             inflation,
                             goal_m,
                         };
-                        let factory = if method == "waypoint-greedy" {
-                            with(WaypointGreedy::new(cube))
-                        } else {
-                            with(WaypointOptimal::new(cube, 60))
-                        };
+                        let extended = (method == "waypoint-optimal").then_some(60);
                         list.push((
                             format!("{half_edge_m} {inflation} {points} {goal_m}"),
-                            factory,
+                            with(Waypoints::new(cube, extended)),
                         ));
                     }
                 }
@@ -271,11 +269,9 @@ fn fly(
             (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
         }
         let settings = BatchSettings {
-            model,
-            policy: PolicyChoice::default(),
             horizon_s: HORIZON_S,
             seed: 1,
-            tracks: false,
+            ..BatchSettings::of(model, PolicyChoice::default())
         };
         let world = empty_world(&settings).ok_or("no wind is set")?;
         let flown: Vec<(Outcome, u64)> = (0..count)

@@ -130,11 +130,8 @@ pub(crate) fn settings(
     horizon_s: f64,
 ) -> Result<BatchSettings, String> {
     Ok(BatchSettings {
-        model: model(planar)?,
-        policy,
         horizon_s,
-        seed: 0,
-        tracks: false,
+        ..BatchSettings::of(model(planar)?, policy)
     })
 }
 

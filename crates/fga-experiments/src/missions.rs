@@ -7,13 +7,12 @@ use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Passing, ProtectedVolume};
-use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::engine::{Engine, Observer, Outcome, Sample};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::track::Track;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::wind::crab;
-use fga_sim::world::{Ending, World, WorldObstacle};
+use fga_sim::world::{Ending, StartState, World, WorldObstacle};
 
 /// The track must come this near for a line to count as flown, metres.
 const FLOWN_WITHIN_M: f64 = 5.0;
@@ -108,26 +107,18 @@ impl MissionFlight {
 }
 
 fn world(model: &VehicleModel, mission_m: Vec<Vec3>, wind_mps: Vec3, horizon_s: f64) -> World {
-    let settings = BatchSettings {
-        model: VehicleModel {
-            wind_mps,
-            ..model.clone()
-        },
-        policy: PolicyChoice::default(),
-        horizon_s,
-        seed: 0,
-        tracks: false,
-    };
-    let mut world = empty_world(&settings).expect("a wind in which the mission can be flown");
     let along = (mission_m[1] - mission_m[0]).normalize();
     let (course_rad, climb_rad) =
         crab(along, model.vehicle.airspeed_mps, wind_mps).expect("a leg that can be flown");
-    world.start.position_m = mission_m[0];
-    world.start.course_rad = course_rad;
-    world.start.climb_rad = climb_rad;
-    world.settings.avoider.surveillance_radius_m = model.settings.avoider.surveillance_radius_m;
-    world.mission_m = mission_m;
-    world.ending = Ending::MissionFlown;
+    let start = StartState {
+        position_m: mission_m[0],
+        course_rad,
+        climb_rad,
+    };
+    let until = (horizon_s, Ending::MissionFlown);
+    let mut world = World::of(model, mission_m, start, until);
+    world.wind_mps = wind_mps;
+    world.sensor.range_m = f64::INFINITY;
     world
 }
 

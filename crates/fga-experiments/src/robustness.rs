@@ -68,11 +68,8 @@ impl RobustnessArgs {
         let (sin, cos) = libm::sincos(number as f64 * NEXT_WIND_RAD);
         model.wind_mps = Vec3::new(cos, sin, 0.0) * self.wind;
         Ok(BatchSettings {
-            model,
-            policy: parse_policy(&self.policy)?,
-            horizon_s: 60.0,
             seed,
-            tracks: false,
+            ..BatchSettings::of(model, parse_policy(&self.policy)?)
         })
     }
 }

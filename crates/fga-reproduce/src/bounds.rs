@@ -492,13 +492,7 @@ fn least_distances(
     });
     let flown =
         |model: &VehicleModel, policy: PolicyChoice| -> Result<Option<f64>, ReproduceError> {
-            let settings = BatchSettings {
-                model: model.clone(),
-                policy: policy.clone(),
-                horizon_s: 60.0,
-                seed: 0,
-                tracks: false,
-            };
+            let settings = BatchSettings::of(model.clone(), policy.clone());
             let Some(world) = batch::empty_world(&settings) else {
                 return Ok(None);
             };

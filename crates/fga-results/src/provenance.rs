@@ -5,8 +5,8 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use fga_formats::error::read_bytes;
 use fga_formats::{InputError, build};
+pub use fga_sim::fingerprint::fingerprint;
 use serde_json::{Value, json};
-use sha2::{Digest as _, Sha256};
 
 /// The target of this build, for `run.json` and the table of a campaign.
 pub const TARGET: &str = env!("FGA_TARGET");
@@ -51,16 +51,6 @@ impl Provenance {
         }
         document
     }
-}
-
-/// SHA-256 of some bytes, in hexadecimal.
-pub fn fingerprint(bytes: &[u8]) -> String {
-    use core::fmt::Write as _;
-    let mut text = String::with_capacity(64);
-    for byte in Sha256::digest(bytes) {
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
 }
 
 /// SHA-256 of a file.

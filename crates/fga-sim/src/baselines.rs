@@ -8,8 +8,7 @@
 //! | method | idea |
 //! |---|---|
 //! | [`PotentialField`] | the mission attracts, obstacles near by repel |
-//! | [`WaypointGreedy`] | sub-waypoints on a cube around the aircraft, the best clear one at a time |
-//! | [`WaypointOptimal`] | sub-waypoints on cubes, the shortest clear path over all of them |
+//! | [`Waypoints`] | sub-waypoints on cubes: the best clear one at a time, or the shortest clear path over all of them |
 //! | [`Orca`] | half-spaces of velocities that stay clear, without reciprocity |
 //! | [`VoltagePotential`] | the predicted closest approach pushed out of the protected volume |
 //! | [`VelocityObstacles`] | the flyable direction nearest to the wanted one outside every cone |
@@ -36,14 +35,14 @@ pub use advisories::VerticalAdvisories;
 pub use arduplane::ArduPlaneRules;
 pub use operator::{Display, Operator};
 pub use orca::Orca;
-pub(crate) use pilot::returning;
 pub use pilot::{BaselinePilot, Steering};
+pub(crate) use pilot::{avoiding, returning};
 pub use potential::PotentialField;
 pub use rules::{Eyes, RightOfWay};
 pub use velocity::VelocityObstacles;
 pub use view::{Route, Sphere, View};
 pub use voltage::VoltagePotential;
-pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
+pub use waypoints::{Cube, Waypoints};
 
 use fga::avoider::{Settings, SettingsError};
 use fga::vehicle::Vehicle;
@@ -140,8 +139,8 @@ impl Baseline {
     ) -> Result<Box<dyn PolicyPilot + Send>, SettingsError> {
         match self {
             Self::PotentialField => boxed(PotentialField::default(), settings, vehicle),
-            Self::WaypointGreedy => boxed(WaypointGreedy::default(), settings, vehicle),
-            Self::WaypointOptimal => boxed(WaypointOptimal::default(), settings, vehicle),
+            Self::WaypointGreedy => boxed(Waypoints::greedy(), settings, vehicle),
+            Self::WaypointOptimal => boxed(Waypoints::optimal(), settings, vehicle),
             Self::Orca => boxed(Orca::default(), settings, vehicle),
             Self::VoltagePotential => boxed(VoltagePotential::default(), settings, vehicle),
             Self::VelocityObstacles => boxed(VelocityObstacles::default(), settings, vehicle),

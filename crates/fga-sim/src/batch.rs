@@ -23,7 +23,8 @@ pub use together::{Questions, fly_together};
 pub use tracks::{Tracks, fly_tracks};
 pub use world::{BatchSettings, empty_world, populate, volume_of};
 
-use row::{BLOCK, TrackRows};
+use row::{BLOCK, row_of};
+use world::flyable_world;
 
 use fga::Vec3;
 use fga::avoider::SettingsError;
@@ -47,10 +48,7 @@ pub fn fly_all<E: Send>(
     settings: &BatchSettings,
     mut take: impl FnMut(&BatchRow) -> Result<(), E>,
 ) -> Result<(), BatchError<E>> {
-    let world = empty_world(settings).ok_or_else(|| BatchError::Wind {
-        wind_mps: settings.model.wind_mps.length(),
-        airspeed_mps: settings.model.vehicle.airspeed_mps,
-    })?;
+    let world = flyable_world(settings)?;
     // Checks the settings once; the same ones fly every encounter.
     let pilot = || settings.policy.pilot(&world.settings, &world.vehicle);
     pilot()?;
@@ -83,20 +81,7 @@ pub fn fly_one(
 ) -> BatchRow {
     populate(world, encounter, &settings.model.protection);
     pilot.restart();
-    let mut rows = TrackRows {
-        encounter: encounter.id,
-        rows: Vec::new(),
-    };
-    let outcome = if settings.tracks {
-        engine.fly(world, pilot, &mut rows)
-    } else {
-        engine.fly(world, pilot, &mut ())
-    };
-    BatchRow {
-        track_rows: rows.rows,
-        failure: pilot.failure(),
-        ..timed(encounter.id, outcome, engine.elapsed_ns())
-    }
+    row_of(engine, world, pilot, (encounter.id, settings.tracks))
 }
 
 /// An encounter as a plan for [`show`], in the world of [`empty_world`].

@@ -15,11 +15,12 @@ use std::path::{Path, PathBuf};
 
 use fga_formats::InputError;
 use fga_formats::encounters::{self, Encounter};
+use fga_formats::error::read_bytes;
 use fga_formats::recordings::{self, Encounters};
 
 pub use origin::{Content, Origin};
 pub use surroundings::{SURROUNDINGS, SceneryFolder, write_surroundings};
-pub use tables::{DrawnWriter, ROW_COLUMNS, TRACK_COLUMNS};
+pub use tables::DrawnWriter;
 
 /// The table of aircraft with tracks in a drawn folder.
 pub const TRACKS: &str = "tracks.parquet";
@@ -52,7 +53,7 @@ pub fn content(path: &Path) -> Result<Content, InputError> {
             "is a .toml file, expected encounters (.csv, .parquet), a recording or a folder",
         ));
     }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let bytes = read_bytes(path)?;
     if columns::is_parquet(&bytes) {
         return read::content(bytes, path);
     }
@@ -125,7 +126,7 @@ impl From<Vec<Encounter>> for RowTable {
 /// As [`encounters::read`]; surroundings without a file for each encounter.
 pub fn read_rows(path: &Path) -> Result<RowTable, InputError> {
     let path = &table_of(path);
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let encounters = rows_in(&bytes, path)?;
     let surroundings = SceneryFolder::of_table(path);
     Ok(RowTable {

@@ -15,10 +15,10 @@ pub(crate) mod random;
 mod scenery;
 mod source;
 
-pub use family::{Family, Landscape, Range};
+pub use family::{DrawnThreats, Family, Landscape, Range};
 pub use random::Random;
 pub use scenery::Scenery;
-pub use source::{Body, Bystanders, EncounterSource};
+pub use source::{Body, EncounterSource};
 
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
@@ -38,10 +38,10 @@ impl EncounterSource {
                 break drawn;
             }
         };
-        if let Some(bystanders) = self.bystanders {
-            let count = random.count(bystanders.count.0, bystanders.count.1);
-            for _ in 0..count {
-                obstacles.push(self.bystander(&bystanders, &mut random));
+        if let Some(threats) = self.bystanders {
+            // The threats are 20 to 30 % of all objects.
+            for _ in 0..random.count((threats * 7).div_ceil(3), threats * 4) {
+                obstacles.push(self.bystander(&mut random));
             }
         }
         let volume = ProtectedVolume::Sphere {
@@ -98,9 +98,9 @@ impl EncounterSource {
         (-5.0..0.0).contains(&one) && margin(Stages::Two, AVOIDABLE_MARGIN_M) >= AVOIDABLE_MARGIN_M
     }
 
-    fn bystander(&self, bystanders: &Bystanders, random: &mut Random) -> Body {
+    fn bystander(&self, random: &mut Random) -> Body {
         loop {
-            let distance_m = random.within(bystanders.distance_m);
+            let distance_m = random.within(Range(100.0, 500.0));
             let body = Body {
                 position_m: random.direction(self.planar) * distance_m,
                 velocity_mps: random.direction(self.planar) * random.within(Range(0.0, 60.0)),

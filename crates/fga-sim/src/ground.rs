@@ -24,10 +24,7 @@ impl GroundSeparation {
     /// Measured at the start of a flight.
     pub(crate) fn begun(ground: &WorldGround, at_m: Vec3) -> Self {
         let mut separation = Self {
-            least: Least {
-                value_m: f64::INFINITY,
-                time_s: 0.0,
-            },
+            least: Least::NONE,
             unknown_s: None,
         };
         separation.note(ground, at_m, 0.0);
@@ -47,8 +44,7 @@ impl GroundSeparation {
 
     fn note(&mut self, ground: &WorldGround, at_m: Vec3, time_s: f64) {
         match ground.above_m(at_m) {
-            Some(value_m) if value_m < self.least.value_m => self.least = Least { value_m, time_s },
-            Some(_) => {}
+            Some(value_m) => self.least.note(value_m, time_s),
             None => {
                 self.unknown_s.get_or_insert(time_s);
             }

@@ -109,7 +109,6 @@ impl ClimbFit {
             .zip(smooth.iter().skip(length))
             .step_by(length)
             .map(|(before, after)| {
-                #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
                 let apart_s = length as f64 * period_s;
                 (after - before).abs() / apart_s
             });
@@ -158,32 +157,27 @@ pub fn identify(log: &FlightLog) -> Result<Identified, String> {
     }
     let no_turn = || "has no 3 s with a mean bank above 5 degrees, expected turns".to_owned();
     let steepest_deg = turns.steepest_deg();
-    let level = || Estimate {
-        value: 0.0,
-        low: 0.0,
-        high: 0.0,
-    };
     let mut identified = Identified {
         airspeed_mps: Estimate::of(turns.speeds_mps).ok_or_else(no_turn)?,
         max_bank_deg: Estimate::of(steepest_deg).ok_or_else(no_turn)?,
         dead_time_s: Estimate::of(fitted.fits.iter().map(|fit| fit.dead_time_s).collect())
-            .unwrap_or_else(level),
+            .unwrap_or_default(),
         bank_time_constant_s: Estimate::of(
             fitted.fits.iter().map(|fit| fit.time_constant_s).collect(),
         )
-        .unwrap_or_else(level),
+        .unwrap_or_default(),
         turn_rate_factor: Estimate::of(turns.factors).ok_or_else(no_turn)?,
         climb_min_deg: Estimate::of(climbs.limits_deg([0.0, 0.01, 0.02], |angle| angle.min(0.0)))
-            .unwrap_or_else(level),
+            .unwrap_or_default(),
         climb_max_deg: Estimate::of(climbs.limits_deg([0.98, 0.99, 1.0], |angle| angle.max(0.0)))
-            .unwrap_or_else(level),
-        climb_rate_radps: Estimate::of(climbs.fastest_radps()).unwrap_or_else(level),
-        position_error_m: level(),
+            .unwrap_or_default(),
+        climb_rate_radps: Estimate::of(climbs.fastest_radps()).unwrap_or_default(),
+        position_error_m: Estimate::default(),
         windows,
         windows_left_out: fitted.left_out,
     };
     identified.cap(&log.limits);
     let errors_m = lag::position_errors_m(log, &identified);
-    identified.position_error_m = Estimate::of(errors_m).unwrap_or_else(level);
+    identified.position_error_m = Estimate::of(errors_m).unwrap_or_default();
     Ok(identified)
 }

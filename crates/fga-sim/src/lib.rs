@@ -36,6 +36,7 @@
 //! | [`fine`] | what is the real result of a manoeuvre? |
 //! | [`stress`] | in which likely motions of an intruder does a policy fail? |
 //! | [`oracle`] | can any manoeuvre save an encounter? |
+//! | [`fingerprint`] | are two files the same? |
 
 extern crate alloc;
 
@@ -48,7 +49,7 @@ pub mod drawn;
 pub mod encounters;
 pub mod engine;
 pub mod fine;
-mod fingerprint;
+pub mod fingerprint;
 pub mod ground;
 pub mod identification;
 pub mod mission_pilot;
@@ -72,8 +73,10 @@ pub mod shield;
 pub mod stress;
 pub mod track;
 pub mod tracker;
+mod values;
 pub mod vehicle_file;
 pub mod way_round;
+mod whole;
 pub mod wind;
 pub mod world;
 pub mod worlds;

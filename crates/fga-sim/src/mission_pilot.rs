@@ -40,6 +40,11 @@ impl MissionPilot {
         })
     }
 
+    /// The vehicle's present limits.
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
     /// Index of the waypoint at the start of the leg that is flown.
     pub const fn leg_index(&self) -> usize {
         self.progress.index()

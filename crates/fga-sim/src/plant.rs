@@ -23,7 +23,7 @@ use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 pub use arc::{Arc, unwrap_near};
 pub use autopilot::Autopilot;
 
-use autopilot::Controllers;
+use pi_controller::PiController;
 use rolls::PlantRolls;
 
 /// A rest of a turn or a change of climb that takes less than this is rounding, seconds.
@@ -55,14 +55,14 @@ pub struct Plant {
     course_rad: f64,
     climb_rad: f64,
     bank_rad: f64,
-    airspeed_mps: f64,
     /// The present manoeuvre; `None` holds course and climb angle.
     active: Option<Stage>,
     /// The straight arc that the aircraft flies and its velocity over the ground, metres per second; `None` while it flies none.
     straight: Option<(Arc, Vec3)>,
     /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
-    controllers: Controllers,
+    /// Those of course and climb angle.
+    controllers: [Option<PiController>; 2],
     rolls: PlantRolls,
 }
 
@@ -79,11 +79,10 @@ impl Plant {
             course_rad: 0.0,
             climb_rad: 0.0,
             bank_rad: 0.0,
-            airspeed_mps: vehicle.airspeed_mps,
             active: None,
             straight: None,
             pending: VecDeque::with_capacity(64),
-            controllers: Controllers::new(autopilot, &vehicle),
+            controllers: autopilot.controllers(&vehicle),
             rolls: PlantRolls::default(),
         }
     }
@@ -98,7 +97,7 @@ impl Plant {
         self.active = None;
         self.straight = None;
         self.pending.clear();
-        self.controllers = Controllers::new(self.autopilot, &self.vehicle);
+        self.controllers = self.autopilot.controllers(&self.vehicle);
     }
 
     /// Replaces the vehicle, the autopilot and the wind; the state stays.
@@ -107,7 +106,6 @@ impl Plant {
         self.autopilot = autopilot;
         self.wind_mps = wind_mps;
         self.gust = None;
-        self.airspeed_mps = vehicle.airspeed_mps;
         self.straight = None;
         self.rolls = PlantRolls::default();
     }
@@ -142,7 +140,6 @@ impl Plant {
     /// Changes the airspeed and keeps the largest bank angle (ρ ∝ V², Eq. 8).
     pub fn fly_at(&mut self, airspeed_mps: f64) {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
-        self.airspeed_mps = self.vehicle.airspeed_mps;
         self.straight = None;
         self.rolls = PlantRolls::default();
     }
@@ -159,7 +156,7 @@ impl Plant {
             course_rad: self.course_rad,
             climb_rad: self.climb_rad,
             bank_rad: self.bank_rad,
-            airspeed_mps: self.airspeed_mps,
+            airspeed_mps: self.vehicle.airspeed_mps,
         }
     }
 
@@ -335,7 +332,8 @@ impl Plant {
 
     /// Largest course rate at the present airspeed, radians per second (Eq. 9).
     fn course_rate_limit_radps(&self) -> f64 {
-        self.vehicle.response.turn_rate_factor * self.airspeed_mps / self.vehicle.turn_radius_m
+        self.vehicle.response.turn_rate_factor * self.vehicle.airspeed_mps
+            / self.vehicle.turn_radius_m
     }
 
     /// Bank angle of a course rate (Eq. 9), radians.
@@ -344,7 +342,7 @@ impl Plant {
             return 0.0;
         }
         libm::atan(
-            course_rate_radps * self.airspeed_mps
+            course_rate_radps * self.vehicle.airspeed_mps
                 / (STANDARD_GRAVITY_MPS2 * self.vehicle.response.turn_rate_factor),
         )
     }

@@ -238,13 +238,11 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
         for (index, pair) in places.windows(2).enumerate().skip(from) {
             let (a, b) = (pair[0].1, pair[1].1);
             let step = b - a;
-            let share = (waypoint.position_m - a).dot(step) / step.length_squared().max(1e-12);
-            let distance_m = waypoint
-                .position_m
-                .distance(a + step * share.clamp(0.0, 1.0));
+            let share = share_of(waypoint.position_m - a, step);
+            let distance_m = waypoint.position_m.distance(a + step * share);
             if distance_m < best.0 {
                 best = (distance_m, index);
-                waypoint.at_m = pair[0].0 + share.clamp(0.0, 1.0) * step.length();
+                waypoint.at_m = pair[0].0 + share * step.length();
             } else if best.0 < 2.0 * SPACING_M && distance_m > best.0 + 2.0 * SPACING_M {
                 break;
             }
@@ -257,8 +255,13 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
 
 /// Distance of an offset from a straight step, metres.
 fn distance_m(offset_m: Vec3, step_m: Vec3) -> f64 {
+    offset_m.distance(step_m * share_of(offset_m, step_m))
+}
+
+/// The share of a straight step at which it is nearest to an offset.
+fn share_of(offset_m: Vec3, step_m: Vec3) -> f64 {
     let share = offset_m.dot(step_m) / step_m.length_squared().max(1e-12);
-    offset_m.distance(step_m * share.clamp(0.0, 1.0))
+    share.clamp(0.0, 1.0)
 }
 
 impl MissionProgress {

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use fga_formats::InputError;
 use fga_formats::daa::Recording;
+use fga_formats::error::read_bytes;
 use fga_formats::recordings::Named;
 use fga_formats::tally::Tally;
 use serde::{Deserialize, Serialize};
 
 use crate::drawn::{self, Origin};
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::{changed, fingerprint, read_same};
 use crate::plan::Plan;
 use crate::recording;
 use crate::vehicle_file::VehicleModel;
@@ -50,7 +51,9 @@ pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<FoundRecordings, 
         let source = std::path::absolute(path)
             .unwrap_or_else(|_| path.clone())
             .file_name()
-            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         for file in drawn::files_of(path)? {
             match look_at(&file, &source, model) {
                 Ok((usable, tally)) => {
@@ -84,7 +87,7 @@ fn look_at(
     source: &str,
     model: &VehicleModel,
 ) -> Result<(RecordingSource, Tally), InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let read = drawn::recordings_in(&bytes, path)?;
     let encounters = read.named;
     for named in &encounters {
@@ -135,7 +138,7 @@ impl Recordings {
         for (index, source) in sources.iter().enumerate() {
             let mut named = read(source)?;
             if named.len() as u64 != source.encounters {
-                return Err(changed(source));
+                return Err(changed(&source.path));
             }
             for (place, one) in named.iter().enumerate() {
                 opened.places.push((index, place));
@@ -210,17 +213,6 @@ impl Recordings {
 
 /// Reads a file and verifies that it is unchanged.
 fn read(source: &RecordingSource) -> Result<Vec<Named>, InputError> {
-    let bytes = std::fs::read(&source.path)
-        .map_err(|error| InputError::unreadable(&source.path, &error))?;
-    if fingerprint(&bytes) != source.sha256 {
-        return Err(changed(source));
-    }
+    let bytes = read_same(&source.path, &source.sha256)?;
     Ok(drawn::recordings_in(&bytes, &source.path)?.named)
-}
-
-fn changed(source: &RecordingSource) -> InputError {
-    InputError::in_file(
-        &source.path,
-        "is not the file that the campaign was begun with",
-    )
 }

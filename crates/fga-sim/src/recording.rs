@@ -114,6 +114,12 @@ pub fn plan(
             ..WorldObstacle::new(id, track, model.protection)
         });
     }
+    let start = StartState {
+        position_m,
+        course_rad: course_of(air_mps),
+        climb_rad: climb_of(air_mps),
+    };
+    let until = (end_s + WAY_BACK_S, Ending::MissionFlown);
     Ok(Plan {
         name,
         description,
@@ -122,29 +128,11 @@ pub fn plan(
         frame: recording.frame,
         time_offset_s,
         world: World {
-            mission_m,
-            passing: Vec::new(),
-            limits_m: model.limits_m,
-            zones: Vec::new(),
-            ground: None,
-            start: StartState {
-                position_m,
-                course_rad: course_of(air_mps),
-                climb_rad: climb_of(air_mps),
-            },
             vehicle: at_airspeed(&model.vehicle, air_mps.length()),
-            autopilot: model.autopilot,
-            settings: model.settings,
             wind_mps,
-            gust: None,
             obstacles,
-            sensor: model.sensor,
-            more_sensors: model.more_sensors.clone(),
-            seed: 0,
-            stream: 0,
-            horizon_s: end_s + WAY_BACK_S,
-            ending: Ending::MissionFlown,
             recorded: Some(recorded),
+            ..World::of(&model, mission_m, start, until)
         },
         model,
     })

@@ -22,6 +22,7 @@ use crate::policy::PolicyChoice;
 use crate::progress::{MissedWaypoint, mission_line_m};
 use crate::separation::Least;
 use crate::vehicle_file::VehicleModel;
+use crate::whole::nearest;
 use crate::{recording, scenario};
 
 impl Plan {
@@ -294,16 +295,7 @@ impl RunLog {
     pub fn decision_times(&self) -> DecisionTimes {
         let mut elapsed: Vec<u64> = self.decisions.iter().map(|d| d.elapsed_ns).collect();
         elapsed.sort_unstable();
-        let at = |share: f64| {
-            let last = elapsed.len().saturating_sub(1);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "an index within the list"
-            )]
-            let index = (last as f64 * share).round() as usize;
-            elapsed.get(index).copied().unwrap_or(0) as f64 / 1000.0
-        };
+        let at = |share: f64| nearest(&elapsed, share).unwrap_or(0) as f64 / 1000.0;
         DecisionTimes {
             median_us: at(0.5),
             p99_us: at(0.99),

@@ -1,39 +1,6 @@
-//! Scenario files: a mission and its obstacles in TOML.
+//! Scenario files: a mission and its obstacles in TOML
+//! (tables: [`fga_files::scenario`], with what each key means).
 //!
-//! ```toml
-//! name = "past-a-mast"
-//! duration_s = 120.0
-//! vehicle = "../vehicles/paper.toml"     # optional; relative to this file
-//!
-//! [mission]
-//! waypoints_m = [[0, 0, 100], [900, 0, 100]]
-//! passing = ["fly-by", "fly-over"]        # optional, one a waypoint: fly-by (default), fly-over (default of the last)
-//!
-//! [[obstacle]]
-//! name = "mast"
-//! kind = "natural-barrier"                # passengers, unknown (default), natural-barrier
-//! position_m = [450, 10, 100]
-//! radius_m = 30.0                         # optional: the vehicle file's protected volume
-//! half_height_m = 60.0                    # with it the volume is a cylinder
-//!
-//! [[obstacle]]
-//! name = "N2"
-//! position_m = [700, 0, 100]
-//! velocity_mps = [-15, 0, 0]
-//! appears_s = 5.0                         # seen from then on
-//! movement = "aircraft"                   # still, straight (default), aircraft, uas
-//!
-//! [[zone]]
-//! name = "school"
-//! kind = "keep-out"                       # or keep-in
-//! polygon_m = [[300, 50], [400, 50], [350, 150]]    # or center_m and radius_m
-//! floor_m = 0.0                           # optional, as ceiling_m
-//! ceiling_m = 150.0
-//!
-//! [terrain]                               # needs an [origin]
-//! file = "valley.tif"
-//! clearance_m = 50.0
-//! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
 //! `position_deg`, `polygon_deg`, `center_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
@@ -54,13 +21,14 @@ use fga_files::scenario::{KindName, MissionTable, MovementName, ObstacleTable, S
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_formats::words::counted;
 use toml::Spanned;
 
 use self::places::Places;
 use crate::plan::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
-use crate::vehicle_file::checks::{Checked, sensor};
+use crate::vehicle_file::checks;
 use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
@@ -103,15 +71,12 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let mission_m = waypoints(&file.mission, &places)?;
     let passing = passing(&file.mission, &text, mission_m.len())?;
     let wind_mps = match &file.wind {
-        Some(wind) => wind.checked(&text)?,
+        Some(wind) => checks::wind(wind, text)?,
         None => model.wind_mps,
     };
-    let sensor = sensor(
-        &file.sensor.clone().unwrap_or_default(),
-        &file.noise.clone().unwrap_or_default(),
-        &text,
-        model.sensor,
-    )?;
+    let (sensor, noise) = (file.sensor.clone(), file.noise.clone());
+    let (sensor, noise) = (sensor.unwrap_or_default(), noise.unwrap_or_default());
+    let sensor = checks::sensor(&sensor, &noise, text, model.sensor)?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
@@ -158,25 +123,16 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         frame: places.frame,
         time_offset_s: 0.0,
         world: World {
-            mission_m,
             passing,
             limits_m,
             zones,
             ground,
-            start,
-            vehicle: model.vehicle,
-            autopilot: model.autopilot,
-            settings: model.settings,
             wind_mps,
-            gust: None,
             obstacles,
             sensor,
             more_sensors: Vec::new(),
             seed: file.seed,
-            stream: 0,
-            horizon_s,
-            ending: Ending::MissionFlown,
-            recorded: None,
+            ..World::of(&model, mission_m, start, (horizon_s, Ending::MissionFlown))
         },
         model,
     })
@@ -206,7 +162,8 @@ fn limits_m(
     model: &VehicleModel,
     (mission_m, start_m): (&[Vec3], Vec3),
 ) -> Result<(f64, f64), InputError> {
-    let (own_floor_m, own_ceiling_m) = file.limits.checked(text)?;
+    let own = [&file.limits.floor_m, &file.limits.ceiling_m];
+    let (own_floor_m, own_ceiling_m) = checks::limits(own, *text)?;
     let heights_m = mission_m.iter().map(|waypoint| waypoint.z);
     let lowest_m = heights_m.clone().fold(f64::INFINITY, f64::min);
     let highest_m = heights_m.fold(f64::NEG_INFINITY, f64::max);
@@ -251,53 +208,36 @@ fn passing(
 
 /// The mission's waypoints, local, metres.
 fn waypoints(mission: &MissionTable, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
-    let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
-        match (&mission.waypoints_m, &mission.waypoints_deg) {
-            (Some(list), None) => (
-                list,
-                list.get_ref()
-                    .iter()
-                    .map(|at| places.local("a waypoint", at))
-                    .collect(),
-            ),
-            (None, Some(list)) => (
-                list,
-                list.get_ref()
-                    .iter()
-                    .map(|at| places.geodetic("a waypoint", at))
-                    .collect(),
-            ),
-            (None, None) => {
-                return Err(places
-                    .text
-                    .error("mission has no waypoints, expected waypoints_m or waypoints_deg"));
-            }
-            (Some(_), Some(list)) => {
-                return Err(places.text.error_at(
-                    list,
-                    "both waypoints_m and waypoints_deg are given, expected one of them",
-                ));
-            }
-        };
-    let waypoints = waypoints?;
+    let text = places.text;
+    let (list, is_local) = match (&mission.waypoints_m, &mission.waypoints_deg) {
+        (Some(list), None) => (list, true),
+        (None, Some(list)) => (list, false),
+        (None, None) => {
+            let message = "mission has no waypoints, expected waypoints_m or waypoints_deg";
+            return Err(text.error(message));
+        }
+        (Some(_), Some(list)) => {
+            let message = "both waypoints_m and waypoints_deg are given, expected one of them";
+            return Err(text.error_at(list, message));
+        }
+    };
+    let place = |at| {
+        if is_local {
+            places.local("a waypoint", at)
+        } else {
+            places.geodetic("a waypoint", at)
+        }
+    };
+    let waypoints: Vec<Vec3> = list.get_ref().iter().map(place).collect::<Result<_, _>>()?;
     if waypoints.len() < 2 {
-        return Err(places.text.error_at(
-            list,
-            format!(
-                "mission has {} waypoint{}, expected at least two",
-                waypoints.len(),
-                if waypoints.len() == 1 { "" } else { "s" }
-            ),
-        ));
+        let count = counted(waypoints.len(), "waypoint");
+        let message = format!("mission has {count}, expected at least two");
+        return Err(text.error_at(list, message));
     }
-    if let Some(index) = waypoints
-        .windows(2)
-        .position(|pair| pair[0].distance(pair[1]) < 1.0)
-    {
-        return Err(places.text.error_at(
-            &list.get_ref()[index + 1],
-            "a waypoint is less than 1 m from the one before, expected another place",
-        ));
+    let is_short = |pair: &[Vec3]| pair[0].distance(pair[1]) < 1.0;
+    if let Some(index) = waypoints.windows(2).position(is_short) {
+        let message = "a waypoint is less than 1 m from the one before, expected another place";
+        return Err(text.error_at(&list.get_ref()[index + 1], message));
     }
     Ok(waypoints)
 }
@@ -437,33 +377,20 @@ fn charted_sigma_m(table: &ObstacleTable, text: &TomlText<'_>) -> Result<Option<
 fn recorded(text: &TomlText<'_>, points: &Spanned<Vec<[f64; 4]>>) -> Result<Track, InputError> {
     let rows = points.get_ref();
     if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        return Err(text.error_at(
-            points,
-            format!(
-                "track_m has time {} after time {}, expected growing times",
-                pair[1][0], pair[0][0]
-            ),
-        ));
+        let (before_s, after_s) = (pair[0][0], pair[1][0]);
+        let message =
+            format!("track_m has time {after_s} after time {before_s}, expected growing times");
+        return Err(text.error_at(points, message));
     }
     let usable = rows.len() >= 2 && rows.iter().flatten().all(|v| v.is_finite());
-    usable
-        .then(|| {
-            Track::through(
-                rows.iter()
-                    .map(|&[time_s, x, y, z]| TrackPoint {
-                        time_s,
-                        position_m: Vec3::new(x, y, z),
-                    })
-                    .collect(),
-            )
-        })
-        .flatten()
-        .ok_or_else(|| {
-            text.error_at(
-                points,
-                "track_m is not usable, expected at least two rows [t, x, y, z] of finite numbers",
-            )
-        })
+    let track = rows.iter().map(|&[time_s, x, y, z]| TrackPoint {
+        time_s,
+        position_m: Vec3::new(x, y, z),
+    });
+    let track = Track::through(track.collect()).filter(|_| usable);
+    let message =
+        "track_m is not usable, expected at least two rows [t, x, y, z] of finite numbers";
+    track.ok_or_else(|| text.error_at(points, message))
 }
 
 #[cfg(test)]

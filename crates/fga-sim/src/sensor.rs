@@ -19,11 +19,10 @@ use crate::obstacle::WorldObstacle;
 use source::SensorSource;
 
 /// The sources in use.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Sensor {
-    first: SensorSource,
-    more: Vec<SensorSource>,
-    /// The best of what several sources see.
+    sources: Vec<SensorSource>,
+    /// The best of what the sources see.
     fused: Vec<Obstacle>,
     first_seen_s: Vec<Option<f64>>,
 }
@@ -31,12 +30,7 @@ pub struct Sensor {
 impl Sensor {
     /// A sensor that has seen nothing yet.
     pub fn new() -> Self {
-        Self {
-            first: SensorSource::new(),
-            more: Vec::new(),
-            fused: Vec::new(),
-            first_seen_s: Vec::new(),
-        }
+        Self::default()
     }
 
     /// Begins a run with one source: noise from stream `stream` of `seed`.
@@ -53,60 +47,59 @@ impl Sensor {
         seed: u64,
         stream: u64,
     ) {
-        self.first.begin(first, obstacles, seed, stream);
-        self.more.resize_with(more.len(), SensorSource::new);
-        for ((source, settings), place) in self.more.iter_mut().zip(more).zip(1_u64..) {
+        let settings = core::iter::once(&first).chain(more);
+        self.sources
+            .resize_with(1 + more.len(), SensorSource::default);
+        for ((source, settings), place) in self.sources.iter_mut().zip(settings).zip(0_u64..) {
             let seed = seed ^ place.wrapping_mul(noise::NEXT_SOURCE);
             source.begin(*settings, obstacles, seed, stream);
         }
         self.fused.clear();
         self.first_seen_s.clear();
-        if !more.is_empty() {
-            self.first_seen_s.resize(obstacles, None);
-        }
+        self.first_seen_s.resize(obstacles, None);
     }
 
     /// First sight of each obstacle, in the order of the world's.
     pub fn first_seen_s(&self) -> &[Option<f64>] {
-        if self.more.is_empty() {
-            self.first.first_seen_s()
-        } else {
-            &self.first_seen_s
+        match self.sources.as_slice() {
+            [one] => &one.first_seen_s,
+            _ => &self.first_seen_s,
         }
     }
 
     /// The result of the last look, extrapolated to its time.
     pub fn known(&self) -> &[Obstacle] {
-        if self.more.is_empty() {
-            self.first.known()
-        } else {
-            &self.fused
+        match self.sources.as_slice() {
+            [one] => &one.seen,
+            _ => &self.fused,
         }
     }
 
     /// Turns the sensor with the aircraft; fields of regard are about this course, radians.
     pub fn face(&mut self, course_rad: f64) {
-        self.first.face(course_rad);
-        for source in &mut self.more {
-            source.face(course_rad);
+        for source in &mut self.sources {
+            source.course_rad = course_rad;
         }
     }
 
     /// The known obstacles at `time_s`, with the sensor at `at_m`.
     pub fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) -> &[Obstacle] {
-        self.first.look(time_s, at_m, world);
-        if self.more.is_empty() {
-            return self.first.known();
-        }
-        for source in &mut self.more {
+        for source in &mut self.sources {
             source.look(time_s, at_m, world);
         }
+        if self.sources.len() > 1 {
+            self.fuse(time_s, world);
+        }
+        self.known()
+    }
+
+    /// Takes the best of what the sources see of each obstacle.
+    fn fuse(&mut self, time_s: f64, world: &[WorldObstacle]) {
         self.fused.clear();
         for (obstacle, first_seen_s) in world.iter().zip(&mut self.first_seen_s) {
-            let all = core::iter::once(&self.first).chain(&self.more);
             let mut best: Option<Obstacle> = None;
-            for source in all {
-                let seen = source.known().iter().find(|seen| seen.id == obstacle.id);
+            for source in &self.sources {
+                let seen = source.seen.iter().find(|seen| seen.id == obstacle.id);
                 let sigma_m = |of: &Obstacle| of.uncertainty.position_m;
                 if let Some(seen) = seen
                     && best.is_none_or(|best| sigma_m(seen) < sigma_m(&best))
@@ -119,13 +112,6 @@ impl Sensor {
                 self.fused.push(best);
             }
         }
-        &self.fused
-    }
-}
-
-impl Default for Sensor {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

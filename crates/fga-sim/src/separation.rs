@@ -53,21 +53,8 @@ impl Measure {
                 }
                 // The signed distance to a convex body is convex along a line.
                 let value = |share: f64| volume.margin_m(from_m + along * share);
-                let (mut low, mut high) = (0.0, 1.0);
-                for _ in 0..80 {
-                    let third = (high - low) / 3.0;
-                    let (left, right) = (low + third, high - third);
-                    if value(left) <= value(right) {
-                        high = right;
-                    } else {
-                        low = left;
-                    }
-                    if high - low < 1e-12 {
-                        break;
-                    }
-                }
-                // Tests the ends too: the search stays inside.
-                [0.0, 0.5 * (low + high), 1.0]
+                // To 1e-12 of the line. Tests the ends too: the search stays inside.
+                [0.0, least_at(value, 1.0, 69), 1.0]
                     .map(|share| (value(share), share))
                     .into_iter()
                     .fold((f64::INFINITY, 0.0), |best, next| {
@@ -76,9 +63,7 @@ impl Measure {
             }
         }
     }
-}
 
-impl Measure {
     /// A lower bound of [`Self::of`] along the straight line from `from_m` to `to_m`: the least
     /// distance beside the axis and the least one above, each by itself.
     fn at_least_on_chord(&self, from_m: Vec3, to_m: Vec3) -> f64 {
@@ -99,6 +84,21 @@ impl Measure {
     }
 }
 
+/// Where a convex function is least between 0 and an end, by leaving out a third of the rest some times.
+pub(crate) fn least_at(value: impl Fn(f64) -> f64, end: f64, times: u32) -> f64 {
+    let (mut low, mut high) = (0.0, end);
+    for _ in 0..times {
+        let third = (high - low) / 3.0;
+        let (left, right) = (low + third, high - third);
+        if value(left) <= value(right) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// The horizontal part of a dot product.
 fn across(a: Vec3, b: Vec3) -> f64 {
     a.x * b.x + a.y * b.y
@@ -114,10 +114,17 @@ pub struct Least {
 }
 
 impl Least {
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         value_m: f64::INFINITY,
         time_s: 0.0,
     };
+
+    /// Takes a value that is less.
+    pub(crate) fn note(&mut self, value_m: f64, time_s: f64) {
+        if value_m < self.value_m {
+            *self = Self { value_m, time_s };
+        }
+    }
 }
 
 /// The least separation from one obstacle so far.
@@ -159,8 +166,8 @@ impl Separation {
 
     /// Measures a single moment.
     pub fn observe_moment(&mut self, time_s: f64, offset_m: Vec3) {
-        note(&mut self.distance, Measure::Distance.of(offset_m), time_s);
-        note(&mut self.margin, self.volume.margin_m(offset_m), time_s);
+        self.distance.note(offset_m.length(), time_s);
+        self.margin.note(self.volume.margin_m(offset_m), time_s);
     }
 
     /// Measures a flown arc that ends at `end_m`.
@@ -188,7 +195,7 @@ impl Separation {
             if recedes(to_m.dot(from_m - to_m), to_m.length_squared(), departure_m)
                 && to_m.length() < self.distance.value_m
             {
-                note(&mut self.distance, to_m.length(), end_s);
+                self.distance.note(to_m.length(), end_s);
                 self.skip_until_s = end_s;
                 return;
             }
@@ -235,12 +242,6 @@ impl Separation {
     }
 }
 
-fn note(least: &mut Least, value_m: f64, time_s: f64) {
-    if value_m < least.value_m {
-        *least = Least { value_m, time_s };
-    }
-}
-
 /// Largest distance of a path from its chord, metres.
 fn departure_m(acceleration_mps2: f64, span_s: f64) -> f64 {
     acceleration_mps2 * span_s * span_s / 8.0
@@ -277,7 +278,7 @@ impl<F: Fn(f64) -> Vec3> SeparationPiece<'_, F> {
                 None
             };
             if let Some((time_s, offset_m)) = nearer {
-                note(least, measure.of(offset_m), time_s);
+                least.note(measure.of(offset_m), time_s);
                 return;
             }
         }
@@ -294,7 +295,7 @@ impl<F: Fn(f64) -> Vec3> SeparationPiece<'_, F> {
             } else {
                 (self.offset_at)(time_s)
             };
-            note(least, measure.of(offset_m), time_s);
+            least.note(measure.of(offset_m), time_s);
             return;
         }
         let middle_s = f64::midpoint(from.0, to.0);
@@ -323,7 +324,7 @@ impl<F: Fn(f64) -> Vec3> SeparationPiece<'_, F> {
             .into_iter()
             .find(|(end, other)| self.is_least(volume, end.1, other.1, span_s))
         {
-            note(least, measure.of(end.1), end.0);
+            least.note(measure.of(end.1), end.0);
             return;
         }
         if departure_m <= STRAIGHT_M || span_s < 1e-6 {

@@ -29,6 +29,7 @@ use crate::oracle::{AVOIDABLE_MARGIN_M, OracleSettings, best_margin_of_tracks};
 use crate::own::FailureKind;
 use crate::run::{Plan, RunLog};
 use crate::track::{Track, TrackPoint};
+use crate::whole::whole;
 use crate::world::World;
 use proposal::{Proposal, ProposalPoint, distance};
 use urgency::StressUrgency;
@@ -166,12 +167,7 @@ pub fn search(
         take(&flights)?;
         let mut ranks: Vec<f64> = flights.iter().map(StressFlight::rank).collect();
         ranks.sort_by(f64::total_cmp);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a place in the batch"
-        )]
-        let place = (ELITE_SHARE * count as f64) as usize;
+        let place = whole(ELITE_SHARE * count as f64) as usize;
         let level = ranks.get(place).copied().unwrap_or(0.0).max(0.0);
         // Until enough flights of a batch fail, the ranks alone choose; from then on the likeliest failures do.
         let is_weighted = level <= 0.0;
@@ -244,11 +240,9 @@ struct Test<'a> {
 impl<'a> Test<'a> {
     fn new(stress: &'a Stress) -> Result<Self, String> {
         let settings = BatchSettings {
-            model: stress.model.clone(),
-            policy: stress.policy.clone(),
             horizon_s: HORIZON_S,
             seed: stress.seed,
-            tracks: false,
+            ..BatchSettings::of(stress.model.clone(), stress.policy.clone())
         };
         let world = empty_world(&settings).ok_or(
             "the wind is too strong for the vehicle, expected one in which it holds a line",

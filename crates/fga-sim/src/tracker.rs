@@ -84,46 +84,41 @@ impl TrackEstimate {
     /// Updates the track with a look.
     pub fn look(&mut self, time_s: f64, position_m: Vec3, velocity_mps: Vec3, noise: &LookNoise) {
         self.predict(time_s);
-        let misfit = self.take_position(position_m, noise.position_m * noise.position_m)
-            + self.take_velocity(velocity_mps, noise.velocity_mps * noise.velocity_mps);
+        let position = (&mut self.position_m, &mut self.position_variance);
+        let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
+        let seen = (position_m, noise.position_m * noise.position_m);
+        let misfit = take(position, velocity, &mut self.covariance, seen);
+        let position = (&mut self.position_m, &mut self.position_variance);
+        let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
+        let seen = (velocity_mps, noise.velocity_mps * noise.velocity_mps);
+        let misfit = misfit + take(velocity, position, &mut self.covariance, seen);
         self.misfit += MISFIT_SHARE * (misfit - self.misfit);
         if self.misfit > MISFIT_LIMIT {
             *self = Self::new(time_s, position_m, velocity_mps, noise);
         }
     }
+}
 
-    /// Returns the squared misfit over its variance.
-    fn take_position(&mut self, position_m: Vec3, variance: f64) -> f64 {
-        let total = self.position_variance + variance;
-        if total <= 0.0 {
-            self.position_m = position_m;
-            return 0.0;
-        }
-        let off = position_m - self.position_m;
-        let gain = self.position_variance / total;
-        let cross_gain = self.covariance / total;
-        self.position_m += off * gain;
-        self.velocity_mps += off * cross_gain;
-        self.velocity_variance -= cross_gain * self.covariance;
-        self.position_variance *= 1.0 - gain;
-        self.covariance *= 1.0 - gain;
-        off.length_squared() / total
+/// Takes what is seen of a vector, with its variance, into its estimate and that of another vector, each with its variance;
+/// returns the squared misfit over its variance.
+fn take(
+    (own, own_variance): (&mut Vec3, &mut f64),
+    (other, other_variance): (&mut Vec3, &mut f64),
+    covariance: &mut f64,
+    (seen, variance): (Vec3, f64),
+) -> f64 {
+    let total = *own_variance + variance;
+    if total <= 0.0 {
+        *own = seen;
+        return 0.0;
     }
-
-    fn take_velocity(&mut self, velocity_mps: Vec3, variance: f64) -> f64 {
-        let total = self.velocity_variance + variance;
-        if total <= 0.0 {
-            self.velocity_mps = velocity_mps;
-            return 0.0;
-        }
-        let off = velocity_mps - self.velocity_mps;
-        let gain = self.velocity_variance / total;
-        let cross_gain = self.covariance / total;
-        self.velocity_mps += off * gain;
-        self.position_m += off * cross_gain;
-        self.position_variance -= cross_gain * self.covariance;
-        self.velocity_variance *= 1.0 - gain;
-        self.covariance *= 1.0 - gain;
-        off.length_squared() / total
-    }
+    let off = seen - *own;
+    let gain = *own_variance / total;
+    let cross_gain = *covariance / total;
+    *own += off * gain;
+    *other += off * cross_gain;
+    *other_variance -= cross_gain * *covariance;
+    *own_variance *= 1.0 - gain;
+    *covariance *= 1.0 - gain;
+    off.length_squared() / total
 }

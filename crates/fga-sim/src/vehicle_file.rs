@@ -25,7 +25,7 @@ use crate::plant::Autopilot;
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 
-use checks::{Checked, angle, drift_mps, not_negative, sensor};
+use checks::{drift_mps, given};
 
 /// The built-in vehicle: Table 4 of the paper.
 const BUILT_IN: &str = include_str!("../vehicles/paper.toml");
@@ -118,38 +118,24 @@ impl VehicleModel {
         let vehicle = Vehicle {
             airspeed_mps,
             turn_radius_m,
-            climb_min_rad: angle(
-                &text,
-                "climb_min_deg",
-                file.climb_min_deg.as_ref(),
-                (-60.0, 0.0),
-                -15.0,
-            )?,
-            climb_max_rad: angle(
-                &text,
-                "climb_max_deg",
-                file.climb_max_deg.as_ref(),
-                (0.0, 60.0),
-                15.0,
-            )?,
-            climb_rate_radps: file.climb_rate_radps.as_ref().map_or(Ok(0.2), |rate| {
-                text.within("climb_rate_radps", rate, (0.0, 10.0))
-            })?,
-            response: file.response.checked(&text)?,
+            climb_min_rad: given!(text, file.climb_min_deg within (-60.0, 0.0); -15.0).to_radians(),
+            climb_max_rad: given!(text, file.climb_max_deg within (0.0, 60.0); 15.0).to_radians(),
+            climb_rate_radps: given!(text, file.climb_rate_radps within (0.0, 10.0); 0.2),
+            response: checks::response(&file.response, text)?,
         };
-        let protection = file.protection.checked(&text)?;
-        let mut settings = settings(&file, &text)?;
+        let protection = checks::protection(&file.protection, text)?;
+        let mut settings = settings(&file, text)?;
         settings.avoider.surveillance_radius_m =
             surveillance_m(&file, &text, airspeed_mps, protection, &settings.avoider)?;
         Ok(Self {
             vehicle,
             settings,
             protection,
-            limits_m: file.limits.checked(&text)?,
-            wind_mps: file.wind.checked(&text)?,
-            sensor: sensor(&file.sensor, &file.noise, &text, SensorSettings::default())?,
+            limits_m: checks::limits([&file.limits.floor_m, &file.limits.ceiling_m], text)?,
+            wind_mps: checks::wind(&file.wind, text)?,
+            sensor: checks::sensor(&file.sensor, &file.noise, text, SensorSettings::default())?,
             more_sensors: Vec::new(),
-            autopilot: file.autopilot.checked(&text)?,
+            autopilot: checks::autopilot(&file.autopilot, text)?,
             name: file.name,
             sha256: fingerprint(text.text().as_bytes()),
         })
@@ -165,17 +151,9 @@ fn surveillance_m(
     settings: &Settings,
 ) -> Result<f64, InputError> {
     let Some(value) = &file.surveillance_radius_m else {
-        let Settings {
-            horizon_s,
-            margin_m,
-            ..
-        } = *settings;
-        return Ok(surveillance::derived_m(
-            airspeed_mps,
-            horizon_s,
-            protection,
-            margin_m,
-        ));
+        let (horizon_s, margin_m) = (settings.horizon_s, settings.margin_m);
+        let derived_m = surveillance::derived_m(airspeed_mps, horizon_s, protection, margin_m);
+        return Ok(derived_m);
     };
     // Infinity: everything that the sensor sees.
     if *value.get_ref() == f64::INFINITY {
@@ -192,54 +170,28 @@ fn surveillance_m(
     Ok(radius_m)
 }
 
-fn settings(file: &VehicleFile, text: &TomlText<'_>) -> Result<PolicySettings, InputError> {
-    let default = Settings::default();
+fn settings(file: &VehicleFile, text: TomlText<'_>) -> Result<PolicySettings, InputError> {
+    let usual = Settings::default();
+    let usual_drift_mps = drift_mps(&file.response);
     let (cost, avoidance) = (&file.cost, &file.avoidance);
     let avoider = Settings {
-        start: default.start,
-        work_limit: default.work_limit,
-        surveillance_radius_m: default.surveillance_radius_m,
-        decision_period_s: file
-            .decision_period_s
-            .as_ref()
-            .map_or(Ok(default.decision_period_s), |value| {
-                text.within("decision_period_s", value, (0.01, 10.0))
-            })?,
-        horizon_s: avoidance
-            .horizon_s
-            .as_ref()
-            .map_or(Ok(default.horizon_s), |value| {
-                text.within("horizon_s", value, (1.0, 600.0))
-            })?,
-        margin_m: not_negative(
-            text,
-            "margin_m",
-            avoidance.margin_m.as_ref(),
-            default.margin_m,
-        )?,
-        drift_mps: avoidance
-            .drift_mps
-            .as_ref()
-            .map_or(Ok(drift_mps(&file.response)), |value| {
-                text.within("drift_mps", value, (0.0, 100.0))
-            })?,
-        confidence_sigmas: not_negative(
-            text,
-            "confidence_sigmas",
-            avoidance.confidence_sigmas.as_ref(),
-            default.confidence_sigmas,
-        )?,
-        heading_cost: not_negative(text, "heading", cost.heading.as_ref(), default.heading_cost)?,
-        pitch_cost: not_negative(text, "pitch", cost.pitch.as_ref(), default.pitch_cost)?,
+        decision_period_s: given!(text, file.decision_period_s within (0.01, 10.0); usual.decision_period_s),
+        horizon_s: given!(text, avoidance.horizon_s within (1.0, 600.0); usual.horizon_s),
+        margin_m: given!(text, avoidance.margin_m not_negative; usual.margin_m),
+        drift_mps: given!(text, avoidance.drift_mps within (0.0, 100.0); usual_drift_mps),
+        confidence_sigmas: given!(text, avoidance.confidence_sigmas not_negative; usual.confidence_sigmas),
+        heading_cost: given!(text, cost.heading not_negative; usual.heading_cost),
+        pitch_cost: given!(text, cost.pitch not_negative; usual.pitch_cost),
         objective: match avoidance.objective {
             ObjectiveName::PaperCost => Objective::PaperCost,
             ObjectiveName::LeastDeviation => Objective::LeastDeviation,
             ObjectiveName::ShortestPath => Objective::ShortestPath,
         },
+        ..usual
     };
     Ok(PolicySettings {
         avoider,
-        grid: file.grid.checked(text)?,
+        grid: checks::grid(&file.grid, text)?,
     })
 }
 

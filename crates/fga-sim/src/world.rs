@@ -14,6 +14,7 @@ use crate::plant::{Autopilot, Gust};
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 use crate::track::Track;
+use crate::vehicle_file::VehicleModel;
 
 /// The end of a flight before its horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,4 +85,36 @@ pub struct World {
     pub ending: Ending,
     /// Recorded flight of the aircraft until it first manoeuvres.
     pub recorded: Option<Track>,
+}
+
+impl World {
+    /// The world of an aircraft alone, with its own settings, limits and sensors.
+    pub fn of(
+        model: &VehicleModel,
+        mission_m: Vec<Vec3>,
+        start: StartState,
+        (horizon_s, ending): (f64, Ending),
+    ) -> Self {
+        Self {
+            mission_m,
+            passing: Vec::new(),
+            limits_m: model.limits_m,
+            zones: Vec::new(),
+            ground: None,
+            start,
+            vehicle: model.vehicle,
+            autopilot: model.autopilot,
+            settings: model.settings,
+            wind_mps: model.wind_mps,
+            gust: None,
+            obstacles: Vec::new(),
+            sensor: model.sensor,
+            more_sensors: model.more_sensors.clone(),
+            seed: 0,
+            stream: 0,
+            horizon_s,
+            ending,
+            recorded: None,
+        }
+    }
 }

@@ -122,11 +122,9 @@ impl Worlds {
         settings.source.airspeed_mps = model.vehicle.airspeed_mps;
         settings.source.radius_m = model.protection.radius_m();
         let batch = BatchSettings {
-            model: model.clone(),
-            policy: PolicyChoice::default(),
             horizon_s: settings.horizon_s,
             seed: settings.source.seed,
-            tracks: false,
+            ..BatchSettings::of(model.clone(), PolicyChoice::default())
         };
         let empty = empty_world(&batch).ok_or(WorldsError::Wind(model.vehicle.airspeed_mps))?;
         batch.policy.pilot(&empty.settings, &empty.vehicle)?;

@@ -161,59 +161,40 @@ fn beside_m(corners_m: &[Vec2], at: Vec2) -> f64 {
     if turns == 0 { distance_m } else { -distance_m }
 }
 
-/// The least margin of a flight from a zone so far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ZoneSeparation {
-    pub(crate) least: Least,
+/// Measures the margin of a flown arc that ends at `end_m` from a zone.
+pub(crate) fn observe(least: &mut Least, zone: &WorldZone, arc: &Arc, end_m: Vec3) {
+    let (from_s, to_s) = (arc.start_s, arc.start_s + arc.duration_s);
+    let (from_m, to_m) = (zone.margin_m(arc.position_m), zone.margin_m(end_m));
+    let look = |time_s: f64| zone.margin_m(arc.position_at_m(time_s - from_s));
+    least.note(from_m, from_s);
+    least.note(to_m, to_s);
+    refine(
+        least,
+        (from_s, from_m),
+        (to_s, to_m),
+        arc.speed_bound_mps(),
+        &look,
+    );
 }
 
-impl ZoneSeparation {
-    /// Measured at the start of a flight.
-    pub(crate) fn begun(zone: &WorldZone, at_m: Vec3) -> Self {
-        Self {
-            least: Least {
-                value_m: zone.margin_m(at_m),
-                time_s: 0.0,
-            },
-        }
+/// Halves where the margin, which changes by no more than the way flown, may be less than known.
+fn refine(
+    least: &mut Least,
+    from: (f64, f64),
+    to: (f64, f64),
+    speed_mps: f64,
+    look: &impl Fn(f64) -> f64,
+) {
+    let bound_m = 0.5 * (from.1 + to.1 - speed_mps * (to.0 - from.0));
+    let known_m = KNOWN_M + KNOWN_SHARE * least.value_m.abs();
+    if bound_m >= least.value_m - known_m {
+        return;
     }
-
-    /// Measures a flown arc that ends at `end_m`.
-    pub(crate) fn observe(&mut self, zone: &WorldZone, arc: &Arc, end_m: Vec3) {
-        let (from_s, to_s) = (arc.start_s, arc.start_s + arc.duration_s);
-        let from = (from_s, zone.margin_m(arc.position_m));
-        let to = (to_s, zone.margin_m(end_m));
-        let look = |time_s: f64| zone.margin_m(arc.position_at_m(time_s - from_s));
-        self.note(from);
-        self.note(to);
-        self.refine(from, to, arc.speed_bound_mps(), &look);
-    }
-
-    fn note(&mut self, (time_s, value_m): (f64, f64)) {
-        if value_m < self.least.value_m {
-            self.least = Least { value_m, time_s };
-        }
-    }
-
-    /// Halves where the margin, which changes by no more than the way flown, may be less than known.
-    fn refine(
-        &mut self,
-        from: (f64, f64),
-        to: (f64, f64),
-        speed_mps: f64,
-        look: &impl Fn(f64) -> f64,
-    ) {
-        let bound_m = 0.5 * (from.1 + to.1 - speed_mps * (to.0 - from.0));
-        let known_m = KNOWN_M + KNOWN_SHARE * self.least.value_m.abs();
-        if bound_m >= self.least.value_m - known_m {
-            return;
-        }
-        let middle_s = f64::midpoint(from.0, to.0);
-        let middle = (middle_s, look(middle_s));
-        self.note(middle);
-        self.refine(from, middle, speed_mps, look);
-        self.refine(middle, to, speed_mps, look);
-    }
+    let middle_s = f64::midpoint(from.0, to.0);
+    let middle = (middle_s, look(middle_s));
+    least.note(middle.1, middle.0);
+    refine(least, from, middle, speed_mps, look);
+    refine(least, middle, to, speed_mps, look);
 }
 
 #[cfg(test)]
@@ -249,14 +230,14 @@ mod tests {
                 airspeed_mps: 15.0,
                 wind_mps: Vec3::ZERO,
             };
-            let mut separation = ZoneSeparation::begun(&zone, arc.position_m);
-            separation.observe(&zone, &arc, arc.end_m());
+            let mut least = Least::NONE;
+            observe(&mut least, &zone, &arc, arc.end_m());
             let sampled_m = (0..=40_000)
                 .map(|step| zone.margin_m(arc.position_at_m(f64::from(step) * 1e-4)))
                 .fold(f64::INFINITY, f64::min);
             // Sampling at 0.1 ms misses at most half a step of closing.
             let known_m = 2.0 * KNOWN_M + KNOWN_SHARE * sampled_m.abs();
-            prop_assert!((separation.least.value_m - sampled_m).abs() <= known_m);
+            prop_assert!((least.value_m - sampled_m).abs() <= known_m);
             // The core has the same side.
             let inside = zone.zone().is_entered(arc.position_m);
             prop_assert_eq!(inside, zone.margin_m(arc.position_m) < 0.0);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::file::{GIVEN, Given, MOST_BYTES, Parsed, Stated, TerrainFile};
 use super::{ardupilot, dted, geotiff, hgt, name};
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes};
 use crate::gzip;
 
 /// Reads a file of heights.
@@ -41,7 +41,7 @@ pub fn read(path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
         let message = format!("has {size} bytes, expected at most {MOST_BYTES}");
         return Err(InputError::in_file(path, message));
     }
-    parse(&std::fs::read(path).map_err(unreadable)?, path, given)
+    parse(&read_bytes(path)?, path, given)
 }
 
 /// Reads heights from the bytes of a file; see [`read`].

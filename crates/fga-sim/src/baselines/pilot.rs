@@ -45,9 +45,6 @@ pub trait Steering {
 pub struct BaselinePilot<S> {
     method: S,
     settings: Settings,
-    vehicle: Vehicle,
-    /// The limits of its vehicle.
-    made_for: Vehicle,
     /// The core's own guidance along the mission.
     guide: MissionPilot,
     state: State,
@@ -64,8 +61,6 @@ impl<S: Steering> BaselinePilot<S> {
         Ok(Self {
             method,
             settings: *settings,
-            vehicle,
-            made_for: vehicle,
             guide: MissionPilot::new(settings.horizon_s, vehicle)?,
             state: State::Cruise,
             spheres: Vec::new(),
@@ -82,7 +77,7 @@ impl<S: Steering> BaselinePilot<S> {
             if offset_m.length() > self.settings.surveillance_radius_m {
                 continue;
             }
-            if offset_m.z.abs() < SAME_HEIGHT_M && self.vehicle.can_climb() {
+            if offset_m.z.abs() < SAME_HEIGHT_M && self.guide.vehicle().can_climb() {
                 offset_m.z = -self.method.lowered() * obstacle.volume.bounding_radius_m();
             }
             let spread = self.settings.confidence_sigmas * obstacle.uncertainty.position_m;
@@ -93,18 +88,21 @@ impl<S: Steering> BaselinePilot<S> {
                 radius_m: obstacle.volume.bounding_radius_m() + self.settings.margin_m + spread,
             });
         }
-        if !self.vehicle.can_climb() {
+        if !self.guide.vehicle().can_climb() {
             self.spheres = flattened(&self.spheres).collect();
         }
     }
 
     /// The velocity through the air towards the route ahead; `None` where the wind is too strong.
     fn wish(&self, route: &Route, wind_mps: Vec3) -> Option<Vec3> {
-        let airspeed_mps = self.vehicle.airspeed_mps;
+        let airspeed_mps = self.guide.vehicle().airspeed_mps;
         let ahead_m = airspeed_mps * WISH_AHEAD_S;
         let aim = (route.foot_m + route.along * ahead_m).normalize_or_zero();
         let (course_rad, climb_rad) = crab(aim, airspeed_mps, wind_mps)?;
-        let (least, most) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        let (least, most) = (
+            self.guide.vehicle().climb_min_rad,
+            self.guide.vehicle().climb_max_rad,
+        );
         Some(direction(course_rad, climb_rad.clamp(least, most)) * airspeed_mps)
     }
 
@@ -130,8 +128,10 @@ impl<S: Steering> BaselinePilot<S> {
         } else {
             0.0
         };
-        let climb_rad =
-            climb_of(velocity).clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        let climb_rad = climb_of(velocity).clamp(
+            self.guide.vehicle().climb_min_rad,
+            self.guide.vehicle().climb_max_rad,
+        );
         Maneuver::turn(0.0, course_rad + turn_rad, climb_rad)
     }
 
@@ -150,6 +150,14 @@ impl<S: Steering> BaselinePilot<S> {
                 })
             })
             .min_by(|a, b| a.entry_s.total_cmp(&b.entry_s))
+    }
+}
+
+/// Why a policy avoids in a step, and the state after it.
+pub(crate) fn avoiding(state: &mut State) -> Reason {
+    match core::mem::replace(state, State::Avoiding) {
+        State::Avoiding => Reason::ManeuverKept,
+        _ => Reason::ManeuverChosen,
     }
 }
 
@@ -186,7 +194,6 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
     fn restart(&mut self) {
         self.method.restart();
         self.guide.restart();
-        self.vehicle = self.made_for;
         self.state = State::Cruise;
     }
 
@@ -201,7 +208,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             .command
             .stage_at(0.0)
             .map_or(own.velocity_mps(), |stage| {
-                direction(stage.course_rad, stage.climb_rad) * self.vehicle.airspeed_mps
+                direction(stage.course_rad, stage.climb_rad) * self.guide.vehicle().airspeed_mps
             });
         let route = Route::of(situation, self.guide.leg_index());
         let preferred_mps = self.wish(&route, situation.wind_mps).unwrap_or(guided_mps);
@@ -210,7 +217,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             preferred_mps,
             route,
             spheres: &self.spheres,
-            vehicle: &self.vehicle,
+            vehicle: self.guide.vehicle(),
             period_s: self.settings.decision_period_s,
         };
         let chosen = self
@@ -220,12 +227,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             .filter(|velocity| velocity.angle_between(preferred_mps) > SAME_DIRECTION_RAD);
         if let Some(velocity) = chosen {
             decision.command = self.turn_to(velocity, own.course_rad);
-            decision.record.reason = if self.state == State::Avoiding {
-                Reason::ManeuverKept
-            } else {
-                Reason::ManeuverChosen
-            };
-            self.state = State::Avoiding;
+            decision.record.reason = avoiding(&mut self.state);
         } else {
             let reason = decision.record.reason;
             (self.state, decision.record.reason) = returning(self.state, situation, &route, reason);
@@ -241,9 +243,6 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {
-        // If the guidance refuses the limits, it keeps its present ones.
-        if self.guide.set_vehicle(*vehicle).is_ok() {
-            self.vehicle = *vehicle;
-        }
+        self.guide.retune(vehicle);
     }
 }

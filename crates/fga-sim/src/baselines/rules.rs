@@ -138,18 +138,16 @@ impl Steering for RightOfWay {
 
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
         let known = self.known(view);
+        let is_clear = |velocity_mps| !known.iter().any(|sphere| conflicts(sphere, velocity_mps));
         self.time_s += view.period_s;
         let level_mps = levelled(view.velocity_mps);
         if let Some(course_rad) = self.course_rad {
-            if !known
-                .iter()
-                .any(|sphere| conflicts(sphere, view.preferred_mps))
-            {
+            if is_clear(view.preferred_mps) {
                 self.course_rad = None;
                 return None;
             }
             let kept_mps = direction(course_rad, 0.0) * view.speed_mps();
-            if !known.iter().any(|sphere| conflicts(sphere, kept_mps)) {
+            if is_clear(kept_mps) {
                 return Some(kept_mps);
             }
         } else if !known
@@ -160,10 +158,8 @@ impl Steering for RightOfWay {
         }
         let from_rad = self.course_rad.unwrap_or_else(|| course_of(level_mps));
         let right = |step: u32| from_rad - STEP_RAD * f64::from(step);
-        let clear = (1..=STEPS).find(|step| {
-            let tried_mps = direction(right(*step), 0.0) * view.speed_mps();
-            !known.iter().any(|sphere| conflicts(sphere, tried_mps))
-        });
+        let clear =
+            (1..=STEPS).find(|step| is_clear(direction(right(*step), 0.0) * view.speed_mps()));
         // A turn that goes on and on is no way out: a kept course stays where nothing is clear.
         let step = clear.unwrap_or(if self.course_rad.is_some() { 0 } else { STEPS });
         let course_rad = right(step);

@@ -330,8 +330,8 @@ fn the_search_finds_the_shorter_way() {
         goal_m: 300.0,
     };
     for chosen in [
-        WaypointGreedy::new(cube).steer(&view).unwrap(),
-        WaypointOptimal::new(cube, 200).steer(&view).unwrap(),
+        Waypoints::new(cube, None).steer(&view).unwrap(),
+        Waypoints::new(cube, Some(200)).steer(&view).unwrap(),
     ] {
         assert!(chosen.y >= 0.0, "{chosen:?}");
         assert!(spheres.iter().all(|s| {

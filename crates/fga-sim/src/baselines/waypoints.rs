@@ -17,13 +17,49 @@ use fga::Vec3;
 use super::Steering;
 use super::view::View;
 
-/// The present path: sub-waypoints relative to the aircraft, next first.
-#[derive(Debug, Clone, Default)]
-struct WaypointPath {
+/// A planner of sub-waypoints.
+#[derive(Debug, Clone)]
+pub struct Waypoints {
+    cube: Cube,
+    /// The most sub-waypoints that the optimal planner extends in one search; the greedy one takes one clear sub-waypoint after the
+    /// other, each the best by distance flown and left.
+    most_extended: Option<usize>,
+    /// The present path: sub-waypoints relative to the aircraft, next first.
     points_m: Vec<Vec3>,
 }
 
-impl WaypointPath {
+impl Waypoints {
+    /// A planner with these candidates: the greedy one, or the optimal one with the most sub-waypoints that it extends in one search.
+    pub const fn new(cube: Cube, most_extended: Option<usize>) -> Self {
+        Self {
+            cube,
+            most_extended,
+            points_m: Vec::new(),
+        }
+    }
+
+    /// The greedy planner with the best settings.
+    pub const fn greedy() -> Self {
+        let cube = Cube {
+            half_edge_m: 120.0,
+            points: 9,
+            inflation: 1.4,
+            goal_m: 300.0,
+        };
+        Self::new(cube, None)
+    }
+
+    /// The optimal planner with the best settings.
+    pub const fn optimal() -> Self {
+        let cube = Cube {
+            half_edge_m: 90.0,
+            points: 5,
+            inflation: 1.2,
+            goal_m: 300.0,
+        };
+        Self::new(cube, Some(60))
+    }
+
     /// Moves with the aircraft and drops passed sub-waypoints.
     fn advance(&mut self, view: &View<'_>) {
         let moved = view.velocity_mps * view.period_s;
@@ -40,15 +76,17 @@ impl WaypointPath {
             self.points_m.remove(0);
         }
     }
+}
 
-    /// The next sub-waypoint of a path that is kept while it is clear; `plan` rebuilds it otherwise;
+impl Steering for Waypoints {
+    fn restart(&mut self) {
+        self.points_m.clear();
+    }
+
+    /// The next sub-waypoint of a path that is kept while it is clear and planned again otherwise;
     /// `None` where the mission itself is clear.
-    fn follow(
-        &mut self,
-        cube: &Cube,
-        view: &View<'_>,
-        plan: impl FnOnce(&[Vec3]) -> Vec<Vec3>,
-    ) -> Option<Vec3> {
+    fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
+        let cube = self.cube;
         if cube.is_clear(view, &cube.nominal(view)) {
             self.points_m.clear();
             return None;
@@ -59,94 +97,12 @@ impl WaypointPath {
             *last = cube.goal_m(view);
         }
         if self.points_m.is_empty() || !cube.is_clear(view, &self.points_m) {
-            self.points_m = plan(&cube.candidates(view));
+            let candidates = cube.candidates(view);
+            self.points_m = match self.most_extended {
+                None => search::greedy(&cube, view, &candidates),
+                Some(most) => search::shortest(&cube, view, &candidates, most),
+            };
         }
         self.points_m.first().copied()
-    }
-}
-
-/// One clear sub-waypoint after the other, each the best by distance flown and left.
-#[derive(Debug, Clone)]
-pub struct WaypointGreedy {
-    cube: Cube,
-    path: WaypointPath,
-}
-
-impl Default for WaypointGreedy {
-    fn default() -> Self {
-        Self::new(Cube {
-            half_edge_m: 120.0,
-            points: 9,
-            inflation: 1.4,
-            goal_m: 300.0,
-        })
-    }
-}
-
-impl WaypointGreedy {
-    /// A planner with these candidates.
-    pub fn new(cube: Cube) -> Self {
-        Self {
-            cube,
-            path: WaypointPath::default(),
-        }
-    }
-}
-
-impl Steering for WaypointGreedy {
-    fn restart(&mut self) {
-        self.path = WaypointPath::default();
-    }
-
-    fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
-        let cube = self.cube;
-        self.path.follow(&cube, view, |candidates| {
-            search::greedy(&cube, view, candidates)
-        })
-    }
-}
-
-/// The shortest clear path over sub-waypoints on cubes around sub-waypoints.
-#[derive(Debug, Clone)]
-pub struct WaypointOptimal {
-    cube: Cube,
-    most_extended: usize,
-    path: WaypointPath,
-}
-
-impl Default for WaypointOptimal {
-    fn default() -> Self {
-        let cube = Cube {
-            half_edge_m: 90.0,
-            points: 5,
-            inflation: 1.2,
-            goal_m: 300.0,
-        };
-        Self::new(cube, 60)
-    }
-}
-
-impl WaypointOptimal {
-    /// A planner with these candidates that extends at most `most_extended` sub-waypoints in one
-    /// search.
-    pub fn new(cube: Cube, most_extended: usize) -> Self {
-        Self {
-            cube,
-            most_extended,
-            path: WaypointPath::default(),
-        }
-    }
-}
-
-impl Steering for WaypointOptimal {
-    fn restart(&mut self) {
-        self.path = WaypointPath::default();
-    }
-
-    fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
-        let (cube, most) = (self.cube, self.most_extended);
-        self.path.follow(&cube, view, |candidates| {
-            search::shortest(&cube, view, candidates, most)
-        })
     }
 }

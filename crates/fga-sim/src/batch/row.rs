@@ -5,8 +5,10 @@ use fga_formats::InputError;
 use fga_formats::number::push_fixed;
 use fga_formats::words::push_csv_field;
 
-use crate::engine::{Observer, Outcome, Sample};
+use crate::engine::{Engine, Observer, Outcome, Sample};
 use crate::own::FailureKind;
+use crate::policy::PolicyPilot;
+use crate::world::World;
 
 /// Encounters between two writes; it bounds the memory.
 pub(super) const BLOCK: usize = 512;
@@ -117,10 +119,33 @@ pub(crate) fn timed(encounter: u64, outcome: Outcome, elapsed_ns: &mut [u64]) ->
     }
 }
 
+/// Flies an encounter with this number, with its rows of `tracks.csv` where they are asked for.
+pub(super) fn row_of(
+    engine: &mut Engine,
+    world: &World,
+    pilot: &mut dyn PolicyPilot,
+    (encounter, tracks): (u64, bool),
+) -> BatchRow {
+    let mut rows = TrackRows {
+        encounter,
+        rows: Vec::new(),
+    };
+    let outcome = if tracks {
+        engine.fly(world, pilot, &mut rows)
+    } else {
+        engine.fly(world, pilot, &mut ())
+    };
+    BatchRow {
+        track_rows: rows.rows,
+        failure: pilot.failure(),
+        ..timed(encounter, outcome, engine.elapsed_ns())
+    }
+}
+
 /// Collects the rows of `tracks.csv`.
-pub(super) struct TrackRows {
-    pub(super) encounter: u64,
-    pub(super) rows: Vec<u8>,
+struct TrackRows {
+    encounter: u64,
+    rows: Vec<u8>,
 }
 
 impl Observer for TrackRows {

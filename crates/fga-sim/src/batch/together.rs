@@ -4,7 +4,7 @@ use fga::situation::Situation;
 use rayon::prelude::*;
 
 use super::row::{BatchError, BatchRow, timed};
-use super::world::{BatchSettings, empty_world, populate};
+use super::world::{BatchSettings, flyable_world, populate};
 use crate::drawn::RowTable;
 use crate::engine::SteppedFlight;
 use crate::own::{Answer, Failure, FailureKind, Nobody, OwnPilot, OwnPolicy};
@@ -38,10 +38,7 @@ pub fn fly_together<E>(
     mut answer: impl FnMut(&Questions<'_>) -> Result<Vec<Answer>, Failure>,
     mut take: impl FnMut(&BatchRow) -> Result<(), E>,
 ) -> Result<(), BatchError<E>> {
-    let world = empty_world(settings).ok_or_else(|| BatchError::Wind {
-        wind_mps: settings.model.wind_mps.length(),
-        airspeed_mps: settings.model.vehicle.airspeed_mps,
-    })?;
+    let world = flyable_world(settings)?;
     // The settings' policy counts the failures.
     let name = settings.policy.name();
     let nobody = OwnPolicy::new(name, "", Box::new(|_, _| Box::new(Nobody)));

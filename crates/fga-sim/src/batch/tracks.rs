@@ -10,7 +10,7 @@ use fga_formats::InputError;
 use fga_formats::tally::Tally;
 use rayon::prelude::*;
 
-use super::row::{BLOCK, BatchError, BatchRow, TrackRows, timed};
+use super::row::{BLOCK, BatchError, BatchRow, row_of};
 use super::world::BatchSettings;
 use crate::drawn::Origin;
 use crate::engine::Engine;
@@ -21,8 +21,10 @@ use crate::recorded::{self, Recordings};
 #[derive(Debug)]
 pub struct Tracks {
     recordings: Recordings,
-    damaged: Vec<String>,
-    tally: Tally,
+    /// The faults of the files that were left out, one sentence each.
+    pub damaged: Vec<String>,
+    /// What became of the lines and rows of the other files.
+    pub tally: Tally,
 }
 
 impl Tracks {
@@ -52,16 +54,6 @@ impl Tracks {
     /// Names of the encounters in their order.
     pub fn names(&self) -> &[String] {
         self.recordings.names()
-    }
-
-    /// The faults of the files that were left out, one sentence each.
-    pub fn damaged(&self) -> &[String] {
-        &self.damaged
-    }
-
-    /// What became of the lines and rows of the other files.
-    pub const fn tally(&self) -> Tally {
-        self.tally
     }
 
     /// Number of files, with those that were left out.
@@ -127,19 +119,6 @@ fn fly_one<E: Send>(
 ) -> Result<BatchRow, BatchError<E>> {
     let world = tracks.plan(number, settings)?.world;
     let mut pilot = settings.policy.pilot(&world.settings, &world.vehicle)?;
-    let encounter = number as u64;
-    let mut rows = TrackRows {
-        encounter,
-        rows: Vec::new(),
-    };
-    let outcome = if settings.tracks {
-        engine.fly(&world, pilot.as_mut(), &mut rows)
-    } else {
-        engine.fly(&world, pilot.as_mut(), &mut ())
-    };
-    Ok(BatchRow {
-        track_rows: rows.rows,
-        failure: pilot.failure(),
-        ..timed(encounter, outcome, engine.elapsed_ns())
-    })
+    let asked = (number as u64, settings.tracks);
+    Ok(row_of(engine, &world, pilot.as_mut(), asked))
 }

@@ -4,7 +4,8 @@ use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
 
-use crate::policy::{PolicyChoice, PolicySettings};
+use super::row::BatchError;
+use crate::policy::PolicyChoice;
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
@@ -28,43 +29,43 @@ pub struct BatchSettings {
     pub tracks: bool,
 }
 
+impl BatchSettings {
+    /// Those of an aircraft and a policy: flights of a minute, the first seed, no tracks.
+    pub const fn of(model: VehicleModel, policy: PolicyChoice) -> Self {
+        Self {
+            model,
+            policy,
+            horizon_s: 60.0,
+            seed: 0,
+            tracks: false,
+        }
+    }
+}
+
 /// The world of a batch without its obstacles; `None` if the wind is too strong for the line.
 pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let model = &settings.model;
     let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;
-    Some(World {
-        mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
-        passing: Vec::new(),
-        limits_m: settings.model.limits_m,
-        zones: Vec::new(),
-        ground: None,
-        start: StartState {
-            position_m: Vec3::ZERO,
-            course_rad,
-            climb_rad,
-        },
-        vehicle: model.vehicle,
-        autopilot: model.autopilot,
-        settings: PolicySettings {
-            avoider: fga::avoider::Settings {
-                surveillance_radius_m: f64::INFINITY,
-                ..model.settings.avoider
-            },
-            ..model.settings
-        },
-        wind_mps: model.wind_mps,
-        gust: None,
-        obstacles: Vec::new(),
-        sensor: crate::sensor::SensorSettings {
-            range_m: f64::INFINITY,
-            ..model.sensor
-        },
-        more_sensors: Vec::new(),
-        seed: settings.seed,
-        stream: 0,
-        horizon_s: settings.horizon_s,
-        ending: Ending::BackAndPassed,
-        recorded: None,
+    let mission_m = vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M];
+    let start = StartState {
+        position_m: Vec3::ZERO,
+        course_rad,
+        climb_rad,
+    };
+    let until = (settings.horizon_s, Ending::BackAndPassed);
+    let mut world = World::of(model, mission_m, start, until);
+    world.settings.avoider.surveillance_radius_m = f64::INFINITY;
+    world.sensor.range_m = f64::INFINITY;
+    world.more_sensors.clear();
+    world.seed = settings.seed;
+    Some(world)
+}
+
+/// The same, or an error about the wind.
+pub(super) fn flyable_world<E>(settings: &BatchSettings) -> Result<World, BatchError<E>> {
+    empty_world(settings).ok_or_else(|| BatchError::Wind {
+        wind_mps: settings.model.wind_mps.length(),
+        airspeed_mps: settings.model.vehicle.airspeed_mps,
     })
 }
 

@@ -1,32 +1,5 @@
-//! The campaign file: a grid of conditions, policies and seeds in TOML.
-//!
-//! ```toml
-//! name = "two threats"
-//! encounters = 2000            # in all, over all cells
-//! seeds = [1]
-//! policies = ["turn-aware", "published --start t0"]
-//! intruders = "see-and-avoid"  # how intruders with tracks react; not at all without it
-//! horizon_s = 60.0             # 60 without it
-//! vehicle = "paper.toml"       # beside this file; Table 4's without it
-//! files = ["mine.csv"]         # encounters as for `fga batch`, beside this file
-//! cells = ["wall-gap,planar"]  # single cells by name
-//! recordings = ["flights"]     # folders of recordings, or single ones, beside this file
-//! events = [0, 17]             # encounters whose events are logged, by number
-//!
-//! [[grid]]                     # every combination is a cell
-//! family = "threats"           # or from-anywhere, valley, ridges, ground-wall, corridor
-//! count = [1, 2]
-//! first_seen_m = [300, [100, 500]]
-//! speed_mps = [[15, 20], [0, 60]]
-//! planar = [false]
-//! bystanders = false
-//!
-//! [[model]]                    # an encounter model; see the module `modeled`
-//! file = "uncor.txt"
-//!
-//! [[sensor]]                   # a source instead of the vehicle's sensor; several may stand here
-//! range_m = 5000
-//! ```
+//! The campaign file: a grid of conditions, policies and seeds in TOML
+//! (tables: [`fga_files::campaign`], with what each key means).
 
 use std::path::{Path, PathBuf};
 

@@ -19,7 +19,7 @@ use crate::oracle::{
 };
 use crate::policy::{PolicyChoice, PolicyPilot};
 use crate::recorded::plan_of;
-use crate::separation::Separation;
+use crate::separation::{Separation, least_at};
 use crate::world::World;
 
 /// A row with the durations of its decisions.
@@ -292,17 +292,8 @@ fn least_margin(
         }
         ProtectedVolume::Cylinder { .. } => {
             // The signed distance to a convex body is convex along a line.
-            let (mut low_s, mut high_s) = (0.0, horizon_s);
-            for _ in 0..100 {
-                let third_s = (high_s - low_s) / 3.0;
-                if margin_at(low_s + third_s) <= margin_at(high_s - third_s) {
-                    high_s -= third_s;
-                } else {
-                    low_s += third_s;
-                }
-            }
             margin_at(0.0)
-                .min(margin_at(0.5 * (low_s + high_s)))
+                .min(margin_at(least_at(margin_at, horizon_s, 100)))
                 .min(margin_at(horizon_s))
         }
     }

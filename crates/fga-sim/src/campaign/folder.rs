@@ -10,6 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use fga_formats::atomic;
+use fga_formats::error::read_bytes;
 use fga_formats::{InputError, OutputError};
 use parquet::errors::ParquetError;
 use serde::{Deserialize, Serialize};
@@ -304,7 +305,7 @@ pub fn number_of(name: &str) -> Option<u64> {
 /// # Errors
 /// An unreadable or damaged block.
 pub fn read_block(path: &Path, block: u64, campaign: &Campaign) -> Result<Vec<Row>, CampaignError> {
-    let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     if !name.ends_with(&format!(
         "-{}.parquet",

@@ -1,6 +1,7 @@
 //! Intervals of 95 % by the bootstrap.
 
 use crate::encounters::Random;
+use crate::whole::nearest;
 
 /// A 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,17 +36,8 @@ pub(super) fn poisson(random: &mut Random) -> f64 {
 /// The 2.5 and 97.5 percentiles of some values.
 pub(super) fn percentiles(mut values: Vec<f64>) -> Option<Interval> {
     values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "an index within the list"
-        )]
-        let index = (share * (values.len().saturating_sub(1)) as f64).round() as usize;
-        values.get(index).copied()
-    };
     Some(Interval {
-        low: at(0.025)?,
-        high: at(0.975)?,
+        low: nearest(&values, 0.025)?,
+        high: nearest(&values, 0.975)?,
     })
 }

@@ -13,7 +13,8 @@ use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
 use super::metrics::Metrics;
 use crate::engine::{Observer, Outcome as EngineFlight, Sample};
 use crate::progress::MissionProgress;
-use crate::track::Track;
+use crate::separation::least_at;
+use crate::track::{Track, TrackPoint};
 use crate::world::World;
 
 /// Time between two evaluations of the alerts, seconds.
@@ -29,7 +30,7 @@ const WARNING: usize = 3;
 /// Follows the flown path.
 #[derive(Debug, Default)]
 pub struct FlownPath {
-    path: Vec<(f64, Vec3)>,
+    path: Vec<TrackPoint>,
     /// When the aircraft left the recording, seconds.
     left_s: Option<f64>,
 }
@@ -47,7 +48,10 @@ impl Observer for FlownPath {
         if sample.state == FlightState::Avoiding && self.left_s.is_none() {
             self.left_s = Some(sample.time_s);
         }
-        self.path.push((sample.time_s, sample.position_m));
+        self.path.push(TrackPoint {
+            time_s: sample.time_s,
+            position_m: sample.position_m,
+        });
     }
 }
 
@@ -69,16 +73,12 @@ fn changes(world: &World, flown: &FlownPath) -> u32 {
     };
     let mut progress = MissionProgress::of(world);
     let nexts = flown.path.iter().skip(1).chain(flown.path.last());
-    let beside_m =
-        flown
-            .path
-            .iter()
-            .zip(nexts)
-            .filter_map(|(&(time_s, at_m), &(next_s, next_m))| {
-                let velocity_mps = || (next_m - at_m) / (next_s - time_s).max(1e-9);
-                progress.follow(time_s, at_m, None, velocity_mps);
-                (time_s >= left_s).then(|| progress.cross_track_m())
-            });
+    let beside_m = flown.path.iter().zip(nexts).filter_map(|(now, next)| {
+        let moved_m = next.position_m - now.position_m;
+        let velocity_mps = || moved_m / (next.time_s - now.time_s).max(1e-9);
+        progress.follow(now.time_s, now.position_m, None, velocity_mps);
+        (now.time_s >= left_s).then(|| progress.cross_track_m())
+    });
     turns(beside_m)
 }
 
@@ -113,8 +113,6 @@ struct Losses {
 pub(super) struct WorldJudge {
     monitor: Monitor,
     pairs: Vec<PairSample>,
-    recorded: Vec<(f64, Vec3)>,
-    intruder: Vec<(f64, Vec3)>,
 }
 
 impl WorldJudge {
@@ -122,8 +120,6 @@ impl WorldJudge {
         Self {
             monitor: Monitor::new(schemes::do_365b()),
             pairs: Vec::new(),
-            recorded: Vec::new(),
-            intruder: Vec::new(),
         }
     }
 
@@ -132,18 +128,18 @@ impl WorldJudge {
         let Some(own) = &world.recorded else {
             return Metrics::default();
         };
-        let path = points_of(own);
         let mut metrics = Metrics::default();
-        let Some((index, losses)) = self.worst(world, &path) else {
+        let Some((index, losses)) = self.worst(world, points_of(own)) else {
             return metrics;
         };
-        metrics.nominal_nmac = Some(losses.f3442.nmac_s.is_some());
-        metrics.nominal_lowc = Some(losses.f3442.loss_s.is_some());
-        metrics.nominal_do365 = Some(losses.do365.loss_s.is_some());
-        metrics.nominal_severity = losses.do365.severity;
-        metrics.nominal_nmac_scale = losses.scale;
-        metrics.nominal_horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
-        metrics.nominal_vertical_m = losses.f3442.vertical_then_m;
+        losses.note(&mut metrics);
+        metrics.nominal_nmac = metrics.nmac.take();
+        metrics.nominal_lowc = metrics.lowc.take();
+        metrics.nominal_do365 = metrics.do365.take();
+        metrics.nominal_severity = metrics.severity.take();
+        metrics.nominal_nmac_scale = metrics.nmac_scale.take();
+        metrics.nominal_horizontal_m = metrics.horizontal_m.take();
+        metrics.nominal_vertical_m = metrics.vertical_m.take();
         metrics.cpa_s = losses.f3442.slant.map(|least| least.time_s);
         let (Some(cpa_s), Some(intruder)) = (metrics.cpa_s, world.obstacles.get(index)) else {
             return metrics;
@@ -177,34 +173,22 @@ impl WorldJudge {
             metrics.vertical_m = metrics.nominal_vertical_m;
             return;
         };
-        let mut path = core::mem::take(&mut self.recorded);
-        path.clear();
-        path.extend(points_of(own).iter().filter(|(time_s, _)| *time_s < left_s));
-        path.extend(flown.path.iter().filter(|(time_s, _)| *time_s >= left_s));
+        let recorded = points_of(own).iter().filter(|at| at.time_s < left_s);
+        let left = flown.path.iter().filter(|at| at.time_s >= left_s);
+        let path: Vec<TrackPoint> = recorded.chain(left).copied().collect();
         if let Some((_, losses)) = self.worst(world, &path) {
-            metrics.nmac = Some(losses.f3442.nmac_s.is_some());
-            metrics.lowc = Some(losses.f3442.loss_s.is_some());
-            metrics.do365 = Some(losses.do365.loss_s.is_some());
-            metrics.severity = losses.do365.severity;
-            metrics.nmac_scale = losses.scale;
-            metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
-            metrics.vertical_m = losses.f3442.vertical_then_m;
+            losses.note(metrics);
         }
         let begun = metrics.cpa_s.zip(flown.left_s);
         metrics.action_s = begun.map(|(cpa_s, left_s)| cpa_s - left_s);
-        self.recorded = path;
     }
 
     /// The nearest intruder of a path, and losses over all of them.
-    fn worst(&mut self, world: &World, path: &[(f64, Vec3)]) -> Option<(usize, Losses)> {
+    fn worst(&mut self, world: &World, path: &[TrackPoint]) -> Option<(usize, Losses)> {
         let until_s = world.recorded.as_ref()?.presence_s().1;
         let mut worst: Option<(usize, Losses)> = None;
         for (index, obstacle) in world.obstacles.iter().enumerate() {
-            let mut intruder = core::mem::take(&mut self.intruder);
-            intruder.clear();
-            intruder.extend(points_of(&obstacle.track));
-            together(path, &intruder, until_s, &mut self.pairs);
-            self.intruder = intruder;
+            together(path, points_of(&obstacle.track), until_s, &mut self.pairs);
             let losses = Losses {
                 f3442: judge(&self.pairs, &Volume::Cylinder(Cylinder::F3442)),
                 do365: judge(&self.pairs, &Volume::WellClear(WellClear::EN_ROUTE)),
@@ -231,7 +215,6 @@ impl WorldJudge {
         let mut first = [None; 2];
         let begin_s = own.presence_s().0;
         let looks = libm::floor((cpa_s - begin_s) / ALERT_STEP_S);
-        let mut traffic = Vec::new();
         let mut look = 0.0;
         while look <= looks && first[1].is_none() {
             let time_s = begin_s + look * ALERT_STEP_S;
@@ -249,18 +232,13 @@ impl WorldJudge {
             let Some(ownship) = aircraft(0, own) else {
                 continue;
             };
-            traffic.clear();
-            traffic.extend(
-                (1..)
-                    .zip(&world.obstacles)
-                    .filter_map(|(id, obstacle)| aircraft(id, &obstacle.track)),
-            );
+            let others = (1..).zip(&world.obstacles);
+            let traffic: Vec<_> = others
+                .filter_map(|(id, obstacle)| aircraft(id, &obstacle.track))
+                .collect();
             // Recordings were checked: a refused state has no alert.
-            if self
-                .monitor
-                .step_for(&[], time_s, &ownship, &traffic)
-                .is_err()
-            {
+            let step = self.monitor.step_for(&[], time_s, &ownship, &traffic);
+            if step.is_err() {
                 continue;
             }
             let level = self.monitor.highest_level();
@@ -275,6 +253,17 @@ impl WorldJudge {
 }
 
 impl Losses {
+    /// Writes the losses as those of the flown encounter.
+    fn note(&self, metrics: &mut Metrics) {
+        metrics.nmac = Some(self.f3442.nmac_s.is_some());
+        metrics.lowc = Some(self.f3442.loss_s.is_some());
+        metrics.do365 = Some(self.do365.loss_s.is_some());
+        metrics.severity = self.do365.severity;
+        metrics.nmac_scale = self.scale;
+        metrics.horizontal_m = self.f3442.horizontal.map(|least| least.value_m);
+        metrics.vertical_m = self.f3442.vertical_then_m;
+    }
+
     /// Adds the losses against another intruder.
     fn take(&mut self, other: &Self) {
         self.scale = match (self.scale, other.scale) {
@@ -316,35 +305,23 @@ fn nmac_scale(pairs: &[PairSample]) -> Option<f64> {
             continue;
         }
         // The larger of two convex functions is convex along a line.
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..60 {
-            let third = (high - low) / 3.0;
-            let (a, b) = (low + third, high - third);
-            if scale(from_m + moved_m * a) <= scale(from_m + moved_m * b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        least = least.min(scale(from_m + moved_m * (0.5 * (low + high))));
+        let scale_at = |share: f64| scale(from_m + moved_m * share);
+        least = least.min(scale_at(least_at(scale_at, 1.0, 60)));
     }
     Some(least)
 }
 
-fn points_of(track: &Track) -> Vec<(f64, Vec3)> {
+fn points_of(track: &Track) -> &[TrackPoint] {
     match track {
-        Track::Straight { .. } => Vec::new(),
-        Track::Points { points, .. } => points
-            .iter()
-            .map(|point| (point.time_s, point.position_m))
-            .collect(),
+        Track::Straight { .. } => &[],
+        Track::Points { points, .. } => points,
     }
 }
 
 /// Positions of both at all times at which either is known, while both exist.
 fn together(
-    own: &[(f64, Vec3)],
-    intruder: &[(f64, Vec3)],
+    own: &[TrackPoint],
+    intruder: &[TrackPoint],
     until_s: f64,
     pairs: &mut Vec<PairSample>,
 ) {
@@ -354,10 +331,9 @@ fn together(
     else {
         return;
     };
-    let from_s = first.0.max(its_first.0);
-    let to_s = last.0.min(its_last.0).min(until_s);
+    let to_s = last.time_s.min(its_last.time_s).min(until_s);
     let (mut a, mut b) = (0, 0);
-    let mut time_s = from_s;
+    let mut time_s = first.time_s.max(its_first.time_s);
     while time_s <= to_s {
         pairs.push(PairSample {
             time_s,
@@ -367,12 +343,9 @@ fn together(
         if time_s >= to_s {
             break;
         }
-        let next = |points: &[(f64, Vec3)], from: usize| {
-            points
-                .get(from..)
-                .unwrap_or_default()
-                .iter()
-                .map(|point| point.0)
+        let next = |points: &[TrackPoint], from: usize| {
+            let mut times_s = points.iter().skip(from).map(|point| point.time_s);
+            times_s
                 .find(|next_s| *next_s > time_s)
                 .unwrap_or(f64::INFINITY)
         };
@@ -381,14 +354,19 @@ fn together(
 }
 
 /// The position on a path at a time, linear between its points; `from` is the previous point.
-fn at(points: &[(f64, Vec3)], time_s: f64, from: &mut usize) -> Vec3 {
-    while points.get(*from + 1).is_some_and(|next| next.0 <= time_s) {
+fn at(points: &[TrackPoint], time_s: f64, from: &mut usize) -> Vec3 {
+    while points
+        .get(*from + 1)
+        .is_some_and(|next| next.time_s <= time_s)
+    {
         *from += 1;
     }
-    let (before, after) = (points.get(*from), points.get(*from + 1));
-    match (before, after) {
-        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((time_s - a.0) / (b.0 - a.0)),
-        (Some(a), None) => a.1,
+    match (points.get(*from), points.get(*from + 1)) {
+        (Some(a), Some(b)) => {
+            let share = (time_s - a.time_s) / (b.time_s - a.time_s);
+            a.position_m + (b.position_m - a.position_m) * share
+        }
+        (Some(a), None) => a.position_m,
         _ => Vec3::ZERO,
     }
 }
@@ -461,9 +439,11 @@ mod tests {
 
     #[test]
     fn two_paths_are_put_together_at_the_times_of_either() {
-        let line = |times: &[f64]| -> Vec<(f64, Vec3)> {
-            times.iter().map(|t| (*t, Vec3::X * *t)).collect()
+        let point = |time_s: &f64| TrackPoint {
+            time_s: *time_s,
+            position_m: Vec3::X * *time_s,
         };
+        let line = |times: &[f64]| -> Vec<TrackPoint> { times.iter().map(point).collect() };
         let mut pairs = Vec::new();
         together(
             &line(&[0.0, 1.0, 2.0, 9.0]),

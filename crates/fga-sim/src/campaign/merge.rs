@@ -2,7 +2,7 @@
 
 use alloc::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read as _, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use fga_formats::atomic::AtomicFile;
@@ -71,16 +71,12 @@ pub fn reread(
     let path = folder.file(RESULTS);
     let unreadable = |error: io::Error| InputError::unreadable(&path, &error);
     let mut file = File::open(&path).map_err(unreadable)?;
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let count = file.read(&mut buffer).map_err(unreadable)?;
-        if count == 0 {
-            break;
-        }
-        hash.update(&buffer[..count]);
-    }
-    let found = hexadecimal(&hash.finalize());
+    let mut hashing = Hashing {
+        inner: io::sink(),
+        hash: Sha256::new(),
+    };
+    io::copy(&mut file, &mut hashing).map_err(unreadable)?;
+    let found = hexadecimal(&hashing.hash.finalize());
     if sha256.is_some_and(|expected| expected != found) {
         let message = "is damaged: its checksum is not the one in run.json; take it away and fly the campaign again";
         return Err(InputError::in_file(&path, message).into());
@@ -168,21 +164,16 @@ fn complete(blocks: &BTreeMap<u64, PathBuf>, campaign: &Campaign) -> Result<(), 
     if missing.is_empty() {
         return Ok(());
     }
-    let shown: Vec<String> = missing.iter().take(8).map(u64::to_string).collect();
+    let mut shown: Vec<String> = missing.iter().take(8).map(u64::to_string).collect();
     let more = missing.len() - shown.len();
+    if let Some(last) = shown.last_mut().filter(|_| more > 0) {
+        *last = format!("{last} and {more} more");
+    }
+    let are = if missing.len() == 1 { "is" } else { "are" };
     Err(CampaignError::Other(format!(
-        "the campaign is not complete: of its {all} blocks {} missing ({}{})",
-        if missing.len() == 1 {
-            "1 is".into()
-        } else {
-            format!("{} are", missing.len())
-        },
-        shown.join(", "),
-        if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        }
+        "the campaign is not complete: of its {all} blocks {} {are} missing ({})",
+        missing.len(),
+        shown.join(", ")
     )))
 }
 

@@ -20,6 +20,7 @@ use crate::batch::{self, BatchSettings};
 use crate::drawn::{self, Origin, RowTable};
 use crate::encounters::modeled::ModelSource;
 use crate::encounters::{EncounterSource, Scenery};
+use crate::fingerprint::changed;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::own::OwnPolicy;
 use crate::policy::PolicyChoice;
@@ -160,24 +161,16 @@ impl Campaign {
         for source in &configuration.files {
             let rows = drawn::read_rows(&source.path)?;
             if rows.sha256 != source.sha256 {
-                return Err(InputError::in_file(
-                    &source.path,
-                    "is not the file that the campaign was begun with",
-                )
-                .into());
+                return Err(changed(&source.path).into());
             }
             files.push(rows);
         }
-        let file_names = configuration.files.iter().map(|file| {
-            file.path
-                .file_name()
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-        });
-        let model_names = configuration.models.iter().map(|file| {
-            file.path
-                .file_name()
-                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-        });
+        let name_of = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        let file_names = configuration.files.iter().map(|file| name_of(&file.path));
+        let model_names = configuration.models.iter().map(|file| name_of(&file.path));
         let names = file_names
             .chain(configuration.cells.iter().cloned())
             .chain(recordings.folders())
@@ -204,22 +197,25 @@ impl Campaign {
 
     fn check(&self) -> Result<(), CampaignError> {
         let configuration = &self.configuration;
-        let other = |message: &str| Err(CampaignError::Other(message.into()));
         number_of_encounters(configuration.encounters).map_err(CampaignError::Other)?;
         if configuration.block == 0 {
-            return other("block is 0, expected at least 1");
+            return Err(CampaignError::Other(
+                "block is 0, expected at least 1".into(),
+            ));
         }
         if configuration.seeds.is_empty() {
-            return other("seeds is empty, expected at least one");
+            return Err(CampaignError::Other(
+                "seeds is empty, expected at least one".into(),
+            ));
         }
         if configuration.policies.is_empty() {
-            return other("policies is empty, expected at least one");
+            return Err(CampaignError::Other(
+                "policies is empty, expected at least one".into(),
+            ));
         }
         let drawn = configuration.cells.len() + configuration.models.len();
         if drawn + configuration.files.len() + configuration.recordings.len() == 0 {
-            return other(
-                "the grid is empty, expected at least one cell, model, recording or file of encounters",
-            );
+            return Err(CampaignError::Other("the grid is empty, expected at least one cell, model, recording or file of encounters".into()));
         }
         let last = configuration.encounters - 1;
         if let Some(number) = configuration.events.iter().find(|number| **number > last) {
@@ -244,14 +240,10 @@ impl Campaign {
         }
         if self.intruders.is_some() {
             if configuration.cells.len() + configuration.files.len() > 0 {
-                return other(
-                    "intruders is set for obstacles that fly straight (cells, grid or files), expected recordings or a model alone: aircraft with tracks",
-                );
+                return Err(CampaignError::Other("intruders is set for obstacles that fly straight (cells, grid or files), expected recordings or a model alone: aircraft with tracks".into()));
             }
             if configuration.oracle {
-                return other(
-                    "intruders is set and the oracle is asked, expected one of them: the oracle knows no reactions",
-                );
+                return Err(CampaignError::Other("intruders is set and the oracle is asked, expected one of them: the oracle knows no reactions".into()));
             }
         }
         let world = self.world()?;
@@ -270,11 +262,8 @@ impl Campaign {
     /// The settings for the flights of a policy.
     pub fn settings(&self, policy: PolicyChoice) -> BatchSettings {
         BatchSettings {
-            model: self.model.clone(),
-            policy,
             horizon_s: self.configuration.horizon_s,
-            seed: 0,
-            tracks: false,
+            ..BatchSettings::of(self.model.clone(), policy)
         }
     }
 
@@ -357,40 +346,45 @@ impl Campaign {
         if number >= configuration.encounters {
             return Err(past());
         }
+        let drawn = |source: usize, seed: u64, scene: CampaignScene| Drawn {
+            scene,
+            scenery: Scenery::default(),
+            source_encounter: number,
+            seed,
+            stream: number,
+            source: u32::try_from(source).unwrap_or(u32::MAX),
+            name: None,
+            weight: 1.0,
+        };
         let in_files = self.encounters_of_files();
         if number < in_files {
             let once = in_files / configuration.seeds.len().max(1) as u64;
             let (turn, mut rest) = (index(number / once), index(number % once));
             let seed = *configuration.seeds.get(turn).ok_or_else(past)?;
-            for (source, file) in (0..).zip(&self.files) {
+            for (source, file) in self.files.iter().enumerate() {
                 if let Some(encounter) = file.encounters.get(rest) {
+                    let scene = CampaignScene::Rows(Encounter {
+                        id: number,
+                        obstacles: encounter.obstacles.clone(),
+                    });
                     return Ok(Drawn {
                         source_encounter: encounter.id,
                         scenery: file.surroundings.scenery(encounter.id)?,
-                        scene: CampaignScene::Rows(Encounter {
-                            id: number,
-                            obstacles: encounter.obstacles.clone(),
-                        }),
-                        seed,
-                        stream: number,
-                        source,
-                        name: None,
-                        weight: 1.0,
+                        ..drawn(source, seed, scene)
                     });
                 }
                 rest -= file.encounters.len();
             }
             let (recording, folder) = self.recordings.get(rest)?.ok_or_else(past)?;
             let origin = Origin::of(&recording).map_err(CampaignError::Other)?;
+            let source = self.source_called(folder);
+            let seed = origin.seed.unwrap_or(seed);
             return Ok(Drawn {
-                scene: CampaignScene::Tracks(recording),
-                scenery: Scenery::default(),
                 source_encounter: rest as u64,
-                seed: origin.seed.unwrap_or(seed),
                 stream: origin.number.unwrap_or(number),
-                source: self.source_called(folder),
                 name: u32::try_from(rest).ok(),
                 weight: origin.weight,
+                ..drawn(source, seed, CampaignScene::Tracks(recording))
             });
         }
         let each = configuration.cells.len() + configuration.models.len();
@@ -403,43 +397,32 @@ impl Campaign {
                 .models
                 .get(turn * configuration.models.len() + model)
                 .ok_or_else(past)?;
-            let drawn = source.encounter(number).map_err(CampaignError::Other)?;
+            let modeled = source.encounter(number).map_err(CampaignError::Other)?;
             let first = self.names.len() - configuration.models.len();
+            let scene = CampaignScene::Tracks(modeled.recording);
             return Ok(Drawn {
-                scene: CampaignScene::Tracks(drawn.recording),
-                scenery: Scenery::default(),
-                source_encounter: number,
-                seed: source.seed(),
-                stream: number,
-                source: u32::try_from(first + model).unwrap_or(u32::MAX),
-                name: None,
-                weight: drawn.weight,
+                weight: modeled.weight,
+                ..drawn(first + model, source.seed(), scene)
             });
         }
         let source = self
             .cells
             .get(turn * configuration.cells.len() + kind)
             .ok_or_else(past)?;
+        let scene = CampaignScene::Rows(source.encounter(number));
         Ok(Drawn {
-            scene: CampaignScene::Rows(source.encounter(number)),
             scenery: source.scenery(number),
-            source_encounter: number,
-            seed: source.seed,
-            stream: number,
-            source: u32::try_from(self.files.len() + kind).unwrap_or(u32::MAX),
-            name: None,
-            weight: 1.0,
+            ..drawn(self.files.len() + kind, source.seed, scene)
         })
     }
 
     /// The index of a source.
-    fn source_called(&self, name: &str) -> u32 {
+    fn source_called(&self, name: &str) -> usize {
         let folders = self.files.len() + self.configuration.cells.len();
-        (0..)
-            .zip(&self.names)
-            .skip(folders)
+        let mut names = self.names.iter().enumerate().skip(folders);
+        names
             .find(|(_, known)| *known == name)
-            .map_or(u32::MAX, |(index, _)| index)
+            .map_or(usize::MAX, |(index, _)| index)
     }
 
     /// The oracle's search: vehicle, start, settings.

@@ -13,11 +13,12 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::Type;
 
-use super::metrics::{Access, Metrics};
-use super::table::{BEFORE, schema};
+use super::metrics::Access;
+use super::table::{BASE, schema};
 use super::{Campaign, Row};
 use crate::corrupt::guarded;
 use crate::own::FailureKind;
+use crate::values::{columns, reason, with_gaps};
 
 /// Reads the rows of a file back, one row group a call of `take`.
 ///
@@ -42,13 +43,9 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     Ok(())
 }
 
-/// What is wrong with a table, without the reader's prefix where this crate says it.
+/// What is wrong with a table.
 pub(super) fn unusable(path: &Path, error: &ParquetError) -> InputError {
-    let reason = match error {
-        ParquetError::General(message) => message.clone(),
-        other => other.to_string(),
-    };
-    InputError::in_file(path, format!("cannot be used: {reason}"))
+    InputError::in_file(path, format!("cannot be used: {}", reason(error)))
 }
 
 /// The first column that differs from those of a campaign.
@@ -73,78 +70,64 @@ fn other_columns(found: &Type, expected: &Type) -> String {
 fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row>, ParquetError> {
     let count = usize::try_from(group.metadata().num_rows())
         .map_err(|_| ParquetError::General("a row group has no size".into()))?;
-    let encounter = all::<Int64Type>(group, 0, count)?;
-    let source_encounter = all::<Int64Type>(group, 1, count)?;
-    let seed = all::<Int64Type>(group, 2, count)?;
-    let source = indices(group, 3, count, campaign.source_names())?;
-    let policy = indices(group, 4, count, &campaign.configuration.policies)?;
-    let obstacles = all::<Int32Type>(group, 5, count)?;
-    let held_margin_m = all::<DoubleType>(group, 7, count)?;
-    let separated = all::<BoolType>(group, 8, count)?;
-    let caused = all::<BoolType>(group, 9, count)?;
-    let min_separation_m = all::<DoubleType>(group, 11, count)?;
-    let min_margin_m = all::<DoubleType>(group, 12, count)?;
-    let start_s = maybe::<DoubleType>(group, 13, count)?;
-    let clear_s = maybe::<DoubleType>(group, 14, count)?;
-    let rejoined_s = maybe::<DoubleType>(group, 15, count)?;
-    let end_s = all::<DoubleType>(group, 16, count)?;
-    let max_cross_track_m = all::<DoubleType>(group, 18, count)?;
-    let extra_path_m = all::<DoubleType>(group, 19, count)?;
-    let oracle_margin_m = maybe::<DoubleType>(group, 21, count)?;
-    let name = maybe::<ByteArrayType>(group, 22, count)?
-        .into_iter()
-        .map(|name| {
-            name.map(|name| index_of(&name, campaign.encounter_names()))
-                .transpose()
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let weight = all::<DoubleType>(group, 23, count)?;
-    let mut metrics = vec![Metrics::default(); count];
-    for (column, field) in (BEFORE..).zip(campaign.metric_fields()) {
+    let whole = |column: usize| {
+        let values = all::<Int64Type>(group, column, count)?;
+        Ok::<_, ParquetError>(values.into_iter().map(i64::cast_unsigned))
+    };
+    // The group may say another number of rows than it has: the first column is checked before there are rows.
+    let encounters = whole(0)?;
+    let mut rows = vec![Row::default(); encounters.len()];
+    macro_rules! take {
+        ($($field:ident = $values:expr;)*) => {
+            $(for (row, value) in rows.iter_mut().zip($values) {
+                row.$field = value;
+            })*
+        };
+    }
+    let names = maybe::<ByteArrayType>(group, 22, count)?.into_iter();
+    let index = |name: ByteArray| index_of(&name, campaign.encounter_names());
+    let obstacles = all::<Int32Type>(group, 5, count)?.into_iter();
+    take! {
+        encounter = encounters;
+        source_encounter = whole(1)?;
+        seed = whole(2)?;
+        source = indices(group, 3, count, campaign.source_names())?;
+        policy = indices(group, 4, count, &campaign.configuration.policies)?;
+        obstacles = obstacles.map(i32::cast_unsigned);
+        held_margin_m = all::<DoubleType>(group, 7, count)?;
+        separated = all::<BoolType>(group, 8, count)?;
+        caused = all::<BoolType>(group, 9, count)?;
+        min_separation_m = all::<DoubleType>(group, 11, count)?;
+        min_margin_m = all::<DoubleType>(group, 12, count)?;
+        start_s = maybe::<DoubleType>(group, 13, count)?;
+        clear_s = maybe::<DoubleType>(group, 14, count)?;
+        rejoined_s = maybe::<DoubleType>(group, 15, count)?;
+        end_s = all::<DoubleType>(group, 16, count)?;
+        max_cross_track_m = all::<DoubleType>(group, 18, count)?;
+        extra_path_m = all::<DoubleType>(group, 19, count)?;
+        oracle_margin_m = maybe::<DoubleType>(group, 21, count)?;
+        name = names.map(|name| name.map(index).transpose()).collect::<Result<Vec<_>, _>>()?;
+        weight = all::<DoubleType>(group, 23, count)?;
+    }
+    for (column, field) in (columns(BASE).count()..).zip(campaign.metric_fields()) {
+        let metrics = rows.iter_mut().map(|row| &mut row.metrics);
         match field.access {
             Access::Real(_, set) => {
                 let values = maybe::<DoubleType>(group, column, count)?;
-                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+                metrics.zip(values).for_each(|(m, v)| set(m, v));
             }
             Access::Flag(_, set) => {
                 let values = maybe::<BoolType>(group, column, count)?;
-                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+                metrics.zip(values).for_each(|(m, v)| set(m, v));
             }
             Access::Failure(_, set) => {
-                for (m, word) in metrics
-                    .iter_mut()
-                    .zip(maybe::<ByteArrayType>(group, column, count)?)
-                {
+                for (m, word) in metrics.zip(maybe::<ByteArrayType>(group, column, count)?) {
                     set(m, word.map(|word| failure_of(&word)).transpose()?);
                 }
             }
         }
     }
-    Ok((0..count)
-        .map(|i| Row {
-            encounter: encounter[i].cast_unsigned(),
-            source_encounter: source_encounter[i].cast_unsigned(),
-            seed: seed[i].cast_unsigned(),
-            source: source[i],
-            policy: policy[i],
-            obstacles: obstacles[i].cast_unsigned(),
-            held_margin_m: held_margin_m[i],
-            separated: separated[i],
-            caused: caused[i],
-            min_separation_m: min_separation_m[i],
-            min_margin_m: min_margin_m[i],
-            start_s: start_s[i],
-            clear_s: clear_s[i],
-            rejoined_s: rejoined_s[i],
-            end_s: end_s[i],
-            max_cross_track_m: max_cross_track_m[i],
-            extra_path_m: extra_path_m[i],
-            oracle_margin_m: oracle_margin_m[i],
-            name: name[i],
-            weight: weight[i],
-            metrics: metrics[i],
-        })
-        .collect())
+    Ok(rows)
 }
 
 /// The values of a column, and the rows that have one.
@@ -153,16 +136,8 @@ fn values<T: DataType>(
     column: usize,
     count: usize,
 ) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
-    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
-    // The file says how many rows it has, and that may be wrong.
-    let room = count.min(65_536);
-    let (mut values, mut levels) = (Vec::with_capacity(room), Vec::with_capacity(room));
-    while reader
-        .read_records(count, Some(&mut levels), None, &mut values)?
-        .0
-        > 0
-    {}
-    Ok((values, levels))
+    let reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
+    crate::values::read(reader, count)
 }
 
 fn all<T: DataType>(
@@ -187,11 +162,7 @@ fn maybe<T: DataType>(
     count: usize,
 ) -> Result<Vec<Option<T::T>>, ParquetError> {
     let (values, levels) = values::<T>(group, column, count)?;
-    let mut values = values.into_iter();
-    let rows: Vec<Option<T::T>> = levels
-        .into_iter()
-        .map(|level| if level > 0 { values.next() } else { None })
-        .collect();
+    let rows = with_gaps(values, &levels);
     if rows.len() == count {
         Ok(rows)
     } else {

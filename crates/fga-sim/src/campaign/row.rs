@@ -4,7 +4,7 @@ use super::metrics::Metrics;
 use crate::oracle::AVOIDABLE_MARGIN_M;
 
 /// The result of one encounter under one policy. Lengths are rounded to a micrometre.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Row {
     /// Number of the encounter in the campaign.
     pub encounter: u64,

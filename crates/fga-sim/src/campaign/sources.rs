@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use fga_formats::error::read_bytes;
 use fga_formats::{InputError, encounter_model};
 use serde::{Deserialize, Serialize};
 
 use crate::encounters::modeled::{ModelSource, Pairing};
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::{fingerprint, read_same};
 
 /// An encounter model as a source.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,7 +26,7 @@ pub struct ModelFile {
 /// # Errors
 /// An unreadable file or an unusable model.
 pub fn model_file(path: &Path, pairing: Pairing) -> Result<ModelFile, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let found = ModelFile {
         path: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
         sha256: fingerprint(&bytes),
@@ -52,13 +53,6 @@ pub(super) fn open_model(
     airspeed_mps: f64,
     seed: u64,
 ) -> Result<ModelSource, InputError> {
-    let bytes =
-        std::fs::read(&file.path).map_err(|error| InputError::unreadable(&file.path, &error))?;
-    if fingerprint(&bytes) != file.sha256 {
-        return Err(InputError::in_file(
-            &file.path,
-            "is not the file that the campaign was begun with",
-        ));
-    }
+    let bytes = read_same(&file.path, &file.sha256)?;
     source_of(&bytes, file, airspeed_mps, seed)
 }

@@ -12,119 +12,55 @@ use std::sync::OnceLock;
 use fga_formats::number::push_fixed;
 use fga_formats::words::push_csv_field;
 use parquet::basic::{Compression, Encoding};
-use parquet::column::writer::ColumnWriterImpl;
 use parquet::data_type::{
     BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type,
 };
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::writer::SerializedFileWriter;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::{ColumnPath, Type};
 use serde_json::Value;
 
 use super::metrics::{Access, Field};
 use super::{Campaign, CampaignStamp, Row};
+use crate::values::{columns, put};
 
-const BASE: &str = "
-    required int64 encounter (INTEGER(64,false));
-    required int64 source_encounter (INTEGER(64,false));
-    required int64 seed (INTEGER(64,false));
-    required binary source (STRING);
-    required binary policy (STRING);
-    required int32 obstacles;
-    required boolean threatened;
-    required double held_margin_m;
-    required boolean separated;
-    required boolean caused;
-    required boolean needless;
-    required double min_separation_m;
-    required double min_margin_m;
-    optional double start_s;
-    optional double clear_s;
-    optional double rejoined_s;
-    required double end_s;
-    optional double time_away_s;
-    required double max_cross_track_m;
-    required double extra_path_m;
-    optional boolean avoidable;
-    optional double oracle_margin_m;
-    optional binary name (STRING);
-    required double weight;
+/// The columns before the metrics: each as in the schema, and behind the semicolon its meaning; the unit is in the name where there is one.
+pub(super) const BASE: &str = "
+    required int64 encounter (INTEGER(64,false)); number in the campaign
+    required int64 source_encounter (INTEGER(64,false)); number in the file or folder that it comes from, else the same
+    required int64 seed (INTEGER(64,false)); master seed
+    required binary source (STRING); cell, file, folder or model
+    required binary policy (STRING); as on the command line
+    required int32 obstacles; how many
+    required boolean threatened; whether holding course and altitude, or the recorded flight, would have entered a volume
+    required double held_margin_m; the margin of holding them, m
+    required boolean separated; whether no volume was entered
+    required boolean caused; whether a volume was entered that holding would not have entered
+    required boolean needless; whether there was a maneuver although holding would have stayed clear
+    required double min_separation_m; least distance to a centre, m
+    required double min_margin_m; least signed distance to a protected volume, m
+    optional double start_s; when the first maneuver began, s; empty without one
+    optional double clear_s; when the last maneuver ended, s
+    optional double rejoined_s; when the aircraft was back on its mission for the last time, s
+    required double end_s; when the flight ended, s
+    optional double time_away_s; from the first maneuver to being back, or to the end, s
+    required double max_cross_track_m; largest distance from the mission, m
+    required double extra_path_m; path flown less progress along the mission, m
+    optional boolean avoidable; with the oracle: whether any maneuver saves it
+    optional double oracle_margin_m; with the oracle: a margin that it keeps, m
+    optional binary name (STRING); name of the recording
+    required double weight; for how many encounters of its source it stands; 1 without importance sampling
 ";
-
-/// Columns before the metrics, with their meanings; the unit is in the name where there is one.
-const MEANINGS: &[(&str, &str)] = &[
-    ("encounter", "number in the campaign"),
-    (
-        "source_encounter",
-        "number in the file or folder that it comes from, else the same",
-    ),
-    ("seed", "master seed"),
-    ("source", "cell, file, folder or model"),
-    ("policy", "as on the command line"),
-    ("obstacles", "how many"),
-    (
-        "threatened",
-        "whether holding course and altitude, or the recorded flight, would have entered a volume",
-    ),
-    ("held_margin_m", "the margin of holding them, m"),
-    ("separated", "whether no volume was entered"),
-    (
-        "caused",
-        "whether a volume was entered that holding would not have entered",
-    ),
-    (
-        "needless",
-        "whether there was a maneuver although holding would have stayed clear",
-    ),
-    ("min_separation_m", "least distance to a centre, m"),
-    (
-        "min_margin_m",
-        "least signed distance to a protected volume, m",
-    ),
-    (
-        "start_s",
-        "when the first maneuver began, s; empty without one",
-    ),
-    ("clear_s", "when the last maneuver ended, s"),
-    (
-        "rejoined_s",
-        "when the aircraft was back on its mission for the last time, s",
-    ),
-    ("end_s", "when the flight ended, s"),
-    (
-        "time_away_s",
-        "from the first maneuver to being back, or to the end, s",
-    ),
-    ("max_cross_track_m", "largest distance from the mission, m"),
-    (
-        "extra_path_m",
-        "path flown less progress along the mission, m",
-    ),
-    (
-        "avoidable",
-        "with the oracle: whether any maneuver saves it",
-    ),
-    (
-        "oracle_margin_m",
-        "with the oracle: a margin that it keeps, m",
-    ),
-    ("name", "name of the recording"),
-    (
-        "weight",
-        "for how many encounters of its source it stands; 1 without importance sampling",
-    ),
-];
-
-/// Number of columns before the metrics.
-pub(super) const BEFORE: usize = MEANINGS.len();
 
 /// Names and meanings of all columns, in their order.
 fn meanings(fields: &[Field]) -> impl Iterator<Item = (&'static str, &'static str)> {
     let metrics = fields.iter().map(|field| (field.name, field.meaning));
-    MEANINGS.iter().copied().chain(metrics)
+    columns(BASE)
+        .map(|(_, name, meaning)| (name, meaning))
+        .chain(metrics)
 }
 
 /// Names of the columns as the first line of the CSV file.
@@ -147,18 +83,18 @@ pub(super) fn schema(campaign: &Campaign) -> Result<Arc<Type>, ParquetError> {
 }
 
 fn schema_in_words(campaign: &Campaign) -> String {
-    let mut schema = format!("message campaign {{{BASE}");
+    let mut schema = String::from("message campaign {");
+    for (column, ..) in columns(BASE) {
+        // Writing to a text does not fail.
+        let _ = writeln!(schema, "{column};");
+    }
     for field in campaign.metric_fields() {
-        let kind = match field.access {
-            Access::Real(..) => "double",
-            Access::Flag(..) => "boolean",
-            Access::Failure(..) => {
-                // Writing to a text does not fail.
-                let _ = writeln!(schema, "    optional binary {} (STRING);", field.name);
-                continue;
-            }
+        let (kind, more) = match field.access {
+            Access::Real(..) => ("double", ""),
+            Access::Flag(..) => ("boolean", ""),
+            Access::Failure(..) => ("binary", " (STRING)"),
         };
-        let _ = writeln!(schema, "    optional {kind} {};", field.name);
+        let _ = writeln!(schema, "optional {kind} {}{more};", field.name);
     }
     schema.push('}');
     schema
@@ -166,42 +102,37 @@ fn schema_in_words(campaign: &Campaign) -> String {
 
 /// One column of some rows.
 enum TableColumn {
-    Long(Vec<i64>),
-    Int(Vec<i32>),
-    Flag(Vec<bool>),
-    Real(Vec<f64>),
-    MaybeFlag(Vec<Option<bool>>),
-    MaybeReal(Vec<Option<f64>>),
-    Text(Vec<ByteArray>),
-    MaybeText(Vec<Option<ByteArray>>),
+    Long(Vec<Option<i64>>),
+    Int(Vec<Option<i32>>),
+    Flag(Vec<Option<bool>>),
+    Real(Vec<Option<f64>>),
+    Text(Vec<Option<ByteArray>>),
 }
 
 /// The columns of some rows, in the order of the schema.
 fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<TableColumn> {
     let long = |get: fn(&Row) -> u64| {
-        TableColumn::Long(rows.iter().map(|row| get(row).cast_signed()).collect())
+        let get = |row| Some(get(row).cast_signed());
+        TableColumn::Long(rows.iter().map(get).collect())
     };
-    let flag = |get: fn(&Row) -> bool| TableColumn::Flag(rows.iter().map(get).collect());
-    let real = |get: fn(&Row) -> f64| TableColumn::Real(rows.iter().map(get).collect());
-    let maybe =
-        |get: fn(&Row) -> Option<f64>| TableColumn::MaybeReal(rows.iter().map(get).collect());
-    let text = |names: &[String], get: fn(&Row) -> u32| {
-        let names: Vec<ByteArray> = names
-            .iter()
-            .map(|name| ByteArray::from(name.as_str()))
-            .collect();
-        let name_of = |row: &Row| names.get(get(row) as usize).cloned().unwrap_or_default();
-        TableColumn::Text(rows.iter().map(name_of).collect())
+    let flag =
+        |get: fn(&Row) -> bool| TableColumn::Flag(rows.iter().map(|row| Some(get(row))).collect());
+    let real =
+        |get: fn(&Row) -> f64| TableColumn::Real(rows.iter().map(|row| Some(get(row))).collect());
+    let maybe = |get: fn(&Row) -> Option<f64>| TableColumn::Real(rows.iter().map(get).collect());
+    let text = |names: &[String], get: fn(&Row) -> Option<u32>| {
+        let names: Vec<ByteArray> = names.iter().map(|name| name.as_str().into()).collect();
+        let name_of = |index: u32| names.get(index as usize).cloned().unwrap_or_default();
+        TableColumn::Text(rows.iter().map(|row| get(row).map(name_of)).collect())
     };
-    let names = campaign.encounter_names();
-    let name_of = |row: &Row| Some(ByteArray::from(names.get(row.name? as usize)?.as_str()));
+    let obstacles = |row: &Row| Some(row.obstacles.cast_signed());
     let mut columns = vec![
         long(|row| row.encounter),
         long(|row| row.source_encounter),
         long(|row| row.seed),
-        text(campaign.source_names(), |row| row.source),
-        text(&campaign.configuration.policies, |row| row.policy),
-        TableColumn::Int(rows.iter().map(|row| row.obstacles.cast_signed()).collect()),
+        text(campaign.source_names(), |row| Some(row.source)),
+        text(&campaign.configuration.policies, |row| Some(row.policy)),
+        TableColumn::Int(rows.iter().map(obstacles).collect()),
         flag(Row::threatened),
         real(|row| row.held_margin_m),
         flag(|row| row.separated),
@@ -216,22 +147,19 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<TableColumn> {
         maybe(Row::time_away_s),
         real(|row| row.max_cross_track_m),
         real(|row| row.extra_path_m),
-        TableColumn::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
+        TableColumn::Flag(rows.iter().map(Row::avoidable).collect()),
         maybe(|row| row.oracle_margin_m),
-        TableColumn::MaybeText(rows.iter().map(name_of).collect()),
+        text(campaign.encounter_names(), |row| row.name),
         real(|row| row.weight),
     ];
     for field in campaign.metric_fields() {
+        let metrics = rows.iter().map(|row| &row.metrics);
         columns.push(match field.access {
-            Access::Real(get, _) => {
-                TableColumn::MaybeReal(rows.iter().map(|row| get(&row.metrics)).collect())
-            }
-            Access::Flag(get, _) => {
-                TableColumn::MaybeFlag(rows.iter().map(|row| get(&row.metrics)).collect())
-            }
+            Access::Real(get, _) => TableColumn::Real(metrics.map(get).collect()),
+            Access::Flag(get, _) => TableColumn::Flag(metrics.map(get).collect()),
             Access::Failure(get, _) => {
-                let word = |row: &Row| Some(get(&row.metrics)?.name().into());
-                TableColumn::MaybeText(rows.iter().map(word).collect())
+                let word = |metrics| Some(get(metrics)?.name().into());
+                TableColumn::Text(metrics.map(word).collect())
             }
         });
     }
@@ -297,22 +225,13 @@ impl<W: Write + Send> TableWriter<W> {
     pub fn write(&mut self, rows: &[Row], campaign: &Campaign) -> Result<(), ParquetError> {
         let mut group = self.0.next_row_group()?;
         for column in columns_of(rows, campaign) {
-            let Some(mut writer) = group.next_column()? else {
-                break;
-            };
             match &column {
-                TableColumn::Long(values) => put(writer.typed::<Int64Type>(), values)?,
-                TableColumn::Int(values) => put(writer.typed::<Int32Type>(), values)?,
-                TableColumn::Flag(values) => put(writer.typed::<BoolType>(), values)?,
-                TableColumn::Real(values) => put(writer.typed::<DoubleType>(), values)?,
-                TableColumn::Text(values) => put(writer.typed::<ByteArrayType>(), values)?,
-                TableColumn::MaybeFlag(values) => put_maybe(writer.typed::<BoolType>(), values)?,
-                TableColumn::MaybeReal(values) => put_maybe(writer.typed::<DoubleType>(), values)?,
-                TableColumn::MaybeText(values) => {
-                    put_maybe(writer.typed::<ByteArrayType>(), values)?;
-                }
+                TableColumn::Long(values) => put_column::<_, Int64Type>(&mut group, values)?,
+                TableColumn::Int(values) => put_column::<_, Int32Type>(&mut group, values)?,
+                TableColumn::Flag(values) => put_column::<_, BoolType>(&mut group, values)?,
+                TableColumn::Real(values) => put_column::<_, DoubleType>(&mut group, values)?,
+                TableColumn::Text(values) => put_column::<_, ByteArrayType>(&mut group, values)?,
             }
-            writer.close()?;
         }
         group.close()?;
         Ok(())
@@ -335,68 +254,48 @@ fn columns_in_words(campaign: &Campaign) -> String {
     serde_json::Value::Object(words).to_string()
 }
 
-fn put<T: DataType>(
-    writer: &mut ColumnWriterImpl<'_, T>,
-    values: &[T::T],
-) -> Result<(), ParquetError> {
-    writer.write_batch(values, None, None).map(drop)
-}
-
-fn put_maybe<T: DataType>(
-    writer: &mut ColumnWriterImpl<'_, T>,
+fn put_column<W: Write + Send, T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
     values: &[Option<T::T>],
-) -> Result<(), ParquetError>
-where
-    T::T: Clone,
-{
-    let levels: Vec<i16> = values
-        .iter()
-        .map(|value| i16::from(value.is_some()))
-        .collect();
+) -> Result<(), ParquetError> {
+    let levels: Vec<i16> = values.iter().map(|v| i16::from(v.is_some())).collect();
     let present: Vec<T::T> = values.iter().flatten().cloned().collect();
-    writer.write_batch(&present, Some(&levels), None).map(drop)
+    put::<W, T>(group, &present, Some(&levels))
 }
 
 /// Appends a row of the CSV file.
 pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
-    for (index, column) in columns_of(core::slice::from_ref(row), campaign)
-        .iter()
-        .enumerate()
-    {
+    let columns = columns_of(core::slice::from_ref(row), campaign);
+    for (index, column) in columns.into_iter().enumerate() {
         if index > 0 {
             line.push(b',');
         }
-        let shown = match column {
-            TableColumn::Long(values) => values.first().map(|v| v.cast_unsigned().to_string()),
-            TableColumn::Int(values) => values.first().map(i32::to_string),
-            TableColumn::Flag(values) => values.first().map(bool::to_string),
-            TableColumn::MaybeFlag(values) => values.iter().flatten().next().map(bool::to_string),
+        let words = match column {
+            TableColumn::Long(values) => words(values, i64::cast_unsigned),
+            TableColumn::Int(values) => words(values, i32::cast_unsigned),
+            TableColumn::Flag(values) => words(values, |flag| flag),
             TableColumn::Real(values) => {
-                if let Some(value) = values.first() {
-                    push_fixed(line, *value, 6);
-                }
-                None
-            }
-            TableColumn::MaybeReal(values) => {
-                if let Some(value) = values.iter().flatten().next() {
-                    push_fixed(line, *value, 6);
-                }
-                None
+                values
+                    .iter()
+                    .flatten()
+                    .for_each(|value| push_fixed(line, *value, 6));
+                continue;
             }
             TableColumn::Text(values) => {
-                if let Some(value) = values.first() {
-                    push_csv_field(line, value.data());
-                }
-                None
-            }
-            TableColumn::MaybeText(values) => {
-                if let Some(value) = values.iter().flatten().next() {
-                    push_csv_field(line, value.data());
-                }
-                None
+                values
+                    .iter()
+                    .flatten()
+                    .for_each(|value| push_csv_field(line, value.data()));
+                continue;
             }
         };
-        line.extend_from_slice(shown.unwrap_or_default().as_bytes());
+        line.extend_from_slice(words.as_bytes());
     }
     line.push(b'\n');
+}
+
+/// The values of a column of one row, as text.
+fn words<T, S: ToString>(values: Vec<Option<T>>, shown: fn(T) -> S) -> String {
+    let values = values.into_iter().flatten();
+    values.map(|value| shown(value).to_string()).collect()
 }

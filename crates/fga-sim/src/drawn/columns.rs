@@ -11,9 +11,7 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 
 use crate::corrupt::guarded;
-
-/// Rows for which a reader makes room at once.
-const FEW: usize = 65_536;
+use crate::values;
 
 /// Whether these are the bytes of a Parquet file.
 pub(super) fn is_parquet(bytes: &[u8]) -> bool {
@@ -88,10 +86,7 @@ pub(super) fn reading<T>(
 }
 
 fn damaged(path: &Path, error: &ParquetError) -> InputError {
-    let reason = match error {
-        ParquetError::General(message) => message.clone(),
-        other => other.to_string(),
-    };
+    let reason = values::reason(error);
     InputError::in_file(path, format!("is no readable Parquet file: {reason}"))
 }
 
@@ -129,11 +124,7 @@ impl ColumnGroup<'_> {
         if levels.is_empty() {
             levels.resize(values.len(), 1);
         }
-        let mut values = values.into_iter();
-        let found: Vec<Option<f64>> = levels
-            .iter()
-            .map(|level| if *level > 0 { values.next() } else { None })
-            .collect();
+        let found = values::with_gaps(values, &levels);
         self.expect_one_a_row(name, found.len(), "fields")?;
         Ok(found)
     }
@@ -186,21 +177,12 @@ impl ColumnGroup<'_> {
         Ok(values)
     }
 
-    /// The values of a column, and for each field whether it has one; without the latter where none may be empty.
+    /// The values of a column, and the fields that have one; without the latter where none may be empty.
     fn records<T: DataType>(
         &self,
-        mut column: ColumnReaderImpl<T>,
+        column: ColumnReaderImpl<T>,
     ) -> Result<(Vec<T::T>, Vec<i16>), InputError> {
-        // The file says how many rows it has, and that may be wrong.
-        let (mut values, mut levels) = (Vec::with_capacity(self.count.min(FEW)), Vec::new());
-        loop {
-            let (records, _, _) = column
-                .read_records(self.count, Some(&mut levels), None, &mut values)
-                .map_err(|error| damaged(self.path, &error))?;
-            if records == 0 {
-                return Ok((values, levels));
-            }
-        }
+        values::read(column, self.count).map_err(|error| damaged(self.path, &error))
     }
 
     fn expect_finite(&self, name: &str, numbers: &[f64]) -> Result<(), InputError> {

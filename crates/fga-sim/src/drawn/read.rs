@@ -1,5 +1,6 @@
 //! Reads the tables that [`DrawnWriter`](super::TableWriter) writes, and those of others with their columns.
 
+use core::ops::Range;
 use std::path::Path;
 
 use fga::Vec3;
@@ -15,10 +16,17 @@ use fga_formats::tally::Tally;
 use super::columns::{ColumnGroup, ColumnTable, reading};
 use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
 use super::{Content, Origin};
+use crate::values::columns;
 
 /// The largest plausible position and time, metres and seconds, and speed, metres per second.
 const LARGEST: f64 = 1e11;
 const LARGEST_SPEED_MPS: f64 = 5000.0;
+
+/// The names of some columns of a table.
+fn column_names(table: &'static str, which: Range<usize>) -> impl Iterator<Item = &'static str> {
+    let columns = columns(table).skip(which.start).take(which.len());
+    columns.map(|(_, name, _)| name)
+}
 
 /// The content of a table, by its columns.
 pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
@@ -44,9 +52,8 @@ fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> 
     for group in table.groups() {
         let group = group?;
         let [encounter, obstacle] = [group.wholes("encounter")?, group.wholes("obstacle")?];
-        let numbers = ROW_COLUMNS[2..9]
-            .iter()
-            .map(|(name, _)| group.numbers(name))
+        let numbers = column_names(ROW_COLUMNS, 2..9)
+            .map(|name| group.numbers(name))
             .collect::<Result<Vec<_>, _>>()?;
         let kinds = if table.has("kind") {
             group.texts("kind")?
@@ -55,24 +62,16 @@ fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> 
         };
         for row in 0..group.count {
             let at = |column: usize| numbers[column][row];
+            let wrong = |column: &str, found: &str, expected: &str| {
+                let message = format!("column {column} holds {found}, expected {expected}");
+                InputError::in_file(path, message)
+            };
             let movement = encounters::movement_of(kinds[row].as_bytes()).ok_or_else(|| {
-                InputError::in_file(
-                    path,
-                    format!(
-                        "column kind holds {}, expected still, straight, aircraft or uas",
-                        shown(&kinds[row])
-                    ),
-                )
+                let kinds_known = "still, straight, aircraft or uas";
+                wrong("kind", &shown(&kinds[row]), kinds_known)
             })?;
-            let id = u32::try_from(obstacle[row]).map_err(|_| {
-                InputError::in_file(
-                    path,
-                    format!(
-                        "column obstacle holds {}, expected less than 2^32",
-                        obstacle[row]
-                    ),
-                )
-            })?;
+            let id = u32::try_from(obstacle[row])
+                .map_err(|_| wrong("obstacle", &obstacle[row].to_string(), "less than 2^32"))?;
             let volume = ProtectedVolume::Sphere { radius_m: at(6) };
             let mut obstacle = Obstacle::straight(
                 id,
@@ -98,33 +97,23 @@ fn read_tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
     for group in table.groups() {
         take_tracks(&group?, &table, path, &mut found)?;
     }
+    let wrong = |message: String| Err(InputError::in_file(path, message));
     let mut numbers: Vec<u64> = found.iter().map(|(number, _)| *number).collect();
     numbers.sort_unstable();
-    if let Some([twice, _]) = numbers
-        .windows(2)
-        .filter_map(|pair| pair.as_array::<2>())
-        .find(|[a, b]| a == b)
-    {
-        return Err(InputError::in_file(
-            path,
-            format!("encounter {twice} stands in two places, expected its rows together"),
+    if let Some(pair) = numbers.windows(2).find(|pair| pair[0] == pair[1]) {
+        let twice = pair[0];
+        return wrong(format!(
+            "encounter {twice} stands in two places, expected its rows together"
         ));
     }
-    for (number, named) in &found {
-        let message = match named.recording.aircraft.as_slice() {
-            [_] => "has one aircraft only, expected the ownship and at least one more",
-            _ => continue,
-        };
-        return Err(InputError::in_file(
-            path,
-            format!("encounter {number} {message}"),
+    let is_alone = |(_, named): &&(u64, Named)| named.recording.aircraft.len() == 1;
+    if let Some((number, _)) = found.iter().find(is_alone) {
+        return wrong(format!(
+            "encounter {number} has one aircraft only, expected the ownship and at least one more"
         ));
     }
     if found.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            "holds no rows, expected at least one",
-        ));
+        return wrong("holds no rows, expected at least one".into());
     }
     let named: Vec<Named> = found.into_iter().map(|(_, named)| named).collect();
     let tracks = named.iter().flat_map(|named| &named.recording.aircraft);
@@ -142,10 +131,8 @@ struct ExtraColumns {
 impl ExtraColumns {
     fn of(group: &ColumnGroup<'_>, table: &ColumnTable<'_>) -> Result<Self, InputError> {
         let mut deviations: [Option<Vec<f64>>; 8] = Default::default();
-        for (column, (name, _)) in deviations
-            .iter_mut()
-            .zip(&TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM])
-        {
+        let names = column_names(TRACK_COLUMNS, DEVIATIONS_FROM..AIR_FROM);
+        for (column, name) in deviations.iter_mut().zip(names) {
             if table.has(name) {
                 *column = Some(group.numbers(name)?);
             }
@@ -167,9 +154,11 @@ impl ExtraColumns {
     fn deviation(&self, row: usize) -> Result<Deviation, String> {
         let values = self.deviations.each_ref();
         let values = values.map(|column| column.as_ref().map_or(0.0, |column| column[row]));
-        let columns = &TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM];
-        for (value, (name, _)) in values.into_iter().zip(columns) {
-            if value < 0.0 && !name.starts_with("east_north") {
+        for (place, value) in values.into_iter().enumerate() {
+            // That of east and north together has a sign.
+            if value < 0.0 && place % 4 != 2 {
+                let mut names = column_names(TRACK_COLUMNS, DEVIATIONS_FROM..AIR_FROM);
+                let name = names.nth(place).unwrap_or_default();
                 return Err(format!(
                     "column {name} holds {value}, expected a deviation of 0 or more"
                 ));
@@ -187,20 +176,12 @@ fn take_tracks(
     found: &mut Vec<(u64, Named)>,
 ) -> Result<(), InputError> {
     let numbers = group.wholes("encounter")?;
-    let seeds = if table.has("seed") {
-        Some(group.wholes("seed")?)
-    } else {
-        None
-    };
-    let weights = if table.has("weight") {
-        Some(group.numbers("weight")?)
-    } else {
-        None
-    };
+    let seeds = table.has("seed").then(|| group.wholes("seed"));
+    let weights = table.has("weight").then(|| group.numbers("weight"));
+    let (seeds, weights) = (seeds.transpose()?, weights.transpose()?);
     let names = group.texts("aircraft")?;
-    let values = TRACK_COLUMNS[4..DEVIATIONS_FROM]
-        .iter()
-        .map(|(name, _)| group.numbers(name))
+    let values = column_names(TRACK_COLUMNS, 4..DEVIATIONS_FROM)
+        .map(|name| group.numbers(name))
         .collect::<Result<Vec<_>, _>>()?;
     let extras = ExtraColumns::of(group, table)?;
     for row in 0..group.count {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec2;
 use fga_formats::encounters::Encounter;
+use fga_formats::error::read_bytes;
 use fga_formats::{InputError, OutputError, atomic, zones};
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +45,7 @@ impl SceneryFolder {
             return Ok(Scenery::default());
         };
         let path = folder.join(file_name(encounter));
-        let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
+        let bytes = read_bytes(&path)?;
         let wrong = |message: String| InputError::in_file(&path, message);
         let file: SceneryFile = serde_json::from_slice(&bytes)
             .map_err(|error| wrong(format!("holds no surroundings: {error}")))?;
@@ -66,9 +67,7 @@ impl SceneryFolder {
         };
         for encounter in encounters {
             let path = folder.join(file_name(encounter.id));
-            let bytes =
-                std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
-            print.push_str(&fingerprint(&bytes));
+            print.push_str(&fingerprint(&read_bytes(&path)?));
         }
         Ok(fingerprint(print.as_bytes()))
     }

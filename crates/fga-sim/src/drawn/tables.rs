@@ -3,64 +3,52 @@
 //! | file | one row | columns |
 //! |---|---|---|
 //! | obstacles around a line | an obstacle at t = 0 | those of the CSV file, with `kind` |
-//! | aircraft with tracks | an aircraft at a time | [`TRACK_COLUMNS`] |
+//! | aircraft with tracks | an aircraft at a time | those below |
 //!
 //! Rows of an encounter stand together, and within it rows of an aircraft; the first aircraft is the
 //! ownship. The reader finds columns by name; it does without `seed`, `weight` and `kind`.
 
 use alloc::sync::Arc;
-use core::fmt::Write as _;
 use std::io::Write;
 
 use fga_formats::build;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
 use parquet::basic::Compression;
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::{Content, Origin};
+use crate::values::{columns, put};
 
-/// Columns of the tracks, with their meanings.
-pub const TRACK_COLUMNS: [(&str, &str); 21] = [
-    ("encounter", "number of the encounter"),
-    ("seed", "its master seed"),
-    ("weight", "for how many encounters of its source it stands"),
-    ("aircraft", "name; the first of an encounter is the ownship"),
-    ("t_s", "time, s"),
-    ("x_m", "position to the east, m"),
-    ("y_m", "position to the north, m"),
-    ("z_m", "altitude, m"),
-    ("vx_mps", "velocity over the ground to the east, m/s"),
-    ("vy_mps", "to the north, m/s"),
-    ("vz_mps", "up, m/s"),
-    (
-        "east_sigma_m",
-        "standard deviation of the position to the east, m",
-    ),
-    ("north_sigma_m", "to the north, m"),
-    ("east_north_sigma_m", "east and north together, signed, m"),
-    ("up_sigma_m", "of the altitude, m"),
-    (
-        "east_sigma_mps",
-        "standard deviation of the velocity to the east, m/s",
-    ),
-    ("north_sigma_mps", "to the north, m/s"),
-    (
-        "east_north_sigma_mps",
-        "east and north together, signed, m/s",
-    ),
-    ("up_sigma_mps", "of the climb, m/s"),
-    (
-        AIR[0],
-        "velocity through the air to the east, m/s; empty where it is not known",
-    ),
-    (AIR[1], "to the north, m/s"),
-];
+/// Columns of the tracks: each as in the schema, and behind the semicolon its meaning.
+pub(super) const TRACK_COLUMNS: &str = "
+    required int64 encounter (INTEGER(64,false)); number of the encounter
+    required int64 seed (INTEGER(64,false)); its master seed
+    required double weight; for how many encounters of its source it stands
+    required binary aircraft (STRING); name; the first of an encounter is the ownship
+    required double t_s; time, s
+    required double x_m; position to the east, m
+    required double y_m; position to the north, m
+    required double z_m; altitude, m
+    required double vx_mps; velocity over the ground to the east, m/s
+    required double vy_mps; to the north, m/s
+    required double vz_mps; up, m/s
+    required double east_sigma_m; standard deviation of the position to the east, m
+    required double north_sigma_m; to the north, m
+    required double east_north_sigma_m; east and north together, signed, m
+    required double up_sigma_m; of the altitude, m
+    required double east_sigma_mps; standard deviation of the velocity to the east, m/s
+    required double north_sigma_mps; to the north, m/s
+    required double east_north_sigma_mps; east and north together, signed, m/s
+    required double up_sigma_mps; of the climb, m/s
+    optional double air_vx_mps; velocity through the air to the east, m/s; empty where it is not known
+    optional double air_vy_mps; to the north, m/s
+";
 
 /// Velocity through the air, the only columns with empty fields.
 pub(super) const AIR: [&str; 2] = ["air_vx_mps", "air_vy_mps"];
@@ -69,22 +57,19 @@ pub(super) const AIR: [&str; 2] = ["air_vx_mps", "air_vy_mps"];
 pub(super) const DEVIATIONS_FROM: usize = 11;
 pub(super) const AIR_FROM: usize = 19;
 
-/// Columns of obstacles around a line, with their meanings.
-pub const ROW_COLUMNS: [(&str, &str); 10] = [
-    ("encounter", "number of the encounter"),
-    ("obstacle", "number of the obstacle in it"),
-    ("x_m", "position at t = 0 ahead of the ownship, m"),
-    ("y_m", "to its left, m"),
-    ("z_m", "above it, m"),
-    (
-        "vx_mps",
-        "velocity over the ground along the ownship's line, m/s",
-    ),
-    ("vy_mps", "to its left, m/s"),
-    ("vz_mps", "up, m/s"),
-    ("radius_m", "radius of the protected volume, m"),
-    ("kind", "how it may move: still, straight, aircraft or uas"),
-];
+/// Columns of obstacles around a line, in the same way.
+pub(super) const ROW_COLUMNS: &str = "
+    required int64 encounter (INTEGER(64,false)); number of the encounter
+    required int64 obstacle (INTEGER(64,false)); number of the obstacle in it
+    required double x_m; position at t = 0 ahead of the ownship, m
+    required double y_m; to its left, m
+    required double z_m; above it, m
+    required double vx_mps; velocity over the ground along the ownship's line, m/s
+    required double vy_mps; to its left, m/s
+    required double vz_mps; up, m/s
+    required double radius_m; radius of the protected volume, m
+    required binary kind (STRING); how it may move: still, straight, aircraft or uas
+";
 
 /// Rows in a group: some ten megabytes in memory.
 const GROUP: usize = 100_000;
@@ -106,34 +91,13 @@ impl<W: Write + Send> DrawnWriter<W> {
     /// # Errors
     /// Errors of the output.
     pub fn new(output: W, content: Content) -> Result<Self, ParquetError> {
-        let columns: &[(&str, &str)] = match content {
-            Content::Rows => &ROW_COLUMNS,
-            Content::Tracks => &TRACK_COLUMNS,
+        let table = match content {
+            Content::Rows => ROW_COLUMNS,
+            Content::Tracks => TRACK_COLUMNS,
         };
-        let mut schema = String::from("message encounters {");
-        for (name, _) in columns {
-            let kind = match *name {
-                "encounter" | "obstacle" | "seed" => "int64",
-                "aircraft" | "kind" => "binary",
-                _ => "double",
-            };
-            let more = match kind {
-                "int64" => " (INTEGER(64,false))",
-                "binary" => " (STRING)",
-                _ => "",
-            };
-            // Writing to a text does not fail.
-            let need = if AIR.contains(name) {
-                "optional"
-            } else {
-                "required"
-            };
-            let _ = write!(schema, "{need} {kind} {name}{more};");
-        }
-        schema.push('}');
-        let words: serde_json::Map<_, _> = columns
-            .iter()
-            .map(|(name, meaning)| ((*name).to_owned(), (*meaning).into()))
+        let schema: Vec<&str> = columns(table).map(|(column, ..)| column).collect();
+        let words: serde_json::Map<_, _> = columns(table)
+            .map(|(_, name, meaning)| (name.to_owned(), meaning.into()))
             .collect();
         let properties = WriterProperties::builder()
             .set_created_by(format!("fga {}", env!("CARGO_PKG_VERSION")))
@@ -145,9 +109,9 @@ impl<W: Write + Send> DrawnWriter<W> {
                     serde_json::Value::Object(words).to_string(),
                 ),
             ]));
-        let schema = Arc::new(parse_message_type(&schema)?);
+        let schema = parse_message_type(&format!("message encounters {{{};}}", schema.join(";")))?;
         Ok(Self {
-            file: SerializedFileWriter::new(output, schema, Arc::new(properties.build()))?,
+            file: SerializedFileWriter::new(output, schema.into(), Arc::new(properties.build()))?,
             wholes: vec![Vec::new(); 2],
             weights: Vec::new(),
             numbers: vec![Vec::new(); AIR_FROM - 4],
@@ -212,19 +176,24 @@ impl<W: Write + Send> DrawnWriter<W> {
         }
         let mut group = self.file.next_row_group()?;
         for column in &self.wholes {
-            put::<W, Int64Type>(&mut group, column)?;
+            put::<W, Int64Type>(&mut group, column, None)?;
         }
         if self.content == Content::Tracks {
-            put::<W, DoubleType>(&mut group, &self.weights)?;
-            put::<W, ByteArrayType>(&mut group, &self.texts)?;
+            put::<W, DoubleType>(&mut group, &self.weights, None)?;
+            put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         }
         for column in self.numbers.iter().filter(|column| !column.is_empty()) {
-            put::<W, DoubleType>(&mut group, column)?;
+            put::<W, DoubleType>(&mut group, column, None)?;
         }
         if self.content == Content::Rows {
-            put::<W, ByteArrayType>(&mut group, &self.texts)?;
+            put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         } else {
-            put_air(&mut group, &self.air)?;
+            let air = &self.air;
+            let levels: Vec<i16> = air.iter().map(|air| i16::from(air.is_some())).collect();
+            for axis in 0..2 {
+                let values: Vec<f64> = air.iter().flatten().map(|air| air[axis]).collect();
+                put::<W, DoubleType>(&mut group, &values, Some(&levels))?;
+            }
         }
         group.close()?;
         self.wholes.iter_mut().for_each(Vec::clear);
@@ -243,35 +212,6 @@ impl<W: Write + Send> DrawnWriter<W> {
         self.flush_if(1)?;
         self.file.into_inner()
     }
-}
-
-fn put<W: Write + Send, T: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    values: &[T::T],
-) -> Result<(), ParquetError> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("has too few columns".into()));
-    };
-    column.typed::<T>().write_batch(values, None, None)?;
-    column.close()
-}
-
-/// Puts the velocities through the air, with empty fields where there is none.
-fn put_air<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
-    air: &[Option<[f64; 2]>],
-) -> Result<(), ParquetError> {
-    let levels: Vec<i16> = air.iter().map(|air| i16::from(air.is_some())).collect();
-    for axis in 0..2 {
-        let values: Vec<f64> = air.iter().flatten().map(|air| air[axis]).collect();
-        let Some(mut column) = group.next_column()? else {
-            return Err(ParquetError::General("has too few columns".into()));
-        };
-        let typed = column.typed::<DoubleType>();
-        typed.write_batch(&values, Some(&levels), None)?;
-        column.close()?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

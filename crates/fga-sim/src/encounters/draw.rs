@@ -9,25 +9,11 @@ use super::source::{Body, EncounterSource};
 impl Family {
     pub(super) fn draw(&self, source: &EncounterSource, random: &mut Random) -> Vec<Body> {
         match *self {
-            Self::Threats {
-                count,
-                first_seen_m,
-                speed_mps,
-            }
-            | Self::Among {
-                count,
-                first_seen_m,
-                speed_mps,
-                ..
-            } => (0..count)
-                .map(|_| level_threat(source, random, first_seen_m, speed_mps))
+            Self::Threats(threats) | Self::Among(_, threats) => (0..threats.count)
+                .map(|_| level_threat(source, random, threats.first_seen_m, threats.speed_mps))
                 .collect(),
-            Self::FromAnywhere {
-                count,
-                first_seen_m,
-                speed_mps,
-            } => (0..count)
-                .map(|_| threat(source, random, first_seen_m, speed_mps))
+            Self::FromAnywhere(threats) => (0..threats.count)
+                .map(|_| threat(source, random, threats.first_seen_m, threats.speed_mps))
                 .collect(),
             Self::HeadOn {
                 first_seen_m,
@@ -269,28 +255,28 @@ mod tests {
             "threats:1:40-60:1-5",
         ] {
             let source = EncounterSource::parse(cell, 5).unwrap();
-            let Family::Threats {
-                first_seen_m,
-                speed_mps,
-                ..
-            } = source.family
-            else {
+            let Family::Threats(threats) = source.family else {
                 unreachable!()
             };
             for number in 0..300 {
                 let mut random = Random::new(7, number);
                 let mut again = random.clone();
                 let expected = loop {
-                    let distance = again.within(first_seen_m);
+                    let distance = again.within(threats.first_seen_m);
                     let body = Body {
                         position_m: again.direction(true) * distance,
-                        velocity_mps: again.direction(true) * again.within(speed_mps),
+                        velocity_mps: again.direction(true) * again.within(threats.speed_mps),
                     };
                     if source.is_threat(&body) && meeting_s(&source, &body) <= LATEST_MEETING_S {
                         break body;
                     }
                 };
-                let found = level_threat(&source, &mut random, first_seen_m, speed_mps);
+                let found = level_threat(
+                    &source,
+                    &mut random,
+                    threats.first_seen_m,
+                    threats.speed_mps,
+                );
                 assert_eq!(found.position_m, expected.position_m);
                 assert_eq!(found.velocity_mps, expected.velocity_mps);
                 assert_eq!(random.unit(), again.unit());

@@ -30,6 +30,17 @@ impl Landscape {
     }
 }
 
+/// Threats that are first seen at a distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnThreats {
+    /// Their number.
+    pub count: u32,
+    /// Distance at the start, metres.
+    pub first_seen_m: Range,
+    /// Speed, metres per second; (0, 0) is static and lies ahead.
+    pub speed_mps: Range,
+}
+
 /// A kind of encounter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
@@ -37,34 +48,11 @@ pub enum Family {
     /// 0° to 360°: level traffic at the aircraft's altitude, which is the hardest case. (With this draw
     /// the avoidable shares agree with those that others found for these cells; with threats from
     /// anywhere, or above and below, far more is avoidable.) Static ones lie in the way ahead.
-    Threats {
-        /// Number of threats.
-        count: u32,
-        /// Distance at the start, metres.
-        first_seen_m: Range,
-        /// Speed, metres per second; (0, 0) is static and lies ahead.
-        speed_mps: Range,
-    },
+    Threats(DrawnThreats),
     /// The same threats among ground or zones.
-    Among {
-        /// The surroundings.
-        place: Landscape,
-        /// Number of threats.
-        count: u32,
-        /// Distance at the start, metres.
-        first_seen_m: Range,
-        /// Speed, metres per second; (0, 0) is static and lies ahead.
-        speed_mps: Range,
-    },
+    Among(Landscape, DrawnThreats),
     /// Threats from any direction in space, with any climb or descent.
-    FromAnywhere {
-        /// Number of threats.
-        count: u32,
-        /// Distance at the start, metres.
-        first_seen_m: Range,
-        /// Speed, metres per second; (0, 0) is static and lies ahead.
-        speed_mps: Range,
-    },
+    FromAnywhere(DrawnThreats),
     /// One obstacle on the reciprocal course, or nearly so.
     HeadOn {
         /// Distance at the start, metres.

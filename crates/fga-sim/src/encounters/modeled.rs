@@ -99,10 +99,8 @@ impl Pairing {
     /// One sentence that names the key.
     pub fn check(&self) -> Result<(), String> {
         if !(2..=3600).contains(&self.duration_s) {
-            return Err(format!(
-                "duration_s is {}, expected 2 to 3600",
-                self.duration_s
-            ));
+            let found = self.duration_s;
+            return Err(format!("duration_s is {found}, expected 2 to 3600"));
         }
         if !(1..self.duration_s).contains(&self.cpa_s) {
             return Err(format!(
@@ -132,10 +130,8 @@ impl Pairing {
             if let Some([low, high]) = range
                 && !(low < high && low.is_finite() && high.is_finite())
             {
-                return Err(format!(
-                    "{name} is {:?}, expected [least, most]",
-                    [low, high]
-                ));
+                let found = [low, high];
+                return Err(format!("{name} is {found:?}, expected [least, most]"));
             }
         }
         if let (OwnshipFlight::Vehicle, Some([low, high])) = (self.ownship, self.ownship_speed_mps)

@@ -1,6 +1,6 @@
 //! Cells by name, for examples and campaigns.
 
-use super::{Bystanders, EncounterSource, Family, Landscape, Range};
+use super::{DrawnThreats, EncounterSource, Family, Landscape, Range};
 
 impl EncounterSource {
     /// Reads a cell such as `threats:3:100-500:45-60,planar`: a family with its numbers, then
@@ -12,23 +12,12 @@ impl EncounterSource {
         let mut options = cell.split(',');
         let family: Vec<&str> = options.next().unwrap_or("").split(':').collect();
         let family = match family.as_slice() {
-            ["threats", count_, seen, speed] => Family::Threats {
-                count: count(count_)?,
-                first_seen_m: range(seen)?,
-                speed_mps: range(speed)?,
-            },
-            ["from-anywhere", count_, seen, speed] => Family::FromAnywhere {
-                count: count(count_)?,
-                first_seen_m: range(seen)?,
-                speed_mps: range(speed)?,
-            },
-            [name, count_, seen, speed] if let Some(place) = Landscape::named(name) => {
-                Family::Among {
-                    place,
-                    count: count(count_)?,
-                    first_seen_m: range(seen)?,
-                    speed_mps: range(speed)?,
-                }
+            ["threats", count, seen, speed] => Family::Threats(threats(count, seen, speed)?),
+            ["from-anywhere", count, seen, speed] => {
+                Family::FromAnywhere(threats(count, seen, speed)?)
+            }
+            [name, count, seen, speed] if let Some(place) = Landscape::named(name) => {
+                Family::Among(place, threats(count, seen, speed)?)
             }
             ["head-on", seen, speed] => Family::HeadOn {
                 first_seen_m: range(seen)?,
@@ -55,17 +44,22 @@ impl EncounterSource {
         for option in options {
             match (option, family) {
                 ("planar", _) => source.planar = true,
-                (
-                    "bystanders",
-                    Family::Threats { count, .. } | Family::FromAnywhere { count, .. },
-                ) => {
-                    source.bystanders = Some(Bystanders::of_section_2_3(count));
+                ("bystanders", Family::Threats(threats) | Family::FromAnywhere(threats)) => {
+                    source.bystanders = Some(threats.count);
                 }
                 _ => return Err(format!("{option}: expected planar or bystanders")),
             }
         }
         Ok(source)
     }
+}
+
+fn threats(count_: &str, seen: &str, speed: &str) -> Result<DrawnThreats, String> {
+    Ok(DrawnThreats {
+        count: count(count_)?,
+        first_seen_m: range(seen)?,
+        speed_mps: range(speed)?,
+    })
 }
 
 /// A number of obstacles.

@@ -54,12 +54,12 @@ const OTHER_STREAM: u64 = 0x6772_6f75_6e64;
 impl EncounterSource {
     /// Whether its encounters have ground or zones.
     pub const fn has_surroundings(&self) -> bool {
-        matches!(self.family, Family::Among { .. })
+        matches!(self.family, Family::Among(..))
     }
 
     /// Ground and zones of the encounter with this number; none for a family without them.
     pub fn scenery(&self, number: u64) -> Scenery {
-        let Family::Among { place, .. } = self.family else {
+        let Family::Among(place, _) = self.family else {
             return Scenery::default();
         };
         let mut random = Random::new(self.seed ^ OTHER_STREAM, number);

@@ -2,26 +2,7 @@
 
 use fga::Vec3;
 
-use super::family::{Family, Range};
-
-/// Objects that are no threat, among which the threats hide (§2.3 (5)).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bystanders {
-    /// Their number, both ends included.
-    pub count: (u32, u32),
-    /// Their distances from the aircraft at the start, metres.
-    pub distance_m: Range,
-}
-
-impl Bystanders {
-    /// The number that makes `threats` 20–30 % of all objects.
-    pub fn of_section_2_3(threats: u32) -> Self {
-        Self {
-            count: ((threats * 7).div_ceil(3), threats * 4),
-            distance_m: Range(100.0, 500.0),
-        }
-    }
-}
+use super::family::Family;
 
 /// A cell or family with all parameters of its encounters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,8 +15,8 @@ pub struct EncounterSource {
     pub radius_m: f64,
     /// Airspeed of the aircraft, metres per second.
     pub airspeed_mps: f64,
-    /// Objects that are no threat.
-    pub bystanders: Option<Bystanders>,
+    /// The number of threats that hide among objects that are no threat (§2.3 (5)), if they do.
+    pub bystanders: Option<u32>,
     /// Master seed.
     pub seed: u64,
 }

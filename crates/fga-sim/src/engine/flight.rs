@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 use fga::avoider::{Decision, Reason, State};
 use fga::ground::Ground;
@@ -23,24 +22,15 @@ use crate::sensor::Sensor;
 use crate::separation::{Least, Separation};
 use crate::track::Track;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle, WorldZone};
-use crate::zone::ZoneSeparation;
 
 /// Flies worlds; it keeps its buffers from one to the next.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Engine {
     pub(super) plant: Option<Plant>,
     pub(super) sensor: Sensor,
-    pub(super) separations: Vec<Separation>,
-    from_zones: Vec<ZoneSeparation>,
-    from_ground: Option<GroundSeparation>,
-    pub(super) elapsed_ns: Vec<u64>,
-    pub(super) missed: Vec<MissedWaypoint>,
-}
-
-impl Default for Engine {
-    fn default() -> Self {
-        Self::new()
-    }
+    pub(super) measured: Measured,
+    elapsed_ns: Vec<u64>,
+    missed: Vec<MissedWaypoint>,
 }
 
 /// Times of events.
@@ -96,15 +86,7 @@ impl Milestones {
 impl Engine {
     /// An engine with empty buffers.
     pub fn new() -> Self {
-        Self {
-            plant: None,
-            sensor: Sensor::new(),
-            separations: Vec::new(),
-            from_zones: Vec::new(),
-            from_ground: None,
-            elapsed_ns: Vec::new(),
-            missed: Vec::new(),
-        }
+        Self::default()
     }
 
     /// Waypoints that the last flight missed, in order.
@@ -114,17 +96,17 @@ impl Engine {
 
     /// Least separations of the last flight, in the order of the world's obstacles.
     pub fn separations(&self) -> &[Separation] {
-        &self.separations
+        &self.measured.separations
     }
 
     /// Least margins of the last flight from the world's zones, in their order; negative where it was on the wrong side.
     pub fn zone_margins(&self) -> impl Iterator<Item = Least> {
-        self.from_zones.iter().map(|separation| separation.least)
+        self.measured.from_zones.iter().copied()
     }
 
     /// Least height of the last flight above the world's ground.
     pub const fn ground_separation(&self) -> Option<GroundSeparation> {
-        self.from_ground
+        self.measured.from_ground
     }
 
     /// First sight of each obstacle in the last flight, in the order of the world's.
@@ -165,28 +147,12 @@ impl Engine {
             world.stream,
         );
         self.elapsed_ns.clear();
-        self.separations.clear();
-        self.separations
-            .extend(world.obstacles.iter().map(|obstacle| {
-                let mut separation = Separation::new(obstacle.volume);
-                if let Some((position_m, _)) = obstacle.track.at(0.0) {
-                    separation.observe_moment(0.0, start.position_m - position_m);
-                }
-                separation
-            }));
-        self.from_zones.clear();
-        let from_zones =
-            (world.zones.iter()).map(|zone| ZoneSeparation::begun(zone, start.position_m));
-        self.from_zones.extend(from_zones);
-        let ground = world.ground.as_ref();
-        self.from_ground = ground.map(|ground| GroundSeparation::begun(ground, start.position_m));
+        self.measured.begin(world);
         FlightState {
             milestones: Milestones::default(),
             progress: MissionProgress::of(world),
             replaying: world.recorded.is_some(),
             tuned_mps: world.vehicle.airspeed_mps,
-            flown_m: 0.0,
-            straight: None,
             cycle: 0,
         }
     }
@@ -204,11 +170,9 @@ impl Engine {
             world,
             plant,
             sensor: &mut self.sensor,
-            separations: &mut self.separations,
+            measured: &mut self.measured,
             zones: world.zones.iter().map(WorldZone::zone).collect(),
-            from_zones: &mut self.from_zones,
             ground: world.ground.as_ref().and_then(|ground| ground.ground()),
-            from_ground: &mut self.from_ground,
             elapsed_ns: &mut self.elapsed_ns,
             missed: &mut self.missed,
             state,
@@ -225,10 +189,6 @@ pub(super) struct FlightState {
     pub(super) replaying: bool,
     /// Airspeed of the pilot's present limits, metres per second.
     pub(super) tuned_mps: f64,
-    /// Path over the ground, metres.
-    pub(super) flown_m: f64,
-    /// A straight arc that may go on, and its end: it is measured once it has ended.
-    pub(super) straight: Option<(Arc, Vec3)>,
     /// Number of decisions flown.
     pub(super) cycle: u32,
 }
@@ -238,15 +198,13 @@ pub(super) struct EngineFlight<'a> {
     pub(super) world: &'a World,
     pub(super) plant: &'a mut Plant,
     pub(super) sensor: &'a mut Sensor,
-    pub(super) separations: &'a mut [Separation],
+    measured: &'a mut Measured,
     /// The world's zones.
-    pub(super) zones: Vec<Zone<'a>>,
-    from_zones: &'a mut [ZoneSeparation],
+    zones: Vec<Zone<'a>>,
     /// The world's ground.
-    pub(super) ground: Option<Ground<'a>>,
-    from_ground: &'a mut Option<GroundSeparation>,
-    pub(super) elapsed_ns: &'a mut Vec<u64>,
-    pub(super) missed: &'a mut Vec<MissedWaypoint>,
+    ground: Option<Ground<'a>>,
+    elapsed_ns: &'a mut Vec<u64>,
+    missed: &'a mut Vec<MissedWaypoint>,
     pub(super) state: &'a mut FlightState,
 }
 
@@ -370,6 +328,17 @@ impl<'a> EngineFlight<'a> {
         }
     }
 
+    /// What is known now, after a look.
+    pub(super) fn situation(&self, time_s: f64) -> Situation<'_> {
+        let fixed = (self.zones.as_slice(), self.ground.as_ref());
+        situation(
+            (self.world, fixed),
+            self.plant.ownship(),
+            self.sensor,
+            time_s,
+        )
+    }
+
     /// Looks and decides.
     fn decide(
         &mut self,
@@ -378,19 +347,17 @@ impl<'a> EngineFlight<'a> {
         observer: &mut impl Observer,
     ) -> Decision {
         self.look(time_s, |vehicle| pilot.retune(vehicle));
-        let own = self.plant.ownship();
-        let fixed = (self.zones.as_slice(), self.ground.as_ref());
-        let situation = situation((self.world, fixed), own, self.sensor, time_s);
+        let situation = self.situation(time_s);
         let begun = Instant::now();
         let decision = pilot.step(&situation);
         let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        self.elapsed_ns.push(elapsed_ns);
         observer.decision(&DecisionMoment {
             time_s,
             situation: &situation,
             decision: &decision,
             elapsed_ns,
         });
+        self.elapsed_ns.push(elapsed_ns);
         self.take(time_s, &decision);
         self.show(time_s, decision.state, observer);
         self.follow_mission(time_s);
@@ -415,29 +382,18 @@ impl<'a> EngineFlight<'a> {
         (until_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
     ) {
-        let replaying = self.replaying();
-        let mut measured = Measured {
-            obstacles: &self.world.obstacles,
-            separations: self.separations,
-            zones: &self.world.zones,
-            from_zones: self.from_zones,
-            ground: self.world.ground.as_deref(),
-            from_ground: self.from_ground,
-            straight: &mut self.state.straight,
-            flown_m: &mut self.state.flown_m,
-        };
+        let (replaying, time_s) = (self.replaying(), self.time_s());
+        let (world, measured) = (self.world, &mut self.measured);
         if let Some(recorded) = replaying {
-            let time_s =
-                f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s;
             recorded_arcs(recorded, time_s, until_s, &mut |arc| {
-                measured.take(arc, arc.end_m());
+                measured.take(world, arc, arc.end_m());
             });
         } else {
             let is_sampled = observer.watches();
             let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, state));
             };
-            let flown = |arc: &Arc, end_m| measured.take(arc, end_m);
+            let flown = |arc: &Arc, end_m| measured.take(world, arc, end_m);
             fly_step(
                 self.plant,
                 (until_s, longest_sample_s),
@@ -492,17 +448,7 @@ impl<'a> EngineFlight<'a> {
     }
 
     pub(super) fn outcome(&mut self, end_s: f64) -> Outcome {
-        Measured {
-            obstacles: &self.world.obstacles,
-            separations: self.separations,
-            zones: &self.world.zones,
-            from_zones: self.from_zones,
-            ground: self.world.ground.as_deref(),
-            from_ground: self.from_ground,
-            straight: &mut self.state.straight,
-            flown_m: &mut self.state.flown_m,
-        }
-        .end();
+        self.measured.end(self.world);
         self.state.progress.settle();
         let is_over = self.state.milestones.says_flown;
         if is_over {
@@ -511,11 +457,10 @@ impl<'a> EngineFlight<'a> {
             self.state.progress.coast(step_m);
         }
         *self.missed = self.state.progress.missed(is_over);
+        let measured = &self.measured;
+        let separations = measured.separations.iter();
         let least = |value: fn(&Separation) -> f64| {
-            self.separations
-                .iter()
-                .map(value)
-                .fold(f64::INFINITY, f64::min)
+            separations.clone().map(value).fold(f64::INFINITY, f64::min)
         };
         let milestones = &self.state.milestones;
         Outcome {
@@ -526,13 +471,13 @@ impl<'a> EngineFlight<'a> {
             clear_s: milestones.clear_s,
             rejoined_s: milestones.rejoined_s,
             max_cross_track_m: self.state.progress.max_cross_track_m(),
-            extra_path_m: self.state.flown_m - self.state.progress.along_m(),
+            extra_path_m: measured.flown_m - self.state.progress.along_m(),
             end_s,
             mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
             waypoints_missed: self.missed.len(),
-            min_terrain_clearance_m: (self.from_ground.as_ref()).map(|ground| ground.least.value_m),
-            min_zone_margin_m: (self.from_zones.iter())
-                .map(|zone| zone.least.value_m)
+            min_terrain_clearance_m: (measured.from_ground).map(|ground| ground.least.value_m),
+            min_zone_margin_m: (measured.from_zones.iter())
+                .map(|least| least.value_m)
                 .reduce(f64::min),
             work_most: milestones.work_most,
         }

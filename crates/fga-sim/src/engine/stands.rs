@@ -7,8 +7,9 @@ use fga::Vec3;
 use fga::avoider::Decision;
 use fga::pilot::Pilot;
 
-use super::flight::{EngineFlight, situation};
+use super::flight::EngineFlight;
 use crate::track::Track;
+use crate::whole::whole;
 use crate::world::Ending;
 
 /// A flight that drifts off its line by more than this is not straight along it, metres.
@@ -22,13 +23,7 @@ impl EngineFlight<'_> {
         decision: &Decision,
         pilot: &(impl Pilot + ?Sized),
     ) -> u32 {
-        let now = situation(
-            (self.world, (self.zones.as_slice(), self.ground.as_ref())),
-            self.plant.ownship(),
-            self.sensor,
-            time_s,
-        );
-        let stands_s = pilot.stands_s(&now);
+        let stands_s = pilot.stands_s(&self.situation(time_s));
         let is_known = stands_s > 0.0
             && self.replaying().is_none()
             && self.state.progress.is_one_leg()
@@ -51,13 +46,7 @@ impl EngineFlight<'_> {
             .min(world.horizon_s - time_s)
             .min(self.goes_on_s(time_s));
         let cycles = libm::floor(left_s / world.settings.avoider.decision_period_s) - 1.0;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a positive count; the cast keeps it in range"
-        )]
-        let cycles = cycles.max(1.0) as u32;
-        cycles
+        whole(cycles).max(1)
     }
 
     /// How long the flight cannot end before its horizon if the aircraft flies straight on, seconds.

@@ -150,10 +150,11 @@ impl SteppedFlight {
 
     /// Least separations until now, in the order of the world's obstacles.
     pub fn separations(&self) -> impl Iterator<Item = Separation> {
-        let measured = self.engine.separations.iter().zip(&self.world.obstacles);
-        measured.map(|(separation, obstacle)| {
+        let measured = &self.engine.measured;
+        let each = measured.separations.iter().zip(&self.world.obstacles);
+        each.map(|(separation, obstacle)| {
             let mut separation = *separation;
-            if let Some((arc, end_m)) = &self.state.straight {
+            if let Some((arc, end_m)) = &measured.straight {
                 separation.observe(arc, *end_m, &obstacle.track);
             }
             separation
@@ -164,10 +165,10 @@ impl SteppedFlight {
     pub fn outcome(&mut self) -> Outcome {
         let time_s = self.time_s();
         // The flight may go on, and what it flies now with it.
-        let separations = self.engine.separations.clone();
+        let measured = self.engine.measured.clone();
         let mut state = self.state.clone();
         let outcome = (self.engine.flight(&self.world, &mut state)).outcome(time_s);
-        self.engine.separations = separations;
+        self.engine.measured = measured;
         outcome
     }
 }

@@ -9,6 +9,7 @@ use fga::vehicle::STANDARD_GRAVITY_MPS2;
 use super::Sample;
 use crate::plant::{Arc, Plant};
 use crate::track::Track;
+use crate::whole::whole;
 
 /// Samples are at most this far apart, seconds.
 pub(super) const LONGEST_SAMPLE_S: f64 = 0.1;
@@ -30,12 +31,7 @@ pub(super) fn fly_step(
 ) {
     let from_s = plant.time_s();
     let step_s = end_s - from_s;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a small positive count"
-    )]
-    let pieces = (libm::ceil(step_s / longest_sample_s - 1e-9) as u32).max(1);
+    let pieces = whole(libm::ceil(step_s / longest_sample_s - 1e-9)).max(1);
     let mut sampled_s = from_s;
     let mut rates = None;
     for k in 1..=pieces {

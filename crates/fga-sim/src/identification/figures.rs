@@ -2,11 +2,13 @@
 
 use fga_formats::flight_log::Limits;
 
+use crate::whole::whole;
+
 /// How far ahead the margin looks, seconds: later on the avoider has decided again.
 pub const MARGIN_AHEAD_S: f64 = 5.0;
 
 /// A figure with its interval: the middle 90 % of what windows of the log give.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Estimate {
     /// The median.
     pub value: f64,
@@ -21,14 +23,8 @@ pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return 0.0;
     };
-    #[expect(clippy::cast_precision_loss, reason = "a number of windows")]
     let place = share * last as f64;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and the last place"
-    )]
-    let below = place.floor() as usize;
+    let below = whole(place) as usize;
     let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
     low + (high - low) * (place - place.floor())
 }
@@ -88,7 +84,6 @@ pub struct Identified {
 impl Identified {
     /// Takes the vehicle's own limits as limits of the figures: an avoider cannot ask for more.
     pub(super) fn cap(&mut self, limits: &Limits) {
-        let infinite = f64::INFINITY;
         if let Some(bank_rad) = limits.bank_rad {
             self.max_bank_deg = self.max_bank_deg.within(0.0, bank_rad.to_degrees());
         }
@@ -97,17 +92,16 @@ impl Identified {
         let angle_deg = |speed_mps: Option<f64>| {
             speed_mps.map(|speed_mps| libm::asin((speed_mps / airspeed_mps).min(1.0)).to_degrees())
         };
-        let least =
-            |a: Option<f64>, b: Option<f64>| a.unwrap_or(infinite).min(b.unwrap_or(infinite));
-        let climb_deg = least(
-            angle_deg(limits.climb_mps),
-            limits.pitch_max_rad.map(f64::to_degrees),
-        );
+        let least = |speed_mps: Option<f64>, pitch_rad: Option<f64>| {
+            let angles = angle_deg(speed_mps).into_iter();
+            angles
+                .chain(pitch_rad.map(f64::to_degrees))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let climb_deg = least(limits.climb_mps, limits.pitch_max_rad);
         let sink_deg = least(
-            angle_deg(limits.sink_mps),
-            limits
-                .pitch_min_rad
-                .map(|pitch_rad| -pitch_rad.to_degrees()),
+            limits.sink_mps,
+            limits.pitch_min_rad.map(|pitch_rad| -pitch_rad),
         );
         self.climb_max_deg = self.climb_max_deg.within(0.0, climb_deg.max(0.0));
         self.climb_min_deg = self.climb_min_deg.within(-sink_deg.max(0.0), 0.0);
@@ -116,17 +110,10 @@ impl Identified {
 
 /// Rows that last so long.
 pub(super) fn rows_of(seconds: f64, period_s: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a few seconds over some hundredths"
-    )]
-    let rows = (seconds / period_s).round() as usize;
-    rows.max(1)
+    whole((seconds / period_s).round()).max(1) as usize
 }
 
 pub(super) fn mean(values: &[f64]) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
     let count = values.len().max(1) as f64;
     values.iter().sum::<f64>() / count
 }

@@ -4,6 +4,7 @@ use fga::vehicle::STANDARD_GRAVITY_MPS2;
 use fga_formats::flight_log::{FlightLog, SeriesPiece};
 
 use super::figures::{Identified, MARGIN_AHEAD_S, mean, rows_of};
+use crate::whole::whole;
 
 /// Longest window, seconds.
 pub(super) const WINDOW_S: f64 = 6.0;
@@ -73,15 +74,10 @@ fn windows(piece: &SeriesPiece, period_s: f64) -> Vec<(usize, usize)> {
 
 /// The command some time before a row, between rows in proportion; the first one before the piece.
 fn late(command: &[f64], row: usize, late_rows: f64) -> f64 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "at most a few seconds"
-    )]
-    let whole = late_rows.floor() as usize;
+    let rows = whole(late_rows) as usize;
     let part = late_rows - late_rows.floor();
-    let newer = command[row.saturating_sub(whole)];
-    let older = command[row.saturating_sub(whole + 1)];
+    let newer = command[row.saturating_sub(rows)];
+    let older = command[row.saturating_sub(rows + 1)];
     newer + part * (older - newer)
 }
 

@@ -22,8 +22,8 @@ pub(super) struct ArcNode {
     pub(super) cos: f64,
     pub(super) sin: f64,
     pub(super) turned_rad: f64,
-    pub(super) rises: [Rise; 4],
-    pub(super) rise_count: usize,
+    /// The way to the commanded climb angle, where it is not there.
+    pub(super) rises: Option<[Rise; 4]>,
     /// Climb angle at this node.
     pub(super) climb_rad: f64,
 }
@@ -76,8 +76,7 @@ impl TurnArc {
                     cos,
                     sin,
                     turned_rad,
-                    rises: [Rise::default(); 4],
-                    rise_count: 0,
+                    rises: None,
                     climb_rad: at.climb_rad,
                 };
                 node.rise(&ideal, target);
@@ -113,23 +112,21 @@ impl ArcNode {
             },
             whole_s,
         );
-        let count = self.rises.len();
-        for (k, rise) in self.rises.iter_mut().enumerate() {
-            let time_s = whole_s * (k + 1) as f64 / count as f64;
+        self.rises = Some([0.25, 0.5, 0.75, 1.0].map(|share| {
+            let time_s = whole_s * share;
             let at = flight.at(time_s);
-            *rise = Rise {
+            Rise {
                 time_s,
                 along: at.position_m.x,
                 up: at.position_m.z,
-            };
-        }
-        self.rise_count = count;
+            }
+        }));
     }
 
     /// Distance along the course and height `after_s` after the turn ended here.
     pub(super) fn after(&self, arc: &TurnArc, after_s: f64) -> (f64, f64) {
         let mut from = Rise::default();
-        for rise in self.rises.iter().take(self.rise_count) {
+        for rise in self.rises.iter().flatten() {
             if after_s <= rise.time_s {
                 let s = (after_s - from.time_s) / (rise.time_s - from.time_s);
                 return (
@@ -145,9 +142,7 @@ impl ArcNode {
             from.up + arc.speed_up * left_s,
         )
     }
-}
 
-impl ArcNode {
     pub(super) fn climb_after(&self, vehicle: &OracleVehicle, target: f64, after_s: f64) -> f64 {
         let most = vehicle.climb_rate_radps * after_s;
         self.climb_rad + (target - self.climb_rad).clamp(-most, most)

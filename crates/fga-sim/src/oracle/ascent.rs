@@ -4,10 +4,10 @@
 //! smooth. Near a point their tangents replace them; the largest least within a box is a linear
 //! program; the box grows while the prediction holds and shrinks where it does not.
 
+use super::OracleManeuver;
 use super::flight::OracleFlight;
 use super::linear::{MarginRow, ROWS, UNKNOWNS, largest_least};
-use super::separation::{OracleBody, least_margin, leg_margins};
-use super::{OracleManeuver, OracleStart, OracleVehicle};
+use super::separation::{OracleScene, least_margin, leg_margins};
 
 /// Half the first box: wait, turn, climb, straight, turn, climb (s, rad, rad, s, rad, rad).
 const FIRST_BOX: AscentPoint = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
@@ -35,10 +35,7 @@ struct Climber {
 }
 
 pub(super) struct OracleAscent<'a> {
-    start: &'a OracleStart,
-    vehicle: &'a OracleVehicle,
-    bodies: &'a [OracleBody],
-    horizon_s: f64,
+    scene: OracleScene<'a>,
     enough: f64,
     flight: OracleFlight,
     here: Vec<f64>,
@@ -49,18 +46,9 @@ pub(super) struct OracleAscent<'a> {
 }
 
 impl<'a> OracleAscent<'a> {
-    pub(super) fn new(
-        start: &'a OracleStart,
-        vehicle: &'a OracleVehicle,
-        bodies: &'a [OracleBody],
-        horizon_s: f64,
-        enough: f64,
-    ) -> Self {
+    pub(super) fn new(scene: OracleScene<'a>, enough: f64) -> Self {
         Self {
-            start,
-            vehicle,
-            bodies,
-            horizon_s,
+            scene,
             enough,
             flight: OracleFlight::default(),
             here: Vec::new(),
@@ -72,9 +60,8 @@ impl<'a> OracleAscent<'a> {
 
     /// The exact margin of a manoeuvre; keeps the best so far.
     pub(super) fn look(&mut self, maneuver: &OracleManeuver) -> f64 {
-        self.flight
-            .fly(self.start, self.vehicle, maneuver, self.horizon_s);
-        let margin = least_margin(&self.flight, self.bodies, f64::NEG_INFINITY);
+        self.scene.fly(maneuver, None, &mut self.flight);
+        let margin = least_margin(&self.flight, self.scene.bodies, f64::NEG_INFINITY);
         if margin > self.best.0 {
             self.best = (margin, *maneuver);
         }
@@ -152,7 +139,8 @@ impl<'a> OracleAscent<'a> {
     /// The box around a point: as large as trusted, within the flyable range.
     fn limits(&self, climber: &Climber, two: bool) -> (AscentPoint, AscentPoint) {
         let (mut low, mut high) = ([0.0; UNKNOWNS], [0.0; UNKNOWNS]);
-        let climbs = self.vehicle.can_climb();
+        let (vehicle, horizon_s) = (self.scene.vehicle, self.scene.horizon_s);
+        let climbs = vehicle.can_climb();
         for (k, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
             let free = match k {
                 0 | 1 => true,
@@ -165,8 +153,8 @@ impl<'a> OracleAscent<'a> {
             }
             let half = climber.scale * FIRST_BOX[k];
             let (least, most) = match k {
-                0 | 3 => (0.0, self.horizon_s),
-                2 | 5 => (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad),
+                0 | 3 => (0.0, horizon_s),
+                2 | 5 => (vehicle.climb_min_rad, vehicle.climb_max_rad),
                 _ => (f64::NEG_INFINITY, f64::INFINITY),
             };
             let at = climber.point[k];
@@ -179,14 +167,10 @@ impl<'a> OracleAscent<'a> {
     /// Value and gradient of each leg's margin to each body that matters within the box.
     fn tangents(&mut self, climber: &Climber, two: bool) {
         let band = climber.margin + 0.5 + 15.0 * climber.scale.max(0.05);
-        self.flight.fly(
-            self.start,
-            self.vehicle,
-            &OracleManeuver::from_array(climber.point),
-            self.horizon_s,
-        );
+        let (scene, flight) = (self.scene, &mut self.flight);
+        scene.fly(&OracleManeuver::from_array(climber.point), None, flight);
         let mut here = core::mem::take(&mut self.here);
-        leg_margins(&self.flight, self.bodies, band, &mut here);
+        leg_margins(flight, scene.bodies, band, &mut here);
         self.slopes.clear();
         // The lowest of them, as many as fit.
         let mut lowest: Vec<usize> = (0..here.len()).filter(|&j| here[j] < band).collect();
@@ -216,13 +200,9 @@ impl<'a> OracleAscent<'a> {
             if !two {
                 beside[5] = beside[2];
             }
-            self.flight.fly(
-                self.start,
-                self.vehicle,
-                &OracleManeuver::from_array(beside),
-                self.horizon_s,
-            );
-            leg_margins(&self.flight, self.bodies, band + 5.0, &mut there);
+            let flight = &mut self.flight;
+            scene.fly(&OracleManeuver::from_array(beside), None, flight);
+            leg_margins(flight, scene.bodies, band + 5.0, &mut there);
             for (slope, &j) in self.slopes.iter_mut().zip(&lowest) {
                 slope.gradient[k] = (there[j] - here[j]) / change;
             }

@@ -4,7 +4,7 @@
 use super::flight::OracleFlight;
 use super::pattern::Refiner;
 use super::search::hold_all_the_way;
-use super::separation::{OracleBody, least_margin};
+use super::separation::{OracleBody, OracleScene, least_margin};
 use super::{OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleVehicle};
 
 /// A safe manoeuvre and its distance from the mission.
@@ -35,16 +35,19 @@ pub fn least_departure(
     required_margin_m: f64,
 ) -> Option<DepartureAnswer> {
     let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
+    let horizon_s = settings.horizon_s;
     let mut judge = DepartureJudge {
-        start,
-        vehicle,
-        bodies: &bodies,
+        scene: OracleScene {
+            start,
+            vehicle,
+            bodies: &bodies,
+            horizon_s,
+        },
         obstacles,
-        horizon_s: settings.horizon_s,
         required_margin_m,
         flight: OracleFlight::default(),
     };
-    let nothing = hold_all_the_way(start, settings.horizon_s);
+    let nothing = hold_all_the_way(start, horizon_s);
     let safest = super::search::best_margin(
         start,
         vehicle,
@@ -66,15 +69,14 @@ pub fn least_departure(
     seeds.truncate(24);
     let mut refiner = Refiner::new(
         vehicle,
-        settings.horizon_s,
-        f64::INFINITY,
+        horizon_s,
         |maneuver: &OracleManeuver, than: f64| judge.value(maneuver, than),
         *seeds.first()?,
     );
-    refiner.refine(&seeds, true);
+    refiner.refine(&seeds);
     let (_, best) = refiner.best;
     let max_cross_track_m = -judge.value(&best, f64::NEG_INFINITY);
-    let margin_m = judge.margin(&best, f64::NEG_INFINITY);
+    let margin_m = judge.margin(&best, None, f64::NEG_INFINITY);
     let passed_s = judge.all_passed_s();
     (max_cross_track_m < -UNSAFE).then_some(DepartureAnswer {
         maneuver: best,
@@ -86,8 +88,9 @@ pub fn least_departure(
 
 /// The best safe lane change of every wait, side and climb angle.
 fn lane_changes(judge: &mut DepartureJudge<'_>, seeds: &mut Vec<(f64, OracleManeuver)>) {
-    let (low, high) = (judge.vehicle.climb_min_rad, judge.vehicle.climb_max_rad);
-    let climbs: &[f64] = if judge.vehicle.can_climb() {
+    let vehicle = judge.scene.vehicle;
+    let (low, high) = (vehicle.climb_min_rad, vehicle.climb_max_rad);
+    let climbs: &[f64] = if vehicle.can_climb() {
         &[0.0, 1.0, -1.0, 0.4, -0.4]
     } else {
         &[0.0]
@@ -129,11 +132,8 @@ fn lane_changes(judge: &mut DepartureJudge<'_>, seeds: &mut Vec<(f64, OracleMane
 }
 
 struct DepartureJudge<'a> {
-    start: &'a OracleStart,
-    vehicle: &'a OracleVehicle,
-    bodies: &'a [OracleBody],
+    scene: OracleScene<'a>,
     obstacles: &'a [OracleObstacle],
-    horizon_s: f64,
     required_margin_m: f64,
     flight: OracleFlight,
 }
@@ -142,10 +142,10 @@ struct DepartureJudge<'a> {
 const UNSAFE: f64 = -1e6;
 
 impl DepartureJudge<'_> {
-    fn margin(&mut self, maneuver: &OracleManeuver, stop_below: f64) -> f64 {
-        self.flight
-            .fly(self.start, self.vehicle, maneuver, self.horizon_s);
-        least_margin(&self.flight, self.bodies, stop_below)
+    /// The margin of a manoeuvre that turns back from a time on.
+    fn margin(&mut self, maneuver: &OracleManeuver, back_s: Option<f64>, stop_below: f64) -> f64 {
+        self.scene.fly(maneuver, back_s, &mut self.flight);
+        least_margin(&self.flight, self.scene.bodies, stop_below)
     }
 
     /// Minus the departure of a safe manoeuvre; an unsafe one is worse than every safe one.
@@ -155,30 +155,23 @@ impl DepartureJudge<'_> {
         } else {
             f64::NEG_INFINITY
         };
-        let margin = self.margin(maneuver, stop_below);
-        if margin < self.required_margin_m {
-            return UNSAFE + (margin - self.required_margin_m);
-        }
-        let back_s = self.all_passed_s();
-        self.flight.fly_back(
-            self.start,
-            self.vehicle,
-            maneuver,
-            self.horizon_s,
-            Some(back_s),
-        );
-        let margin = least_margin(&self.flight, self.bodies, stop_below);
-        if margin < self.required_margin_m {
-            return UNSAFE + (margin - self.required_margin_m);
+        let mut back_s = None;
+        for _ in 0..2 {
+            let margin = self.margin(maneuver, back_s, stop_below);
+            if margin < self.required_margin_m {
+                return UNSAFE + (margin - self.required_margin_m);
+            }
+            back_s = Some(self.all_passed_s());
         }
         -self.departure()
     }
 
     /// Largest distance from the line of the start's course in the last flight.
     fn departure(&self) -> f64 {
-        let (sin, cos) = libm::sincos(self.start.course_rad);
+        let start = self.scene.start;
+        let (sin, cos) = libm::sincos(start.course_rad);
         self.flight.nodes().iter().fold(0.0_f64, |largest, node| {
-            let offset = node.position_m - self.start.position_m;
+            let offset = node.position_m - start.position_m;
             let left = cos * offset.y - sin * offset.x;
             largest.max(libm::sqrt(left * left + offset.z * offset.z))
         })
@@ -203,7 +196,7 @@ impl DepartureJudge<'_> {
             return 0.0;
         };
         let (Some(a), Some(b)) = (nodes.get(last), nodes.get(last + 1)) else {
-            return self.horizon_s;
+            return self.scene.horizon_s;
         };
         // Between these nodes the sign changes; on a straight piece the rate is linear.
         let (before, after) = (rate(a), rate(b));

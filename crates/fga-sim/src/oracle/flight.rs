@@ -52,12 +52,8 @@ pub struct OracleFlight {
 /// Legs of a flight: before the first turn, the first turn, between, the second turn, after.
 pub(super) const LEGS: usize = 5;
 
-/// One command: course rate sign and climb target for a time.
-struct OracleLeg {
-    duration_s: f64,
-    turn: f64,
-    climb_rad: f64,
-}
+/// One command: its duration, seconds, a turn by its sign, and a climb target, radians.
+type OracleLeg = (f64, f64, f64);
 
 impl OracleFlight {
     /// Flies `maneuver` from `start` for `horizon_s` seconds.
@@ -68,7 +64,7 @@ impl OracleFlight {
         horizon_s: f64,
     ) -> Self {
         let mut flight = Self::default();
-        flight.fly(start, vehicle, maneuver, horizon_s);
+        flight.fly(start, vehicle, maneuver, horizon_s, None);
         flight
     }
 
@@ -121,20 +117,9 @@ impl OracleFlight {
         }
     }
 
-    /// As [`OracleFlight::new`], into the same memory.
-    pub(super) fn fly(
-        &mut self,
-        start: &OracleStart,
-        vehicle: &OracleVehicle,
-        maneuver: &OracleManeuver,
-        horizon_s: f64,
-    ) {
-        self.fly_back(start, vehicle, maneuver, horizon_s, None);
-    }
-
-    /// As [`OracleFlight::fly`], but at `back_s`, or after the second turn if that is later, a
+    /// As [`OracleFlight::new`], into the same memory. At `back_s`, or after the second turn if that is later, a
     /// third turn brings the aircraft back to the start's course, the shorter way, and level.
-    pub(super) fn fly_back(
+    pub(super) fn fly(
         &mut self,
         start: &OracleStart,
         vehicle: &OracleVehicle,
@@ -166,61 +151,31 @@ impl OracleFlight {
         if lagged && vehicle.dead_time_s > 0.0 && start.bank_rad != 0.0 {
             pen.hold_bank(vehicle.dead_time_s, &mut self.nodes);
         } else {
-            pen.leg(&hold(start, vehicle.dead_time_s), &mut self.nodes);
+            let hold = (vehicle.dead_time_s, 0.0, start.climb_rad);
+            pen.leg(hold, &mut self.nodes);
         }
-        let legs = [
-            hold(start, maneuver.wait_s.max(0.0)),
-            OracleLeg {
-                duration_s: turn_s(maneuver.turn1_rad),
-                turn: maneuver.turn1_rad,
-                climb_rad: maneuver.climb1_rad,
-            },
-            OracleLeg {
-                duration_s: maneuver.straight_s.max(0.0),
-                turn: 0.0,
-                climb_rad: maneuver.climb1_rad,
-            },
-            OracleLeg {
-                duration_s: turn_s(maneuver.turn2_rad),
-                turn: maneuver.turn2_rad,
-                climb_rad: maneuver.climb2_rad,
-            },
-            OracleLeg {
-                duration_s: f64::INFINITY,
-                turn: 0.0,
-                climb_rad: maneuver.climb2_rad,
-            },
+        let (turn1, turn2) = (maneuver.turn1_rad, maneuver.turn2_rad);
+        let (climb1, climb2) = (maneuver.climb1_rad, maneuver.climb2_rad);
+        let legs: [OracleLeg; LEGS] = [
+            (maneuver.wait_s.max(0.0), 0.0, start.climb_rad),
+            (turn_s(turn1), turn1, climb1),
+            (maneuver.straight_s.max(0.0), 0.0, climb1),
+            (turn_s(turn2), turn2, climb2),
+            (f64::INFINITY, 0.0, climb2),
         ];
-        for (k, (leg, end)) in legs.iter().zip(&mut self.leg_ends).enumerate() {
+        for (k, (leg, end)) in legs.into_iter().zip(&mut self.leg_ends).enumerate() {
             match back_s {
                 Some(back_s) if k + 1 == LEGS => {
-                    let straight = OracleLeg {
-                        duration_s: (back_s - pen.time_s).max(0.0),
-                        ..*leg
-                    };
-                    pen.leg(&straight, &mut self.nodes);
+                    let straight_s = (back_s - pen.time_s).max(0.0);
+                    pen.leg((straight_s, 0.0, climb2), &mut self.nodes);
                     let turn = libm::remainder(start.course_rad - pen.course_rad, TAU);
-                    for (duration_s, turn) in [(turn_s(turn), turn), (f64::INFINITY, 0.0)] {
-                        let back = OracleLeg {
-                            duration_s,
-                            turn,
-                            climb_rad: 0.0,
-                        };
-                        pen.leg(&back, &mut self.nodes);
-                    }
+                    pen.leg((turn_s(turn), turn, 0.0), &mut self.nodes);
+                    pen.leg((f64::INFINITY, 0.0, 0.0), &mut self.nodes);
                 }
                 _ => pen.leg(leg, &mut self.nodes),
             }
             *end = self.nodes.len().saturating_sub(1);
         }
-    }
-}
-
-fn hold(start: &OracleStart, duration_s: f64) -> OracleLeg {
-    OracleLeg {
-        duration_s,
-        turn: 0.0,
-        climb_rad: start.climb_rad,
     }
 }
 
@@ -261,19 +216,11 @@ impl Pen<'_> {
     }
 
     /// Flies one command until its time, or the horizon, is over.
-    fn leg(&mut self, leg: &OracleLeg, nodes: &mut Vec<FlightNode>) {
-        let mut left_s = leg.duration_s.min(self.horizon_s - self.time_s);
-        let turn = if leg.turn > 0.0 {
-            1.0
-        } else if leg.turn < 0.0 {
-            -1.0
-        } else {
-            0.0
-        };
+    fn leg(&mut self, (duration_s, turn, climb_rad): OracleLeg, nodes: &mut Vec<FlightNode>) {
+        let mut left_s = duration_s.min(self.horizon_s - self.time_s);
+        let turn = if turn == 0.0 { 0.0 } else { turn.signum() };
+        let target = climb_rad.clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
         while left_s > 1e-12 {
-            let target = leg
-                .climb_rad
-                .clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
             let difference = target - self.climb_rad;
             let climbing = self.vehicle.can_climb() && difference.abs() > 1e-12;
             let (rate, span_s) = if climbing {

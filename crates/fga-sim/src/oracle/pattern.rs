@@ -25,16 +25,12 @@ pub(super) struct Refiner<'a, F> {
     value: F,
     /// The best manoeuvre so far and its value.
     pub(super) best: (f64, OracleManeuver),
-    /// Whether the second turn is free; else its climb angle is the first one's.
-    two: bool,
-    enough: f64,
 }
 
 impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
     pub(super) fn new(
         vehicle: &'a OracleVehicle,
         horizon_s: f64,
-        enough: f64,
         value: F,
         best: (f64, OracleManeuver),
     ) -> Self {
@@ -43,44 +39,31 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
             horizon_s,
             value,
             best,
-            two: false,
-            enough,
         }
     }
 
     /// Climbs from every seed a little, from the best of them all the way.
-    pub(super) fn refine(&mut self, seeds: &[(f64, OracleManeuver)], two: bool) {
-        self.two = two;
-        let axes: &[usize] = match (two, self.vehicle.can_climb()) {
-            (true, true) => &[1, 4, 3, 0, 2, 5],
-            (true, false) => &[1, 4, 3, 0],
-            (false, true) => &[1, 0, 2],
-            (false, false) => &[1, 0],
+    pub(super) fn refine(&mut self, seeds: &[(f64, OracleManeuver)]) {
+        let axes: &[usize] = if self.vehicle.can_climb() {
+            &[1, 4, 3, 0, 2, 5]
+        } else {
+            &[1, 4, 3, 0]
         };
         let mut race: Vec<(f64, PatternPoint)> = Vec::with_capacity(seeds.len());
         for (_, seed) in seeds {
             let value = (self.value)(seed, f64::NEG_INFINITY);
             let point = seed.to_array();
             self.keep(value, &point);
-            if self.best.0 >= self.enough {
-                return;
-            }
             race.push((value, point));
         }
         race.sort_by(|a, b| b.0.total_cmp(&a.0));
         for entry in &mut race {
             self.climb(entry, axes, 1.0, SHORT_HALVINGS);
-            if self.best.0 >= self.enough {
-                return;
-            }
         }
         race.sort_by(|a, b| b.0.total_cmp(&a.0));
         let scale = 1.0 / f64::from(1_u32 << (SHORT_HALVINGS - 1));
         for entry in race.iter_mut().take(FINALISTS) {
             self.climb(entry, axes, scale, LONG_HALVINGS);
-            if self.best.0 >= self.enough {
-                return;
-            }
         }
     }
 
@@ -105,9 +88,6 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
                 let before = entry.0;
                 self.sweep(entry, axes, scale, &mut random);
                 self.keep(entry.0, &entry.1);
-                if entry.0 >= self.enough {
-                    return;
-                }
                 if entry.0 - before < 1e-4 {
                     break;
                 }
@@ -129,9 +109,6 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
                 self.try_both(entry, scale, &[(a, 1.0), (b, 1.0)]);
                 self.try_both(entry, scale, &[(a, 1.0), (b, -1.0)]);
             }
-        }
-        if axes.len() < 3 {
-            return;
         }
         for _ in 0..RANDOM_DIRECTIONS {
             let mut direction = [(0, 0.0); 6];
@@ -180,9 +157,6 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         let [wait, _, climb1, straight, _, climb2] = point;
         *wait = wait.clamp(0.0, self.horizon_s);
         *straight = straight.clamp(0.0, self.horizon_s);
-        if !self.two {
-            *climb2 = *climb1;
-        }
         for climb in [climb1, climb2] {
             *climb = climb.clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
         }

@@ -234,8 +234,6 @@ pub struct OracleSettings {
     /// A margin that is enough: the search ends there and the answer is a lower bound. `None`
     /// searches everything.
     pub enough_m: Option<f64>,
-    /// From this margin of single turns on no second turn is tried, metres: saved is saved.
-    pub settled_m: f64,
     /// The family of manoeuvres.
     pub stages: Stages,
 }
@@ -245,7 +243,6 @@ impl Default for OracleSettings {
         Self {
             horizon_s: 60.0,
             enough_m: None,
-            settled_m: 10.0,
             stages: Stages::Two,
         }
     }

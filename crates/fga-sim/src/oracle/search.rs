@@ -10,7 +10,7 @@ use super::arc::{ArcNode, TurnArc};
 use super::ascent::OracleAscent;
 use super::flight::OracleFlight;
 use super::grid::OracleGrid;
-use super::separation::{OracleBody, least_margin};
+use super::separation::{OracleBody, OracleScene, least_margin};
 use super::tree::{Here, Tree};
 use super::{
     OracleAnswer, OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleTrack,
@@ -20,7 +20,7 @@ use super::{
 /// The largest margin to all obstacles that any manoeuvre of the family keeps over the horizon.
 ///
 /// Accurate to about a centimetre near zero. Cost with three obstacles: a tenth of a millisecond where
-/// one turn gives `enough_m`, a millisecond where one turn gives [`OracleSettings::settled_m`], ten
+/// one turn gives `enough_m`, a millisecond where one turn gives ten metres, ten
 /// to a hundred for a search over two turns.
 pub fn best_margin(
     start: &OracleStart,
@@ -72,22 +72,14 @@ fn search_within(
     search(start, vehicle, &bodies, settings)
 }
 
-/// Everything that one search needs; the arcs depend on the vehicle and the climb angle at the start.
-struct Problem<'a> {
-    start: &'a OracleStart,
-    vehicle: &'a OracleVehicle,
-    bodies: &'a [OracleBody],
-    horizon_s: f64,
-    /// Delay of a manoeuvre by the vehicle's response, seconds.
-    lead_s: f64,
-}
-
-impl Problem<'_> {
+impl OracleScene<'_> {
     /// The points at which the first turn can begin.
     fn after_wait(&self, wait_s: f64) -> Here {
         let (sin, cos) = libm::sincos(self.start.course_rad);
         let (sin_climb, cos_climb) = libm::sincos(self.start.climb_rad);
-        let begin_s = (wait_s + self.lead_s).min(self.horizon_s);
+        // The vehicle's response delays a manoeuvre.
+        let lead_s = self.vehicle.dead_time_s + self.vehicle.bank_time_constant_s;
+        let begin_s = (wait_s + lead_s).min(self.horizon_s);
         let velocity =
             Vec3::new(cos_climb * cos, cos_climb * sin, sin_climb) * self.vehicle.airspeed_mps;
         let position = self.start.position_m + velocity * begin_s;
@@ -104,36 +96,33 @@ impl Problem<'_> {
         }
     }
 
-    fn arcs(&self, from: f64, climbs: &[f64], turns: &[f64]) -> Vec<TurnArc> {
-        climbs
-            .iter()
-            .map(|&to| TurnArc::new(self.vehicle, from, to, turns))
-            .collect()
+    /// The turns from a climb angle to each one of a grid.
+    fn arcs(&self, from: f64, grid: &OracleGrid) -> Vec<TurnArc> {
+        let climbs = grid.climbs.iter();
+        let arc = |&to| TurnArc::new(self.vehicle, from, to, &grid.turns_rad);
+        climbs.map(arc).collect()
     }
 
-    fn tree(&self, grid: &OracleGrid, kinds: usize, best: f64, enough: f64) -> Tree<'_> {
-        Tree {
+    /// The best leaves of a tree whose branches `visit` sees: a first turn with every wait, side, climb angle and angle.
+    fn grown(
+        &self,
+        grid: &OracleGrid,
+        kinds: usize,
+        (best, enough): (f64, f64),
+        mut visit: impl FnMut(&mut Tree<'_>, &OraclePrefix<'_>),
+    ) -> Vec<(f64, OracleManeuver)> {
+        let count = grid.climbs.len();
+        let firsts = grid.waits_s.len() * 2 * count * 3;
+        let mut tree = Tree {
             bodies: self.bodies,
             horizon_s: self.horizon_s,
             slack_m: grid.slack_m,
             best,
             enough,
             done: false,
-            leaves: vec![(f64::NEG_INFINITY, OracleManeuver::default()); kinds],
-        }
-    }
-
-    /// One turn: every wait, side, angle and climb angle.
-    fn one_turn(&self, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
-        let grid = OracleGrid::one_turn(self.vehicle, self.horizon_s);
-        let climb_count = grid.climbs.len();
-        let mut tree = self.tree(
-            &grid,
-            grid.waits_s.len() * 2 * climb_count * 3,
-            best,
-            enough,
-        );
-        let arcs = self.arcs(self.start.climb_rad, &grid.climbs, &grid.turns_rad);
+            leaves: vec![(f64::NEG_INFINITY, OracleManeuver::default()); firsts * kinds],
+        };
+        let arcs = self.arcs(self.start.climb_rad, grid);
         for (w, &wait_s) in grid.waits_s.iter().enumerate() {
             let here = self.after_wait(wait_s);
             if here.running <= tree.threshold() {
@@ -141,22 +130,23 @@ impl Problem<'_> {
             }
             for (c, arc) in arcs.iter().enumerate() {
                 for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let kind = ((w * 2 + s) * climb_count + c) * 3;
-                    tree.walk(arc, &here, sign, |tree, node, at, running| {
-                        if let Some(margin) = tree.finish(arc, node, &here, sign, at, running) {
-                            tree.leaf(
-                                kind + turn_bin(node.turned_rad),
-                                margin,
-                                OracleManeuver {
-                                    wait_s,
-                                    turn1_rad: sign * node.turned_rad,
-                                    climb1_rad: arc.target,
-                                    climb2_rad: arc.target,
-                                    ..OracleManeuver::default()
-                                },
-                            );
-                        }
-                        true
+                    let kind = ((w * 2 + s) * count + c) * 3;
+                    tree.walk(arc, &here, sign, |tree, node, exit| {
+                        let maneuver = OracleManeuver {
+                            wait_s,
+                            turn1_rad: sign * node.turned_rad,
+                            climb1_rad: arc.target,
+                            climb2_rad: arc.target,
+                            ..OracleManeuver::default()
+                        };
+                        let prefix = OraclePrefix {
+                            arc,
+                            node,
+                            exit,
+                            maneuver,
+                            kind: (kind + turn_bin(node.turned_rad)) * kinds,
+                        };
+                        visit(tree, &prefix);
                     });
                     if tree.done {
                         return tree.seeds(grid.seeds);
@@ -167,50 +157,24 @@ impl Problem<'_> {
         tree.seeds(grid.seeds)
     }
 
+    /// One turn.
+    fn one_turn(&self, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
+        let grid = OracleGrid::one_turn(self.vehicle, self.horizon_s);
+        self.grown(&grid, 1, (best, enough), |tree, prefix| {
+            if let Some(margin) = tree.finish(prefix.arc, prefix.node, &prefix.exit) {
+                tree.leaf(prefix.kind, margin, prefix.maneuver);
+            }
+        })
+    }
+
     /// Two turns.
     fn two_turns(&self, grid: &OracleGrid, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
-        let count = grid.climbs.len();
-        let kinds = grid.waits_s.len() * 2 * count * 3 * 2 * count;
-        let mut tree = self.tree(grid, kinds, best, enough);
-        let first = self.arcs(self.start.climb_rad, &grid.climbs, &grid.turns_rad);
-        let second: Vec<Vec<TurnArc>> = grid
-            .climbs
-            .iter()
-            .map(|&from| self.arcs(from, &grid.climbs, &grid.turns_rad))
-            .collect();
-        for (w, &wait_s) in grid.waits_s.iter().enumerate() {
-            let here = self.after_wait(wait_s);
-            if here.running <= tree.threshold() {
-                break;
-            }
-            for (c, arc) in first.iter().enumerate() {
-                for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let kind = ((w * 2 + s) * count + c) * 3;
-                    tree.walk(arc, &here, sign, |tree, node, at, running| {
-                        let prefix = OraclePrefix {
-                            wait_s,
-                            arc,
-                            node,
-                            sign,
-                            exit: Here {
-                                time_s: here.time_s + node.time_s,
-                                position: at,
-                                cos: here.cos * node.cos - sign * here.sin * node.sin,
-                                sin: here.sin * node.cos + sign * here.cos * node.sin,
-                                running,
-                            },
-                            kind: (kind + turn_bin(node.turned_rad)) * 2 * count,
-                        };
-                        self.second_turn(tree, grid, &second, &prefix);
-                        true
-                    });
-                    if tree.done {
-                        return tree.seeds(grid.seeds);
-                    }
-                }
-            }
-        }
-        tree.seeds(grid.seeds)
+        let seconds = grid.climbs.iter().map(|&from| self.arcs(from, grid));
+        let seconds: Vec<Vec<TurnArc>> = seconds.collect();
+        let kinds = 2 * grid.climbs.len();
+        self.grown(grid, kinds, (best, enough), |tree, prefix| {
+            self.second_turn(tree, grid, &seconds, prefix);
+        })
     }
 
     fn second_turn(
@@ -248,22 +212,16 @@ impl Problem<'_> {
             for (c, arc) in arcs.iter().enumerate() {
                 for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
                     let kind = prefix.kind + s * grid.climbs.len() + c;
-                    tree.walk(arc, &here, sign, |tree, node, at, running| {
-                        if let Some(margin) = tree.finish(arc, node, &here, sign, at, running) {
-                            tree.leaf(
-                                kind,
-                                margin,
-                                OracleManeuver {
-                                    wait_s: prefix.wait_s,
-                                    turn1_rad: prefix.sign * prefix.node.turned_rad,
-                                    climb1_rad: prefix.arc.target,
-                                    straight_s,
-                                    turn2_rad: sign * node.turned_rad,
-                                    climb2_rad: arc.target,
-                                },
-                            );
+                    tree.walk(arc, &here, sign, |tree, node, exit| {
+                        if let Some(margin) = tree.finish(arc, node, &exit) {
+                            let maneuver = OracleManeuver {
+                                straight_s,
+                                turn2_rad: sign * node.turned_rad,
+                                climb2_rad: arc.target,
+                                ..prefix.maneuver
+                            };
+                            tree.leaf(kind, margin, maneuver);
                         }
-                        true
                     });
                     if tree.done {
                         return;
@@ -276,11 +234,10 @@ impl Problem<'_> {
 
 /// A manoeuvre up to the end of its first turn.
 struct OraclePrefix<'a> {
-    wait_s: f64,
     arc: &'a TurnArc,
     node: &'a ArcNode,
-    sign: f64,
     exit: Here,
+    maneuver: OracleManeuver,
     kind: usize,
 }
 
@@ -313,6 +270,9 @@ const CHORD_ERROR_M: f64 = 0.5;
 /// The fine tree runs only where the coarse one is within this of the limit, metres.
 const DOUBTFUL_M: f64 = 5.0;
 
+/// From this margin of single turns on no second turn is tried, metres: saved is saved.
+const SETTLED_M: f64 = 10.0;
+
 /// The largest lack of `enough_m` after single turns that a second turn may still add, metres; the
 /// largest observed was 9.
 const HOPELESS_M: f64 = 15.0;
@@ -337,15 +297,14 @@ pub(super) fn search(
 ) -> OracleAnswer {
     let nothing = hold_all_the_way(start, settings.horizon_s);
     let enough = settings.enough_m.unwrap_or(f64::INFINITY);
-    let mut ascent = OracleAscent::new(start, vehicle, bodies, settings.horizon_s, enough);
-    let do_nothing = ascent.look(&nothing);
-    let problem = Problem {
+    let scene = OracleScene {
         start,
         vehicle,
         bodies,
         horizon_s: settings.horizon_s,
-        lead_s: vehicle.dead_time_s + vehicle.bank_time_constant_s,
     };
+    let mut ascent = OracleAscent::new(scene, enough);
+    let do_nothing = ascent.look(&nothing);
     let stop = enough + CHORD_ERROR_M;
     let answer = |best: (f64, OracleManeuver)| OracleAnswer {
         best_margin_m: best.0,
@@ -355,25 +314,25 @@ pub(super) fn search(
     if bodies.is_empty() || do_nothing >= enough {
         return answer(ascent.best);
     }
-    let seeds = problem.one_turn(f64::NEG_INFINITY, stop);
+    let seeds = scene.one_turn(f64::NEG_INFINITY, stop);
     ascent.refine(&seeds, false);
     if ascent.best.0 >= enough || settings.stages == Stages::One {
         return answer(ascent.best);
     }
     // Where the flight is bounded, one turn alone often ends at a wall.
     let is_bounded = bodies.iter().any(OracleBody::is_bounds);
-    if ascent.best.0 >= settings.settled_m
+    if ascent.best.0 >= SETTLED_M
         || settings
             .enough_m
             .is_some_and(|enough| !is_bounded && ascent.best.0 < enough - HOPELESS_M)
-        || at_its_limit(&problem, bodies, &ascent)
+        || at_its_limit(&scene, &ascent)
     {
         return answer(ascent.best);
     }
-    let seeds = problem.two_turns(&OracleGrid::coarse(vehicle), ascent.best.0, stop);
+    let seeds = scene.two_turns(&OracleGrid::coarse(vehicle), ascent.best.0, stop);
     ascent.refine(&seeds, true);
     if ascent.best.0 < enough && ascent.best.0.abs() < DOUBTFUL_M {
-        let seeds = problem.two_turns(&OracleGrid::fine(vehicle), ascent.best.0, stop);
+        let seeds = scene.two_turns(&OracleGrid::fine(vehicle), ascent.best.0, stop);
         ascent.refine(&seeds, true);
     }
     answer(ascent.best)
@@ -381,10 +340,11 @@ pub(super) fn search(
 
 /// Whether the obstacle that limits the best margin allows no more even when it is alone: then no
 /// second turn, which only helps to get past several obstacles, is worth a try.
-fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &OracleAscent<'_>) -> bool {
+fn at_its_limit(scene: &OracleScene<'_>, found: &OracleAscent<'_>) -> bool {
     let (margin, maneuver) = found.best;
-    let flight = OracleFlight::new(problem.start, problem.vehicle, &maneuver, problem.horizon_s);
-    let Some(limiting) = bodies.iter().find(|body| {
+    let mut flight = OracleFlight::default();
+    scene.fly(&maneuver, None, &mut flight);
+    let Some(limiting) = scene.bodies.iter().find(|body| {
         least_margin(&flight, core::slice::from_ref(body), f64::NEG_INFINITY) <= margin + 1e-9
     }) else {
         return false;
@@ -392,24 +352,15 @@ fn at_its_limit(problem: &Problem<'_>, bodies: &[OracleBody], found: &OracleAsce
     if limiting.is_bounds() {
         return false;
     }
-    let alone = [limiting.clone()];
-    let problem = Problem {
-        bodies: &alone,
-        ..*problem
+    let alone = OracleScene {
+        bodies: core::slice::from_ref(limiting),
+        ..*scene
     };
-    let mut ascent = OracleAscent::new(
-        problem.start,
-        problem.vehicle,
-        &alone,
-        problem.horizon_s,
-        margin + LIMIT_TOLERANCE_M,
-    );
-    let seeds = problem.one_turn(
-        f64::NEG_INFINITY,
-        margin + LIMIT_TOLERANCE_M + CHORD_ERROR_M,
-    );
+    let more = margin + LIMIT_TOLERANCE_M;
+    let mut ascent = OracleAscent::new(alone, more);
+    let seeds = alone.one_turn(f64::NEG_INFINITY, more + CHORD_ERROR_M);
     ascent.refine(&seeds, false);
     let best = ascent.best;
     ascent.refine(&[best], true);
-    ascent.best.0 < margin + LIMIT_TOLERANCE_M
+    ascent.best.0 < more
 }

@@ -12,7 +12,7 @@ use fga::situation::ProtectedVolume;
 
 use super::airspace::{COARSE_M, EXACT_M, OracleAirspace};
 use super::flight::{FlightNode, OracleFlight, hermite};
-use super::{OracleObstacle, OracleTrack};
+use super::{OracleManeuver, OracleObstacle, OracleStart, OracleTrack, OracleVehicle};
 
 /// Accepted deviation of a curved piece from its chord, metres.
 const RESOLUTION_M: f64 = 5e-4;
@@ -262,9 +262,7 @@ impl OracleBody {
         let running = self.curve(a, &middle, acceleration, running);
         self.curve(&middle, b, acceleration, running)
     }
-}
 
-impl OracleBody {
     /// The lesser of `running` and the margin on the piece of a flight between two nodes.
     fn piece(&self, a: &FlightNode, b: &FlightNode, acceleration: f64, running: f64) -> f64 {
         if let BodyMotion::Bounds(airspace) = &self.motion {
@@ -285,6 +283,27 @@ impl OracleFlight {
     pub fn least_margin_m(&self, obstacles: &[OracleObstacle]) -> f64 {
         let bodies: Vec<OracleBody> = obstacles.iter().map(OracleBody::new).collect();
         least_margin(self, &bodies, f64::NEG_INFINITY)
+    }
+}
+
+/// Who flies among what, and for how long.
+#[derive(Clone, Copy)]
+pub(super) struct OracleScene<'a> {
+    pub(super) start: &'a OracleStart,
+    pub(super) vehicle: &'a OracleVehicle,
+    pub(super) bodies: &'a [OracleBody],
+    pub(super) horizon_s: f64,
+}
+
+impl OracleScene<'_> {
+    /// Flies a manoeuvre, and back to the start's course from a time on.
+    pub(super) fn fly(
+        &self,
+        maneuver: &OracleManeuver,
+        back_s: Option<f64>,
+        flight: &mut OracleFlight,
+    ) {
+        flight.fly(self.start, self.vehicle, maneuver, self.horizon_s, back_s);
     }
 }
 

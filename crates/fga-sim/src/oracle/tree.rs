@@ -17,6 +17,17 @@ pub(super) struct Here {
 }
 
 impl Here {
+    /// The end of a turn to the left (1) or right (−1), at a place and with the running minimum there.
+    fn turned(&self, node: &ArcNode, sign: f64, position: Vec3, running: f64) -> Self {
+        Self {
+            time_s: self.time_s + node.time_s,
+            position,
+            cos: self.cos * node.cos - sign * self.sin * node.sin,
+            sin: self.sin * node.cos + sign * self.cos * node.sin,
+            running,
+        }
+    }
+
     pub(super) fn offset(&self, along: f64, left: f64, up: f64) -> Vec3 {
         self.position
             + Vec3::new(
@@ -63,26 +74,10 @@ impl Tree<'_> {
         }
     }
 
-    /// The margin of a turn that begins at `here` and ends at `node`, reached at `at` with
-    /// `running` so far; `None` when it cannot improve the result.
-    pub(super) fn finish(
-        &self,
-        arc: &TurnArc,
-        node: &ArcNode,
-        here: &Here,
-        sign: f64,
-        at: Vec3,
-        running: f64,
-    ) -> Option<f64> {
-        let exit = Here {
-            time_s: here.time_s + node.time_s,
-            position: at,
-            cos: here.cos * node.cos - sign * here.sin * node.sin,
-            sin: here.sin * node.cos + sign * here.cos * node.sin,
-            running,
-        };
-        let (mut time_s, mut position, mut margin) = (exit.time_s, at, running);
-        for rise in node.rises.iter().take(node.rise_count) {
+    /// The margin of a turn that ends at `exit`, a node of an arc; `None` when it cannot improve the result.
+    pub(super) fn finish(&self, arc: &TurnArc, node: &ArcNode, exit: &Here) -> Option<f64> {
+        let (mut time_s, mut position, mut margin) = (exit.time_s, exit.position, exit.running);
+        for rise in node.rises.iter().flatten() {
             let next = exit.offset(rise.along, 0.0, rise.up);
             let next_s = exit.time_s + rise.time_s;
             margin = self.chord(time_s, position, next_s, next, margin);
@@ -104,14 +99,13 @@ impl Tree<'_> {
         (margin > self.threshold()).then_some(margin)
     }
 
-    /// Walks one turn node by node. `visit` sees each surviving node, with its position and
-    /// running minimum, and says whether to go on.
+    /// Walks one turn node by node. `visit` sees each surviving node, and where the turn ends there.
     pub(super) fn walk(
         &mut self,
         arc: &TurnArc,
         here: &Here,
         sign: f64,
-        mut visit: impl FnMut(&mut Self, &ArcNode, Vec3, f64) -> bool,
+        mut visit: impl FnMut(&mut Self, &ArcNode, Here),
     ) {
         let (mut time_s, mut position, mut running) = (here.time_s, here.position, here.running);
         for node in &arc.nodes {
@@ -125,17 +119,16 @@ impl Tree<'_> {
                 return;
             }
             (time_s, position) = (next_s, next);
-            if !visit(self, node, position, running) || self.done {
+            visit(self, node, here.turned(node, sign, position, running));
+            if self.done {
                 return;
             }
         }
     }
-}
 
-impl Tree<'_> {
     /// The best leaves, best first.
     pub(super) fn seeds(self, count: usize) -> Vec<(f64, OracleManeuver)> {
-        let threshold = self.best - self.slack_m;
+        let threshold = self.threshold();
         let mut seeds: Vec<_> = self
             .leaves
             .into_iter()

@@ -15,7 +15,7 @@ use fga_formats::words::counted;
 
 use super::outside::Nobody;
 use super::{Answer, Failure, FailureKind, Make, Outside};
-use crate::baselines::{Route, returning};
+use crate::baselines::{Route, avoiding, returning};
 use crate::policy_pilot::PolicyPilot;
 use crate::settings::PolicySettings;
 
@@ -90,8 +90,6 @@ impl OwnPolicy {
             policy: self.clone(),
             outside,
             guide: MissionPilot::new(settings.avoider.horizon_s, *vehicle)?,
-            vehicle: *vehicle,
-            made_for: *vehicle,
             state: State::Cruise,
             failure: None,
         })
@@ -136,9 +134,6 @@ pub struct OwnPilot {
     outside: Box<dyn Outside>,
     /// The core's own guidance along the mission.
     guide: MissionPilot,
-    vehicle: Vehicle,
-    /// The limits of its vehicle.
-    made_for: Vehicle,
     state: State,
     failure: Option<FailureKind>,
 }
@@ -174,18 +169,14 @@ impl OwnPilot {
                 climb_rad,
             } => {
                 let own_rad = situation.ownship.course_rad;
-                let (least, most) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+                let vehicle = self.guide.vehicle();
+                let (least, most) = (vehicle.climb_min_rad, vehicle.climb_max_rad);
                 decision.command = Maneuver::turn(
                     0.0,
                     own_rad + wrap_pi(course_rad - own_rad),
                     climb_rad.clamp(least, most),
                 );
-                decision.record.reason = if self.state == State::Avoiding {
-                    Reason::ManeuverKept
-                } else {
-                    Reason::ManeuverChosen
-                };
-                self.state = State::Avoiding;
+                decision.record.reason = avoiding(&mut self.state);
             }
             Answer::Mission => {
                 let route = Route::of(situation, self.guide.leg_index());
@@ -235,7 +226,6 @@ impl Pilot for OwnPilot {
     fn retune(&mut self, vehicle: &Vehicle) {
         // If the guidance refuses the limits, it keeps its present ones.
         if self.guide.set_vehicle(*vehicle).is_ok() {
-            self.vehicle = *vehicle;
             self.outside.retune(vehicle);
         }
     }
@@ -243,7 +233,6 @@ impl Pilot for OwnPilot {
     fn restart(&mut self) {
         self.guide.restart();
         self.outside.restart();
-        self.vehicle = self.made_for;
         self.state = State::Cruise;
         self.failure = None;
     }

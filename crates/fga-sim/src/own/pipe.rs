@@ -407,28 +407,19 @@ fn read(line: &str) -> Result<Answer, Failure> {
             ))
         }
     })?;
-    match reply {
-        Reply {
-            course_rad: None,
-            climb_rad: None,
-            stages: None,
-            state: None,
-        } => Ok(Answer::Mission),
-        Reply {
-            course_rad: Some(course_rad),
-            climb_rad,
-            stages: None,
-            state: None,
-        } => Ok(Answer::Heading {
+    let Reply {
+        course_rad,
+        climb_rad,
+        stages,
+        state,
+    } = reply;
+    match (course_rad, climb_rad, stages, state) {
+        (None, None, None, None) => Ok(Answer::Mission),
+        (Some(course_rad), climb_rad, None, None) => Ok(Answer::Heading {
             course_rad,
             climb_rad: climb_rad.unwrap_or(0.0),
         }),
-        Reply {
-            course_rad: None,
-            climb_rad: None,
-            stages: Some(stages),
-            state,
-        } => {
+        (None, None, Some(stages), state) => {
             let word = state.as_deref().unwrap_or(State::Avoiding.name());
             let mut states = State::ALL.into_iter();
             let state = states.find(|state| state.name() == word).ok_or_else(|| {

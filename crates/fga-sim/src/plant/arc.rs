@@ -84,15 +84,6 @@ impl Arc {
         self.position_m + self.air_displacement_m(after_s) + self.wind_mps * after_s
     }
 
-    /// Velocity over the ground `after_s` seconds into the arc, metres per second.
-    pub fn velocity_at_mps(&self, after_s: f64) -> Vec3 {
-        direction(
-            self.course_rad + self.course_rate_radps * after_s,
-            self.climb_rad + self.climb_rate_radps * after_s,
-        ) * self.airspeed_mps
-            + self.wind_mps
-    }
-
     /// Position over the ground at its end, metres.
     pub fn end_m(&self) -> Vec3 {
         self.position_at_m(self.duration_s)
@@ -128,7 +119,11 @@ mod tests {
     fn integrated(arc: &Arc, after_s: f64) -> Vec3 {
         let steps = 400;
         let h = after_s / f64::from(steps);
-        let rate = |t: f64| arc.velocity_at_mps(t);
+        let rate = |t: f64| {
+            let course_rad = arc.course_rad + arc.course_rate_radps * t;
+            let climb_rad = arc.climb_rad + arc.climb_rate_radps * t;
+            direction(course_rad, climb_rad) * arc.airspeed_mps + arc.wind_mps
+        };
         let mut position = arc.position_m;
         for k in 0..steps {
             let t = f64::from(k) * h;

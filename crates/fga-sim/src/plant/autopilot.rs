@@ -2,7 +2,7 @@
 
 use fga::vehicle::Vehicle;
 
-use super::pi_controller::{PiController, PiGains};
+use super::pi_controller::PiController;
 
 /// How commands become bank and climb.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -19,33 +19,17 @@ pub enum Autopilot {
     },
 }
 
-/// The controllers of the PI autopilot (Eq. 13, 14); none under the direct one.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Controllers {
-    pub(super) course: Option<PiController>,
-    pub(super) climb: Option<PiController>,
-}
-
-impl Controllers {
-    /// Controllers at rest.
-    pub(super) fn new(autopilot: Autopilot, vehicle: &Vehicle) -> Self {
-        let Autopilot::ProportionalIntegral {
+impl Autopilot {
+    /// The controllers of course and climb angle at rest (Eq. 13, 14); none under the direct autopilot.
+    pub(super) fn controllers(self, vehicle: &Vehicle) -> [Option<PiController>; 2] {
+        let Self::ProportionalIntegral {
             proportional_per_s,
             integral_per_s2,
-        } = autopilot
+        } = self
         else {
-            return Self::default();
+            return [None; 2];
         };
-        let controller = |rate_limit_radps| {
-            PiController::new(PiGains {
-                proportional: proportional_per_s,
-                integral: integral_per_s2,
-                rate_limit_radps,
-            })
-        };
-        Self {
-            course: controller(vehicle.course_rate_radps()),
-            climb: controller(vehicle.climb_rate_radps),
-        }
+        [vehicle.course_rate_radps(), vehicle.climb_rate_radps]
+            .map(|limit| PiController::new(proportional_per_s, integral_per_s2, limit))
     }
 }

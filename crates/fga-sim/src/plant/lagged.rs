@@ -13,6 +13,7 @@ use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 use super::rolls::RollMoment;
 use super::{Arc, Plant, rate_to};
+use crate::whole::whole;
 
 /// Longest integration step under the PI autopilot, seconds (50 Hz).
 const LONGEST_STEP_S: f64 = 0.02;
@@ -211,7 +212,7 @@ impl Plant {
             climb_rad: self.climb_rad,
             course_rate_radps,
             climb_rate_radps,
-            airspeed_mps: self.airspeed_mps,
+            airspeed_mps: self.vehicle.airspeed_mps,
             wind_mps: self.wind_mps,
         }
     }
@@ -285,7 +286,8 @@ impl Plant {
             return left_rad;
         }
         let response = self.vehicle.response;
-        let rolling_out = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.airspeed_mps
+        let rolling_out = response.turn_rate_factor * STANDARD_GRAVITY_MPS2
+            / self.vehicle.airspeed_mps
             * response.bank_time_constant_s
             * roll_out_integral(bank_rad);
         left_rad - rolling_out
@@ -305,7 +307,7 @@ impl Plant {
         let middle_bank = bank_command + off * decay;
         let bank_rad = bank_command + off * decay * decay;
         let bank_tan = libm::tan(bank_rad);
-        let gain = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.airspeed_mps;
+        let gain = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.vehicle.airspeed_mps;
         let (r0, r1, r2) = (
             gain * now.bank_tan,
             gain * libm::tan(middle_bank),
@@ -338,7 +340,7 @@ impl Plant {
         let sum = now.direction() + middle.direction() * 4.0 + end.direction();
         RollMoment {
             position_m: now.position_m
-                + sum * (self.airspeed_mps * step_s / 6.0)
+                + sum * (self.vehicle.airspeed_mps * step_s / 6.0)
                 + self.wind_mps * step_s,
             ..end
         }
@@ -348,7 +350,7 @@ impl Plant {
     fn stepped(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> PiState {
         let response = self.vehicle.response;
         let (time_constant_s, factor) = (response.bank_time_constant_s, response.turn_rate_factor);
-        let (speed, wind, climb) = (self.airspeed_mps, self.wind_mps, self.climb_rad);
+        let (speed, wind, climb) = (self.vehicle.airspeed_mps, self.wind_mps, self.climb_rad);
         let before = PiState {
             position_m: self.position_m,
             course_rad: self.course_rad,
@@ -393,12 +395,7 @@ impl Plant {
     pub(super) fn fly_controlled(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         self.straight = None;
         let span_s = until_s - self.time_s;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of steps: positive and small"
-        )]
-        let steps = (libm::ceil(span_s / LONGEST_STEP_S - 1e-9) as u32).max(1);
+        let steps = whole(libm::ceil(span_s / LONGEST_STEP_S - 1e-9)).max(1);
         let step_s = span_s / f64::from(steps);
         let start_s = self.time_s;
         for k in 1..=steps {
@@ -428,7 +425,7 @@ impl Plant {
         };
         let limit = self.course_rate_limit_radps() * stage.rate_share;
         let remaining = stage.course_rad - self.course_rad;
-        let rate = match &mut self.controllers.course {
+        let rate = match &mut self.controllers[0] {
             Some(controller) => controller.step(remaining, step_s),
             None => remaining / step_s,
         };
@@ -438,7 +435,7 @@ impl Plant {
     fn climb_rate_command_radps(&mut self, step_s: f64) -> f64 {
         let limit = self.vehicle.climb_rate_radps;
         let remaining = self.climb_target_rad() - self.climb_rad;
-        let rate = match &mut self.controllers.climb {
+        let rate = match &mut self.controllers[1] {
             Some(controller) => controller.step(remaining, step_s),
             None => remaining / step_s,
         };

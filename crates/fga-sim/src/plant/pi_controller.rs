@@ -2,41 +2,30 @@
 
 use fga::limit::Limit as _;
 
-/// Gains and limit of a [`PiController`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PiGains {
-    /// Proportional gain `K_p`, per second.
-    pub(super) proportional: f64,
-    /// Integral gain `K_i`, per second squared.
-    pub(super) integral: f64,
-    /// Largest commanded rate to either side, radians per second.
-    pub(super) rate_limit_radps: f64,
-}
-
-impl PiGains {
-    /// Whether all are finite and none is negative.
-    pub(super) fn is_valid(&self) -> bool {
-        [self.proportional, self.integral, self.rate_limit_radps]
-            .iter()
-            .all(|value| value.is_finite() && *value >= 0.0)
-    }
-}
-
 /// Turns the error of an angle into its commanded rate: ψ̇ = `K_p` e + `K_i` ∫ e dt, limited.
 ///
 /// At the limit of the rate the integral only moves back from it (conditional integration),
 /// so a long turn at full rate does not overshoot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PiController {
-    gains: PiGains,
+    /// Proportional gain `K_p`, per second.
+    proportional: f64,
+    /// Integral gain `K_i`, per second squared.
+    integral: f64,
+    /// Largest commanded rate to either side, radians per second.
+    limit_radps: f64,
     integral_rads: f64,
 }
 
 impl PiController {
-    /// A controller at rest; `None` for invalid gains.
-    pub(super) fn new(gains: PiGains) -> Option<Self> {
-        gains.is_valid().then_some(Self {
-            gains,
+    /// A controller at rest; `None` for gains or a limit that are negative or not finite.
+    pub(super) fn new(proportional: f64, integral: f64, limit_radps: f64) -> Option<Self> {
+        let mut all = [proportional, integral, limit_radps].into_iter();
+        let is_valid = all.all(|value| value.is_finite() && value >= 0.0);
+        is_valid.then_some(Self {
+            proportional,
+            integral,
+            limit_radps,
             integral_rads: 0.0,
         })
     }
@@ -54,14 +43,14 @@ impl PiController {
         } else {
             self.integral_rads
         };
-        let limit = self.gains.rate_limit_radps;
-        let proportional = self.gains.proportional * error_rad;
-        let wanted = proportional + self.gains.integral * integral;
+        let limit = self.limit_radps;
+        let proportional = self.proportional * error_rad;
+        let wanted = proportional + self.integral * integral;
         let winds_up = (wanted > limit && error_rad > 0.0) || (wanted < -limit && error_rad < 0.0);
         if !winds_up && integral.is_finite() {
             self.integral_rads = integral;
         }
-        let rate = proportional + self.gains.integral * self.integral_rads;
+        let rate = proportional + self.integral * self.integral_rads;
         if rate.is_nan() {
             0.0
         } else {
@@ -76,12 +65,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn controller(proportional: f64, integral: f64, limit: f64) -> PiController {
-        PiController::new(PiGains {
-            proportional,
-            integral,
-            rate_limit_radps: limit,
-        })
-        .unwrap()
+        PiController::new(proportional, integral, limit).unwrap()
     }
 
     /// Closed loop ψ' = `K_p` e + `K_i` ∫e: e'' + `K_p` e' + `K_i` e = 0 with e(0) = `e_0`, e'(0) = −`K_p` `e_0`.
@@ -118,12 +102,7 @@ mod tests {
     #[test]
     fn gains_out_of_range_are_refused() {
         for bad in [f64::NAN, f64::INFINITY, -1.0] {
-            let gains = PiGains {
-                proportional: 1.0,
-                integral: bad,
-                rate_limit_radps: 1.0,
-            };
-            assert!(PiController::new(gains).is_none());
+            assert!(PiController::new(1.0, bad, 1.0).is_none());
         }
     }
 

@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
-use fga_files::vehicle::LimitsTable;
 use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
 use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
 use toml::Spanned;
 
 use super::places::Places;
-use crate::vehicle_file::checks::Checked;
+use crate::vehicle_file::checks;
 use crate::zone::{WorldOutline, WorldZone};
 
 /// Of a file, some zones of which are nearer, those are left out that are farther from the start than this many times the way flown.
@@ -115,7 +114,7 @@ impl AreaFile<'_> {
         outline: &AreaOutline,
     ) -> Result<(WorldOutline, Vec<Vec<Vec2>>), InputError> {
         let what = format!("a corner of {name}");
-        let local = |at: &[f64; 2]| Ok(level(self.places, self.path, &what, at)?.truncate());
+        let local = |at: &[f64; 2]| level(self.places, self.path, &what, at);
         let rings = match outline {
             AreaOutline::Circle {
                 center_deg,
@@ -178,11 +177,8 @@ fn heights_m(
     places: &Places<'_>,
 ) -> Result<((f64, f64), bool), InputError> {
     let (table, text) = (entry.get_ref(), &places.text);
-    let own = LimitsTable {
-        floor_m: table.floor_m.clone(),
-        ceiling_m: table.ceiling_m.clone(),
-    };
-    let (own_floor_m, own_ceiling_m) = own.checked(text)?;
+    let own = [&table.floor_m, &table.ceiling_m];
+    let (own_floor_m, own_ceiling_m) = checks::limits(own, *text)?;
     let origin_m = places
         .frame
         .as_ref()
@@ -202,26 +198,19 @@ fn heights_m(
     let (lowest_m, highest_m) = ALTITUDES_M;
     let z_m = |altitude_m: f64| altitude_m.clamp(lowest_m, highest_m) - origin_m;
     let [floor, ceiling] = limits;
+    let is_sea = |limit: AreaLimit| limit.above == Reference::Sea;
+    let is_surface = |limit: AreaLimit| limit.above == Reference::Ground && limit.height_m <= 0.0;
     let floor_m = match floor {
         None => own_floor_m,
-        Some(AreaLimit {
-            height_m,
-            above: Reference::Sea,
-        }) => z_m(height_m),
-        Some(AreaLimit {
-            height_m,
-            above: Reference::Ground,
-        }) if height_m <= 0.0 => f64::NEG_INFINITY,
+        Some(limit) if is_sea(limit) => z_m(limit.height_m),
+        Some(limit) if is_surface(limit) => f64::NEG_INFINITY,
         Some(_) if own_floor_m.is_finite() => own_floor_m,
         Some(limit) => return unknown(limit, "begins", "floor_m"),
     };
     let (ceiling_m, is_open) = match ceiling {
         None => (own_ceiling_m, false),
         Some(limit) if limit.height_m >= highest_m => (f64::INFINITY, false),
-        Some(AreaLimit {
-            height_m,
-            above: Reference::Sea,
-        }) => (z_m(height_m), false),
+        Some(limit) if is_sea(limit) => (z_m(limit.height_m), false),
         Some(_) if own_ceiling_m.is_finite() => (own_ceiling_m, false),
         Some(_) if table.kind == ZoneKindName::KeepOut => (f64::INFINITY, true),
         Some(limit) => return unknown(limit, "ends", "ceiling_m"),
@@ -240,15 +229,12 @@ fn zone(
     let name = name.unwrap_or_else(|| format!("zone {number}"));
     let outline = match (&table.polygon_m, &table.polygon_deg, &table.radius_m) {
         (Some(corners), None, None) => {
-            let corners_m: Vec<Vec2> = corners
-                .get_ref()
-                .iter()
-                .map(|at| Vec2::from_array(*at))
-                .collect();
-            polygon(corners_m, &name).map_err(|message| text.error_at(corners, message))?
+            let corners_m = corners.get_ref().iter().copied().map(Vec2::from_array);
+            polygon(corners_m.collect(), &name)
+                .map_err(|message| text.error_at(corners, message))?
         }
         (None, Some(corners), None) => {
-            let local = |at| Ok(level(places, corners, "a corner", at)?.truncate());
+            let local = |at| level(places, corners, "a corner", at);
             let corners_m: Result<Vec<Vec2>, InputError> =
                 corners.get_ref().iter().map(local).collect();
             polygon(corners_m?, &name).map_err(|message| text.error_at(corners, message))?
@@ -276,12 +262,9 @@ fn zone(
             format!("{name} is a polygon with a centre, expected radius_m beside a centre");
         return Err(text.error_at(entry, message));
     }
-    let limits = LimitsTable {
-        floor_m: table.floor_m.clone(),
-        ceiling_m: table.ceiling_m.clone(),
-    };
+    let heights_m = checks::limits([&table.floor_m, &table.ceiling_m], *text)?;
     let keep_in = table.kind == ZoneKindName::KeepIn;
-    WorldZone::new(name.clone(), keep_in, outline, limits.checked(text)?)
+    WorldZone::new(name.clone(), keep_in, outline, heights_m)
         .map_err(|error| text.error_at(entry, format!("{name}: {error}")))
 }
 
@@ -298,9 +281,7 @@ fn center(entry: &Spanned<ZoneTable>, places: &Places<'_>) -> Result<Vec2, Input
             let at = Spanned::new(center.span(), [east_m, north_m, 0.0]);
             Ok(places.local("center_m", &at)?.truncate())
         }
-        (None, Some(center)) => {
-            Ok(level(places, center, "center_deg", center.get_ref())?.truncate())
-        }
+        (None, Some(center)) => level(places, center, "center_deg", center.get_ref()),
         _ => Err(places.text.error_at(
             entry,
             "a circle has no centre of its own, expected one of center_m and center_deg beside radius_m",
@@ -314,8 +295,9 @@ fn level<T>(
     near: &Spanned<T>,
     key: &str,
     [latitude_deg, longitude_deg]: &[f64; 2],
-) -> Result<Vec3, InputError> {
+) -> Result<Vec2, InputError> {
     let altitude_m = (places.frame.as_ref()).map_or(0.0, |frame| frame.origin().altitude_m);
     let place = [*latitude_deg, *longitude_deg, altitude_m];
-    places.geodetic(key, &Spanned::new(near.span(), place))
+    let place = places.geodetic(key, &Spanned::new(near.span(), place));
+    place.map(Vec3::truncate)
 }

@@ -24,7 +24,7 @@ struct KnownAircraft {
 }
 
 /// A source in use.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct SensorSource {
     settings: SensorSettings,
     /// Seed and stream of its random numbers.
@@ -36,35 +36,19 @@ pub(super) struct SensorSource {
     /// The end of the present interruption, seconds.
     out_until_s: f64,
     /// Course of the aircraft, radians.
-    course_rad: f64,
-    /// The last look: its time and result.
+    pub(super) course_rad: f64,
+    /// Time of the last look, seconds.
     last_look_s: f64,
     /// Time of the extrapolated result, seconds.
     carried_to_s: f64,
-    seen: Vec<Obstacle>,
+    /// What is visible at that time.
+    pub(super) seen: Vec<Obstacle>,
     known: Vec<KnownAircraft>,
     /// First sight of each obstacle of the world, seconds.
-    first_seen_s: Vec<Option<f64>>,
+    pub(super) first_seen_s: Vec<Option<f64>>,
 }
 
 impl SensorSource {
-    pub(super) fn new() -> Self {
-        Self {
-            settings: SensorSettings::default(),
-            seed: (0, 0),
-            noise: None,
-            misses: None,
-            dropouts: None,
-            out_until_s: f64::NEG_INFINITY,
-            course_rad: 0.0,
-            last_look_s: f64::NEG_INFINITY,
-            carried_to_s: 0.0,
-            seen: Vec::new(),
-            known: Vec::new(),
-            first_seen_s: Vec::new(),
-        }
-    }
-
     pub(super) fn begin(
         &mut self,
         settings: SensorSettings,
@@ -102,19 +86,7 @@ impl SensorSource {
         }
     }
 
-    pub(super) fn first_seen_s(&self) -> &[Option<f64>] {
-        &self.first_seen_s
-    }
-
-    pub(super) fn known(&self) -> &[Obstacle] {
-        &self.seen
-    }
-
-    pub(super) fn face(&mut self, course_rad: f64) {
-        self.course_rad = course_rad;
-    }
-
-    /// The visible obstacles at `time_s`, with the source at `at_m`; see [`SensorSource::known`].
+    /// The visible obstacles at `time_s`, with the source at `at_m`.
     pub(super) fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) {
         let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;
         if due {

@@ -11,106 +11,65 @@ use fga::vehicle::Vehicle;
 use crate::obstacle::{TrackReport, WorldObstacle};
 use crate::plant::Gust;
 use crate::track::{Track, TrackPoint};
+use crate::whole::whole;
 
-/// A parameter of a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parameter {
-    /// Its name, with the unit.
-    pub name: &'static str,
-    /// Its usual distribution.
-    pub usually: &'static str,
-}
+/// The name of a parameter, with its unit, and its usual distribution.
+pub type Parameter = (&'static str, &'static str);
 
 /// The parameters of a motion in their order.
 pub const MOTION: [Parameter; 15] = [
-    Parameter {
-        name: "meeting_s",
-        usually: "uniform, 30 to 90: when both meet if neither turns",
-    },
-    Parameter {
-        name: "course_rad",
-        usually: "uniform, any direction; 0 the ownship's",
-    },
-    Parameter {
-        name: "speed_mps",
-        usually: "uniform, 0.5 to 2 times the ownship's airspeed",
-    },
-    Parameter {
-        name: "miss_across_m",
-        usually: "uniform, within two radii of the volume to either side",
-    },
-    Parameter {
-        name: "miss_up_m",
-        usually: "uniform, within two half heights of the volume",
-    },
-    Parameter {
-        name: "turn_start_s",
-        usually: "uniform, up to the meeting",
-    },
-    Parameter {
-        name: "turn_rate_radps",
-        usually: "normal, the bound at two standard deviations; left positive",
-    },
-    Parameter {
-        name: "turn_rad",
-        usually: "uniform, up to the bound",
-    },
-    Parameter {
-        name: "second_turn_after_s",
-        usually: "uniform, up to 30 after the first turn",
-    },
-    Parameter {
-        name: "second_turn_rate_radps",
-        usually: "as the first",
-    },
-    Parameter {
-        name: "second_turn_rad",
-        usually: "as the first",
-    },
-    Parameter {
-        name: "climb_start_s",
-        usually: "uniform, up to the meeting",
-    },
-    Parameter {
-        name: "climb_mps",
-        usually: "normal, the bound at two standard deviations",
-    },
-    Parameter {
-        name: "loss_start_s",
-        usually: "uniform, up to the meeting",
-    },
-    Parameter {
-        name: "loss_s",
-        usually: "exponential, 1 on average, at most 10: no report for as long",
-    },
+    (
+        "meeting_s",
+        "uniform, 30 to 90: when both meet if neither turns",
+    ),
+    ("course_rad", "uniform, any direction; 0 the ownship's"),
+    (
+        "speed_mps",
+        "uniform, 0.5 to 2 times the ownship's airspeed",
+    ),
+    (
+        "miss_across_m",
+        "uniform, within two radii of the volume to either side",
+    ),
+    (
+        "miss_up_m",
+        "uniform, within two half heights of the volume",
+    ),
+    ("turn_start_s", "uniform, up to the meeting"),
+    (
+        "turn_rate_radps",
+        "normal, the bound at two standard deviations; left positive",
+    ),
+    ("turn_rad", "uniform, up to the bound"),
+    (
+        "second_turn_after_s",
+        "uniform, up to 30 after the first turn",
+    ),
+    ("second_turn_rate_radps", "as the first"),
+    ("second_turn_rad", "as the first"),
+    ("climb_start_s", "uniform, up to the meeting"),
+    ("climb_mps", "normal, the bound at two standard deviations"),
+    ("loss_start_s", "uniform, up to the meeting"),
+    (
+        "loss_s",
+        "exponential, 1 on average, at most 10: no report for as long",
+    ),
 ];
 
 /// The parameters of a gust in their order.
 pub const GUST: [Parameter; 5] = [
-    Parameter {
-        name: "gust_start_s",
-        usually: "uniform, 0 to 90",
-    },
-    Parameter {
-        name: "gust_s",
-        usually: "uniform, up to 30: its duration",
-    },
-    Parameter {
-        name: "gust_along_mps",
-        usually: "normal with the given standard deviation, at most two of them; along the mission",
-    },
-    Parameter {
-        name: "gust_left_mps",
-        usually: "as along the mission",
-    },
-    Parameter {
-        name: "gust_up_mps",
-        usually: "as along the mission",
-    },
+    ("gust_start_s", "uniform, 0 to 90"),
+    ("gust_s", "uniform, up to 30: its duration"),
+    (
+        "gust_along_mps",
+        "normal with the given standard deviation, at most two of them; along the mission",
+    ),
+    ("gust_left_mps", "as along the mission"),
+    ("gust_up_mps", "as along the mission"),
 ];
 
-/// Time between two reports of the intruder, seconds.
-const REPORT_S: f64 = 1.0;
+/// Points of the intruder's track from one report to the next: reports come once a second.
+const POINTS_A_REPORT: u32 = 4;
 
 /// Time between two points of its track, seconds.
 const POINT_S: f64 = 0.25;
@@ -254,19 +213,7 @@ impl StressMotion {
         let [_, _, speed_mps, .., loss_start_s, loss_s] = self.values;
         let (mut position_m, _) = self.start();
         let (mut points, mut reports) = (Vec::new(), Vec::new());
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "some hundreds of points"
-        )]
-        let count = (until_s / POINT_S) as u32 + 8;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few points"
-        )]
-        let each = (REPORT_S / POINT_S) as u32;
-        for number in 0..=count {
+        for number in 0..=whole(until_s / POINT_S) + 8 {
             let time_s = f64::from(number) * POINT_S;
             let velocity_at = |time_s: f64| {
                 let (course_rad, climb_mps) = self.heading(time_s);
@@ -274,7 +221,7 @@ impl StressMotion {
             };
             points.push(TrackPoint { time_s, position_m });
             let is_lost = (loss_start_s..loss_start_s + loss_s).contains(&time_s);
-            if number % each == 0 && !(is_lost && number > 0) {
+            if number % POINTS_A_REPORT == 0 && !(is_lost && number > 0) {
                 reports.push(TrackReport {
                     age_s: 0.0,
                     time_s,

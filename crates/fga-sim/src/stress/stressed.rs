@@ -49,17 +49,13 @@ impl Stress {
     /// The parameters of a flight in their order: name, usual distribution. Those of a second intruder and on have its number.
     pub fn parameters(&self) -> Vec<(String, &'static str)> {
         let motions = (1..=self.intruders).flat_map(|number| {
-            MOTION.iter().map(move |parameter| {
-                let name = parameter.name;
-                let name = match number {
-                    1 => name.to_owned(),
-                    _ => format!("{name}_{number}"),
-                };
-                (name, parameter.usually)
+            MOTION.iter().map(move |&(name, usually)| match number {
+                1 => (name.to_owned(), usually),
+                _ => (format!("{name}_{number}"), usually),
             })
         });
         let gust = GUST.iter().filter(|_| self.has_gusts());
-        let gust = gust.map(|parameter| (parameter.name.to_owned(), parameter.usually));
+        let gust = gust.map(|&(name, usually)| (name.to_owned(), usually));
         motions.chain(gust).collect()
     }
 

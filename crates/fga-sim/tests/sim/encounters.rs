@@ -1,7 +1,7 @@
 //! Encounters match their cell, and are the same every time.
 
 use fga::Vec3;
-use fga_sim::encounters::{EncounterSource, Family, Range};
+use fga_sim::encounters::{DrawnThreats, EncounterSource, Family, Range};
 
 const RADIUS_M: f64 = 30.0;
 
@@ -25,19 +25,14 @@ fn threats_come_closer_than_their_radius_and_bystanders_do_not() {
         "from-anywhere:3:100-500:0-60,bystanders",
     ] {
         let source = EncounterSource::parse(cell, 11).unwrap();
-        let (Family::Threats {
-            count,
-            first_seen_m,
-            speed_mps,
-        }
-        | Family::FromAnywhere {
-            count,
-            first_seen_m,
-            speed_mps,
-        }) = source.family
-        else {
+        let (Family::Threats(threats) | Family::FromAnywhere(threats)) = source.family else {
             panic!("a cell of threats");
         };
+        let DrawnThreats {
+            count,
+            first_seen_m,
+            speed_mps,
+        } = threats;
         for number in 0..3 {
             let encounter = source.encounter(number);
             for obstacle in &encounter.obstacles {
