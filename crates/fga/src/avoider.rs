@@ -253,10 +253,8 @@ impl Avoider<dyn Places + '_> {
 
     /// Forgets everything but its settings and the limits of its vehicle.
     pub(crate) fn forget_flight(&mut self) {
-        if self.vehicle != self.made_for {
-            self.vehicle = self.made_for;
-            self.flyer.set(&self.vehicle);
-        }
+        self.vehicle = self.made_for;
+        self.flyer.set(&self.vehicle);
         self.in_need = None;
         self.state = State::Cruise;
         self.progress = Progress::new();

@@ -177,8 +177,26 @@ fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
 fn a_second_flight_starts_over() {
     let mut first = flight(Start::Latest);
     first.until(State::Avoiding, &mut standing(AHEAD));
+    assert_starts_over(first, flight(Start::Latest));
+}
+
+/// An earlier version kept the rolls from the bank of the last flight, and counted other work in the next one.
+#[test]
+fn a_second_flight_of_a_lagged_vehicle_counts_the_same_work() {
+    let begins = || {
+        let mut lagged = planar();
+        lagged.response.bank_time_constant_s = 0.5;
+        let mut flight = avoider(settings(Start::AtDetection), lagged);
+        flight.own.bank_rad = 0.3;
+        flight
+    };
+    let mut first = begins();
+    first.until(State::Avoiding, &mut standing(AHEAD));
+    assert_starts_over(first, begins());
+}
+
+fn assert_starts_over(mut first: Flight, mut fresh: Flight) {
     first.pilot.restart();
-    let mut fresh = flight(Start::Latest);
     (first.own, first.time_s) = (fresh.own, fresh.time_s);
     let (mut around, mut again) = (standing(AHEAD), standing(AHEAD));
     for _ in 0..300 {
