@@ -9,6 +9,7 @@ fn main() {}
 
 #[cfg(target_os = "none")]
 mod board {
+    use core::ffi::CStr;
     use core::fmt::Write as _;
 
     use cortex_m::peripheral::SYST;
@@ -131,6 +132,7 @@ mod board {
             init_stack = init_stack.max(stack.used());
             for (encounter, obstacles) in aircraft.encounters() {
                 let mut flown = [0_u32; 3];
+                let (mut last, mut at) = (None, 0_u32);
                 let square = flight.fly(u64::from(encounter) + 10, obstacles, |step, decision| {
                     stack.paint();
                     let before = SYST::get_current();
@@ -140,6 +142,14 @@ mod board {
                     if !matches!(status, fga_status::Ok) {
                         debug::exit(debug::EXIT_FAILURE);
                     }
+                    if last.replace(decision.reason) != Some(decision.reason) {
+                        // SAFETY: the texts of the library live for ever.
+                        let reason =
+                            unsafe { CStr::from_ptr(fga_reason_text(decision.reason as u32)) };
+                        let (reason, tenths) = (reason.to_str().unwrap_or("?"), at % 10);
+                        let _ = writeln!(out, "# {}.{tenths} s: {reason}", at / 10);
+                    }
+                    at += 1;
                     let kind = kind(decision);
                     flown[kind] += 1;
                     let of = &mut taken[row][kind];
