@@ -101,9 +101,9 @@ def test_zones_and_ground_come_back_from_a_pickle():
         (lambda: fga.Zone(polygon_m=SQUARE, floor_m=5, ceiling_m=1), ValueError, "floor"),
         (lambda: fga.Zone(polygon_m=[(0, 0, 0)] * 3), TypeError, "two numbers"),
         (lambda: fga.Ground([1.0, 2.0], (0, 0), (1, 1), 5), TypeError, "two dimensions"),
-        (lambda: fga.Ground(np.zeros((1, 5)), (0, 0), (1, 1), 5), ValueError, "2 rows"),
-        (lambda: fga.Ground(np.zeros((3, 3)), (0, 0), (0, 1), 5), ValueError, "positive spacing"),
-        (lambda: fga.Ground(np.zeros((3, 3)), (0, 0), (1, 1), -5), ValueError, "not negative"),
+        (lambda: fga.Ground(np.zeros((1, 5)), (0, 0), (1, 1), 5), ValueError, "heights_m is 5, expected rows of 2"),
+        (lambda: fga.Ground(np.zeros((3, 3)), (0, 0), (0, 1), 5), ValueError, "spacing is 0, expected above 0"),
+        (lambda: fga.Ground(np.zeros((3, 3)), (0, 0), (1, 1), -5), ValueError, "clearance_m is -5, expected 0 to"),
     ],
 )
 def test_a_wrong_zone_or_ground_is_refused_in_a_sentence(make, error, told):

@@ -144,11 +144,9 @@ impl PyGround {
         let place = (corner_m.into(), spacing_m.into());
         let heights_m = array.iter().copied().collect();
         let ground = WorldGround::new(place, array.ncols(), heights_m, (error_m, clearance_m));
-        ground.map(|ground| Self(Arc::new(ground))).ok_or_else(|| {
-            PyValueError::new_err(
-                "a ground has no size, expected 2 rows and columns or more, a positive spacing, and finite numbers of which error_m and clearance_m are not negative",
-            )
-        })
+        ground
+            .map(|ground| Self(Arc::new(ground)))
+            .map_err(|error| PyValueError::new_err(format!("a ground whose {error}")))
     }
 
     /// The heights of the posts, metres: rows from the south, columns from the west; a copy.

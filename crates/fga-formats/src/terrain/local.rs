@@ -1,6 +1,7 @@
 //! Ground as a flight takes it: heights at posts of the local frame.
 
 use fga::ground::Ground;
+use fga::limit::SettingsError;
 use fga::{Vec2, Vec3};
 
 use super::Terrain;
@@ -37,19 +38,22 @@ pub struct LocalGround {
 
 impl LocalGround {
     /// Ground by the heights of posts, row by row from the south-west one on, each row from the west, metres, not a number where
-    /// unknown; with the vertical error of the heights and the clearance that is asked for, metres. `None` for numbers or a size that cannot be.
+    /// unknown; with the vertical error of the heights and the clearance that is asked for, metres.
+    ///
+    /// # Errors
+    /// As [`Ground::new`].
     pub fn new(
         (corner_m, spacing_m): (Vec2, Vec2),
         columns: usize,
         heights_m: Vec<f32>,
         (error_m, clearance_m): (f64, f64),
-    ) -> Option<Self> {
+    ) -> Result<Self, SettingsError> {
         let mut peaks_m = vec![0.0; Ground::peak_count(columns, heights_m.len())];
         Ground::fill_peaks(columns, &heights_m, &mut peaks_m);
         let slices = (heights_m.as_slice(), peaks_m.as_slice());
         let asked_m = (error_m, clearance_m);
-        Ground::new((corner_m, spacing_m), columns, slices, asked_m).ok()?;
-        Some(Self {
+        Ground::new((corner_m, spacing_m), columns, slices, asked_m)?;
+        Ok(Self {
             corner_m,
             spacing_m,
             columns,
@@ -126,7 +130,7 @@ impl LocalGround {
             }
         }
         let errors = (terrain.vertical_error_m(), clearance_m);
-        Self::new(place, columns, raised, errors).ok_or_else(|| "has no ground of a size".into())
+        Self::new(place, columns, raised, errors).map_err(|error| error.to_string())
     }
 
     /// The ground as the core takes it.
@@ -151,7 +155,7 @@ impl LocalGround {
     /// A copy of what a situation lends; all that it takes to clear it counts as clearance.
     pub fn of(ground: &Ground<'_>) -> Option<Self> {
         let (place, columns, heights_m, needed_m) = ground.posts();
-        Self::new(place, columns, heights_m.to_vec(), (0.0, needed_m))
+        Self::new(place, columns, heights_m.to_vec(), (0.0, needed_m)).ok()
     }
 
     /// Its vertical error, metres.

@@ -185,7 +185,7 @@ impl SceneryFile {
             let heights_m = ground.heights_m.into_iter().map(known).collect();
             let asked_m = (ground.vertical_error_m, ground.clearance_m);
             let made = WorldGround::new(place, ground.columns, heights_m, asked_m);
-            made.filter(|_| is_height).map(Arc::new).ok_or(
+            made.ok().filter(|_| is_height).map(Arc::new).ok_or(
                 "holds ground that cannot be, expected two rows of columns or more, heights as numbers or null, a positive spacing_m, and vertical_error_m and clearance_m of 0 or more",
             )
         });

@@ -208,7 +208,7 @@ impl Relief {
         }
         let place = (scale * corner, Vec2::splat(scale * POST_M));
         let asked_m = (scale * ASKED_M.0, scale * ASKED_M.1);
-        WorldGround::new(place, POSTS as usize, heights_m, asked_m)
+        WorldGround::new(place, POSTS as usize, heights_m, asked_m).ok()
     }
 }
 
