@@ -90,8 +90,7 @@ impl fga_question {
             ),
         ];
         for (field, value, low, high, expected) in rows {
-            let is_within = (low..=high).contains(&value);
-            SettingsError::unless(is_within, field, value, expected)?;
+            SettingsError::unless((low..=high).contains(&value), field, value, expected)?;
         }
         Ok(())
     }

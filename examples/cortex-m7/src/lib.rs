@@ -7,6 +7,33 @@ use fga_c::*;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
+/// A firmware of some calls, with what they take of flash. It is linked, not run.
+#[macro_export]
+macro_rules! linked {
+    ($($calls:tt)*) => {
+        #[cfg(target_os = "none")]
+        #[panic_handler]
+        fn stop(_: &core::panic::PanicInfo<'_>) -> ! {
+            loop {}
+        }
+
+        #[cfg(target_os = "none")]
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            use core::hint::black_box;
+            use core::ptr::null_mut;
+            use fga_c::*;
+            loop {
+                // SAFETY: never run.
+                unsafe { $($calls)* }
+            }
+        }
+
+        #[cfg(not(target_os = "none"))]
+        fn main() {}
+    };
+}
+
 /// Most obstacles of a step here.
 pub const OBSTACLES_MOST: u32 = 16;
 

@@ -16,12 +16,12 @@ pub(crate) fn number(value: Option<f64>, decimals: usize) -> Cell {
     value.map_or(Cell::Empty, |value| Cell::Number(value, decimals))
 }
 
-/// Losses as flown, of those without avoidance.
+/// Losses as flown, of the losses without avoidance.
 pub(crate) fn left(lost: &Lost) -> Cell {
     Cell::text(format!("{} of {}", lost.flown, lost.nominal))
 }
 
-/// Encounters in which a policy acted without need, of those that are well clear without it.
+/// Encounters in which a policy acted without need, of the encounters that are well clear without avoidance.
 pub(crate) fn needless_of_clear(policy: &PolicyCase) -> Cell {
     Cell::text(format!("{} of {}", policy.needless, policy.clear))
 }

@@ -65,7 +65,7 @@ pub(super) fn protection(
     })
 }
 
-/// A floor and a ceiling, metres; infinite where there is none.
+/// The floor and the ceiling of a table, metres; infinite where the table lacks the key.
 pub(crate) fn limits(
     [floor, ceiling]: [&Option<Spanned<f64>>; 2],
     text: TomlText<'_>,
