@@ -85,6 +85,9 @@ pub(crate) struct FlownArgs {
     /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]
     policy: String,
+    /// Each file with the noise of this many seeds, from 0 on.
+    #[arg(long, default_value_t = 1)]
+    seeds: u64,
     /// Half of the files, by their numbers.
     #[arg(long)]
     only: Option<Half>,
@@ -147,9 +150,12 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     if files.is_empty() {
         return Err(format!("{}: no .daa file", folder.display()));
     }
-    let rows: Result<Vec<Row>, String> = files
+    let flights: Vec<(&Path, u64)> = (files.iter())
+        .flat_map(|(_, path)| (0..args.seeds).map(|seed| (path.as_path(), seed)))
+        .collect();
+    let rows: Result<Vec<Row>, String> = flights
         .par_iter()
-        .map(|(_, path)| fly_one(path, model.clone(), &policy, args.scale))
+        .map(|flight| fly_one(*flight, model.clone(), &policy, args.scale))
         .collect();
     let rows = rows?;
     if args.rows {
@@ -238,7 +244,7 @@ fn show(rows: &[Row]) {
 }
 
 fn fly_one(
-    path: &Path,
+    (path, seed): (&Path, u64),
     model: VehicleModel,
     policy: &PolicyChoice,
     scale: f64,
@@ -262,7 +268,8 @@ fn fly_one(
             .reduce(|least, one| core::array::from_fn(|place| least[place].min(one[place])))
             .unwrap_or([f64::INFINITY; VOLUMES.len()])
     };
-    let plan = Plan::read(path, Some(model)).map_err(|e| e.to_string())?;
+    let mut plan = Plan::read(path, Some(model)).map_err(|e| e.to_string())?;
+    plan.world.seed = seed;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
     let track = moments(&log);
     Ok(Row {
