@@ -81,11 +81,9 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
     let flown_m = [mission_m.as_slice(), &[start.position_m]].concat();
-    let (mut terrain, mut ground) = (None, None);
-    if let Some(table) = &file.terrain {
-        let heights = terrain.insert(terrain::read(table, &places)?);
-        ground = Some(terrain::ground(heights, table, &places, &flown_m)?);
-    }
+    let terrain = file.terrain.as_ref();
+    let terrain = terrain.map(|table| terrain::read(table, &places, &flown_m));
+    let (terrain, ground) = terrain.transpose()?.unzip();
     let reach_m = (start.position_m, flies_m);
     let (zones, notes) = zones::all(&file.zone, &places, terrain.as_ref(), reach_m)?;
     let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
