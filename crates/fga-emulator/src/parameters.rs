@@ -33,6 +33,7 @@ impl Default for Parameters {
             ("ROLL_LIMIT_DEG", 45.0),
             ("TECS_CLMB_MAX", 5.0),
             ("TECS_SINK_MAX", 5.0),
+            ("TERRAIN_ENABLE", 1.0),
             ("WP_LOITER_RAD", 60.0),
             ("WP_RADIUS", 30.0),
         ])

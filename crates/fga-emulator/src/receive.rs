@@ -73,7 +73,9 @@ impl Emulator {
             MavMessage::TERRAIN_REQUEST(_) => self.second_outbox.push(message.clone()),
             MavMessage::TERRAIN_CHECK(data) => {
                 let (card, now_s) = (&mut self.card, self.time_s);
-                let report = card.as_mut().map(|card| card.answer(data, now_s));
+                let is_on = self.parameters.value("TERRAIN_ENABLE") != 0.0;
+                let card = card.as_mut().filter(|_| is_on);
+                let report = card.map(|card| card.answer(data, now_s));
                 // Without terrain of its own: a spacing of 0.
                 let unknown = || TERRAIN_REPORT_DATA {
                     lat: data.lat,

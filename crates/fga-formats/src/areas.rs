@@ -17,11 +17,15 @@ use serde_json::Value;
 
 use crate::error::{InputError, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::terrain::Area;
 use crate::units::FOOT_M;
 use crate::zones::{ZoneError, heights_m, with_holes};
 
 /// A circle has at most this radius, metres.
 const LARGEST_M: f64 = 1e7;
+
+/// No place of the ellipsoid of WGS 84 is bent more than with this radius, metres: along the meridian at the equator.
+const LEAST_RADIUS_M: f64 = 6_335_439.0;
 
 /// An area of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,6 +58,35 @@ pub enum AreaOutline {
 }
 
 impl NamedArea {
+    /// The smallest area of latitude and longitude around it; `None` where it has none, or reaches a pole or the antimeridian.
+    pub fn span(&self) -> Option<Area> {
+        let corners_deg = match &self.outline {
+            AreaOutline::Polygon(rings) => rings.first()?.clone(),
+            AreaOutline::Circle {
+                center_deg: [latitude_deg, longitude_deg],
+                radius_m,
+            } => {
+                let north_deg = (radius_m / LEAST_RADIUS_M).to_degrees();
+                let level = libm::cos((latitude_deg.abs() + north_deg).to_radians());
+                let east_deg = north_deg / level.max(0.0);
+                vec![
+                    [latitude_deg - north_deg, longitude_deg - east_deg],
+                    [latitude_deg + north_deg, longitude_deg + east_deg],
+                ]
+            }
+        };
+        let [first, rest @ ..] = corners_deg.as_slice() else {
+            return None;
+        };
+        let [mut south, mut west] = *first;
+        let [mut north, mut east] = *first;
+        for [latitude_deg, longitude_deg] in rest {
+            (south, north) = (south.min(*latitude_deg), north.max(*latitude_deg));
+            (west, east) = (west.min(*longitude_deg), east.max(*longitude_deg));
+        }
+        Area::new([south, west, north, east]).ok()
+    }
+
     /// Whether a zone can be made of it, wherever a flight begins.
     ///
     /// # Errors

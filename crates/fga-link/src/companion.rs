@@ -58,12 +58,12 @@ use serde_json::{Value, json};
 
 use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severity, reaction};
 use crate::commands::Commands;
-use crate::config::{Config, ConfigError};
+use crate::config::{Config, ConfigError, TerrainSource};
 use crate::hand::{self, Hand};
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
 use crate::ownship::{OwnState, OwnshipEstimate};
-use crate::parameters::VehicleParameters;
+use crate::parameters::{TERRAIN_ENABLE, VehicleParameters};
 use crate::rates::Rates;
 use crate::restart::Note;
 use crate::traffic::{Defect, Defects, TrackTable};
@@ -184,6 +184,10 @@ impl Companion {
             0 => FIRST_SYSTEM,
             system_id => system_id,
         });
+        let mut parameters = VehicleParameters::default();
+        if config.terrain.source == Some(TerrainSource::Vehicle) {
+            parameters.ask_for(TERRAIN_ENABLE);
+        }
         Ok(Self {
             recorded: false,
             voice,
@@ -194,7 +198,7 @@ impl Companion {
             rates: Rates::default(),
             gap: gap::Gap::default(),
             commands: Commands::default(),
-            parameters: VehicleParameters::default(),
+            parameters,
             lists: Lists::new(config.safety.use_fence, take_over.contains(&Mode::RTL)),
             boundary: Boundary::default(),
             ownship: OwnshipEstimate::default(),

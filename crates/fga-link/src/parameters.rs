@@ -1,6 +1,6 @@
 //! The vehicle's parameters: requested by name until they are known.
 
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
 use mavlink::dialects::ardupilotmega::{MavMessage, PARAM_REQUEST_READ_DATA, PARAM_VALUE_DATA};
@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// The requested parameters. If a figure has two names, the newer comes first; the factor beside the older
 /// one scales it.
-const WANTED: [(&str, &str, f64); 23] = [
+const WANTED: [(&str, &str, f64); 24] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
     ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
@@ -34,9 +34,12 @@ const WANTED: [(&str, &str, f64); 23] = [
     ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
     ("FENCE_TYPE", "FENCE_TYPE", 1.0),
     (FENCE_OPTIONS, FENCE_OPTIONS, 1.0),
+    (TERRAIN_ENABLE, TERRAIN_ENABLE, 1.0),
 ];
 /// Counts with a fence alone, and is requested then.
-const FENCE_OPTIONS: &str = "FENCE_OPTIONS";
+pub const FENCE_OPTIONS: &str = "FENCE_OPTIONS";
+/// Counts where the vehicle is asked for the ground alone, and is requested then.
+pub const TERRAIN_ENABLE: &str = "TERRAIN_ENABLE";
 /// It does not act without these: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
 /// Requests sent at once, time for their answers, and rounds before a name counts as absent.
@@ -69,7 +72,8 @@ pub struct VehicleParameters {
     values: BTreeMap<&'static str, f64>,
     rounds: BTreeMap<&'static str, u8>,
     again_s: f64,
-    has_fence: bool,
+    /// Those requested of the ones that do not always count.
+    also: BTreeSet<&'static str>,
 }
 
 impl VehicleParameters {
@@ -93,14 +97,15 @@ impl VehicleParameters {
         NEEDED.iter().all(|name| self.values.contains_key(name))
     }
 
-    /// Requests also what counts with a fence.
-    pub fn ask_for_fence(&mut self) {
-        (self.has_fence, self.again_s) = (true, 0.0);
+    /// Requests also one that does not always count.
+    pub fn ask_for(&mut self, name: &'static str) {
+        self.also.insert(name);
+        self.again_s = 0.0;
     }
 
     fn is_settled(&self, name: &'static str) -> bool {
         self.values.contains_key(name)
-            || name == FENCE_OPTIONS && !self.has_fence
+            || [FENCE_OPTIONS, TERRAIN_ENABLE].contains(&name) && !self.also.contains(name)
             || !NEEDED.contains(&name)
                 && self
                     .rounds
@@ -363,8 +368,8 @@ mod tests {
         }
         assert!(!parameters.is_complete() && !parameters.is_sufficient());
         let asked = outbox.take().len() + usize::try_from(outbox.dropped).unwrap();
-        // Most names some times each, but for the fence's; bank limit and cruise airspeed every time, by both names.
-        let given_up = WANTED.len() - NEEDED.len() - 1;
+        // Most names some times each, but for those that do not always count; bank limit and cruise airspeed every time, by both names.
+        let given_up = WANTED.len() - NEEDED.len() - 2;
         assert_eq!(asked, given_up * usize::from(MOST_ROUNDS) + 2 * 2 * 250);
         // A request or an answer that is lost for a long time does not keep it on the ground.
         parameters.take(&value("ROLL_LIMIT_DEG", 45.0));
@@ -373,7 +378,7 @@ mod tests {
         // A fence that comes later asks for its own.
         parameters.tick(300.0, 1, &mut outbox);
         assert!(outbox.take().is_empty());
-        parameters.ask_for_fence();
+        parameters.ask_for(FENCE_OPTIONS);
         parameters.tick(301.0, 1, &mut outbox);
         assert!(outbox.take().len() == 1 && !parameters.is_complete());
         parameters.take(&value(FENCE_OPTIONS, 3.0));

@@ -1,7 +1,7 @@
 //! The ground against code of this test: the certificate is never above what a flight keeps.
 //!
-//! The flights are integrated here in steps of a millisecond, the ground is looked up here. 10⁴ flights by default;
-//! `FGA_GROUND_CASES` sets another number, `FGA_FIRST_CASE` draws others.
+//! The flights are integrated here in steps of a millisecond, the ground is looked up here, at each step that can be too low.
+//! 10⁵ flights by default; `FGA_GROUND_CASES` sets another number, `FGA_FIRST_CASE` draws others.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -21,14 +21,11 @@ use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::Mission;
 use fga_proof::{Vec2, Vec3};
-use flown::{Flown, INTEGRATED_M, drawn, number};
+use flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
 use random::Random;
 
 /// What the certificate may ask for beyond the target, metres.
 const SLACK_M: f64 = 0.01;
-
-/// Longest time between two looks at the ground, seconds.
-const LOOK_S: f64 = 5e-3;
 
 /// A grid of heights and its peaks.
 struct Grid {
@@ -37,13 +34,19 @@ struct Grid {
     columns: usize,
     heights: Vec<f32>,
     peaks: Vec<f32>,
+    /// Places of unknown posts, from the corner.
+    holes: Vec<Vec2>,
 }
 
 impl Grid {
     fn new(corner: Vec2, spacing: Vec2, columns: usize, heights: Vec<f32>) -> Self {
         let mut peaks = vec![0.0; Ground::peak_count(columns, heights.len())];
         Ground::fill_peaks(columns, &heights, &mut peaks);
+        let holes = (0..heights.len()).filter(|index| heights[*index].is_nan());
+        let holes = holes
+            .map(|index| Vec2::new((index % columns) as f64, (index / columns) as f64) * spacing);
         Self {
+            holes: holes.collect(),
             corner,
             spacing,
             columns,
@@ -87,9 +90,7 @@ impl Grid {
             let first = ((at - beside - corner) / spacing).ceil() as i64;
             let last = ((at + beside - corner) / spacing).floor() as i64;
             let lines = (first..=last).map(move |line| corner + line as f64 * spacing);
-            let mut all: Vec<f64> = lines.collect();
-            all.extend([at - beside, at + beside]);
-            all
+            lines.chain([at - beside, at + beside])
         };
         let mut highest = f64::NEG_INFINITY;
         for x in within(at.x, self.corner.x, self.spacing.x) {
@@ -99,6 +100,18 @@ impl Grid {
             }
         }
         highest
+    }
+
+    /// At least so far off is what is unknown.
+    fn known_m(&self, at: Vec2) -> f64 {
+        let rows = self.heights.len() / self.columns;
+        let end = Vec2::new((self.columns - 1) as f64, (rows - 1) as f64) * self.spacing;
+        let inside = (at - self.corner).min(self.corner + end - at).min_element();
+        let holes = self
+            .holes
+            .iter()
+            .map(|hole| ((at - self.corner - *hole).abs() - self.spacing).max_element());
+        holes.fold(inside, f64::min)
     }
 
     /// The steepest slope between two neighbours.
@@ -137,21 +150,26 @@ impl Random {
         };
         let kind = self.unit();
         // Waves of ever shorter length; cliffs and plateaus are the same, cut into steps.
-        let waves: Vec<[f64; 4]> = (0..7)
+        let waves: Vec<_> = (0..7)
             .map(|octave| {
-                let (sin, cos) = self.within(0.0, TAU).sin_cos();
-                let number = 0.05 * f64::from(1 << octave);
+                let along = 0.05 * f64::from(1 << octave) * Vec2::from_angle(self.within(0.0, TAU));
                 let high = rough * self.within(0.2, 1.0) / f64::from(1 << octave);
-                [number * cos, number * sin, self.within(0.0, TAU), high]
+                let begin = self.within(0.0, TAU);
+                let angles = |first: f64, step: f64, count: usize| -> Vec<Vec2> {
+                    let angle = |index| Vec2::from_angle(first + step * index as f64);
+                    (0..count).map(angle).collect()
+                };
+                let across = angles(begin, along.x, columns);
+                (high, across, angles(0.0, along.y, rows))
             })
             .collect();
         let step = self.within(0.2, 1.0) * rough;
         let mut heights: Vec<f32> = (0..columns * rows)
             .map(|index| {
-                let (x, y) = ((index % columns) as f64, (index / columns) as f64);
+                let (column, row) = (index % columns, index / columns);
                 let high: f64 = waves
                     .iter()
-                    .map(|[a, b, c, high]| high * (a * x + b * y + c).sin())
+                    .map(|(high, x, y)| high * x[column].rotate(y[row]).y)
                     .sum();
                 let cut = if kind < 0.4 || step <= 0.0 {
                     high
@@ -180,8 +198,8 @@ impl Random {
 
 #[test]
 fn no_ground_is_nearer_than_certified() {
-    let cases = number("FGA_GROUND_CASES", 10_000);
-    let (mut clear, mut entered, mut certified, mut most_work) = (0, 0, 0, 0);
+    let cases = number("FGA_GROUND_CASES", 100_000);
+    let (mut clear, mut entered, mut certified, mut most_work, mut open) = (0, 0, 0, 0, 0);
     for case in drawn(cases) {
         let random = &mut Random(0x6a0d_0000 + case);
         let vehicle = random.vehicle();
@@ -218,13 +236,12 @@ fn no_ground_is_nearer_than_certified() {
             enough_m: 1e3,
         };
         let found = certify_set(&flyer, &path, &around, &asked, &meter);
-        assert_eq!(
-            found.status,
-            Status::Proven,
-            "{case} {found:?} {} {:?}",
-            grid.steepest(),
-            grid.spacing
-        );
+        // Beside cliffs the looks along a line may end before it is known how deep it comes: then it counts as deepest.
+        let steepest = grid.steepest();
+        let is_open = found.margin_m == f64::NEG_INFINITY && steepest > 10.0;
+        open += u64::from(is_open);
+        let is_known = found.status == Status::Proven || is_open;
+        assert!(is_known, "{case} {found:?} {steepest} {:?}", grid.spacing);
         let target_m = random.within(0.0, 15.0);
         let before = meter.done();
         let proven = prove(
@@ -240,47 +257,48 @@ fn no_ground_is_nearer_than_certified() {
             .margin_m
             .max(proven.map_or(f64::MIN, |proven| proven.margin_m()));
         let speed_mps = vehicle.airspeed_mps + wind.length();
-        let asked_m = target_m + path.remainder_m() + SLACK_M + LOOK_S * speed_mps;
+        let asked_m = target_m + path.remainder_m() + SLACK_M + STEP_S * speed_mps;
         // Within so much the certificate looks at the posts themselves.
-        let is_fine = 2.0 * asked_m < 2.0 * grid.spacing.min_element();
+        let is_fine = asked_m < grid.spacing.min_element();
         // Its height above the ground falls no faster.
-        let falls_mps = speed_mps * (1.0 + 1.5 * grid.steepest());
+        let falls_mps = speed_mps * (1.0 + 1.5 * steepest);
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
-        let above =
-            |at: Vec3, beside: f64| at.z - beside - needed_m - grid.highest(at.truncate(), beside);
-        let mut lowest_m = [f64::INFINITY; 2];
-        let mut look_s = [0.0; 2];
-        while flown.time_s <= horizon_s {
-            let beside = [(bound_m - INTEGRATED_M).max(0.0), asked_m];
+        // What is certified is kept; what is kept by more than a piece of a centimetre, not looked into, is certified.
+        let beside_m = [(bound_m - INTEGRATED_M).max(0.0), asked_m];
+        let least_m = [-INTEGRATED_M * (1.0 + steepest), 0.02 + 0.03 * steepest];
+        let is_judged = [bound_m >= 0.0, is_fine && proven.is_none()];
+        let mut look_s = is_judged.map(|judged| if judged { 0.0 } else { f64::INFINITY });
+        let mut kept = is_judged;
+        while flown.time_s <= horizon_s && look_s[0].min(look_s[1]) <= horizon_s {
             for which in 0..2 {
                 if flown.time_s >= look_s[which] {
-                    let above_m = above(flown.at, beside[which]);
-                    lowest_m[which] = lowest_m[which].min(above_m);
-                    let sinks_s = (above_m - INTEGRATED_M).max(0.0) / falls_mps;
-                    // What is unknown begins anywhere.
-                    look_s[which] = flown.time_s + sinks_s.min(LOOK_S);
+                    let (at, beside_m) = (flown.at.truncate(), beside_m[which]);
+                    let needed_m = needed_m + beside_m + least_m[which];
+                    let above_m = flown.at.z - needed_m - grid.highest(at, beside_m);
+                    kept[which] = above_m >= 0.0;
+                    let known_s = (grid.known_m(at) - beside_m) / speed_mps;
+                    look_s[which] = if kept[which] {
+                        flown.time_s + known_s.min(above_m / falls_mps)
+                    } else {
+                        f64::INFINITY
+                    };
                 }
-            }
-            if bound_m < 0.0 && lowest_m[1] <= 0.0 {
-                break;
             }
             flown.step();
         }
-        let kept = lowest_m[0] >= -INTEGRATED_M * (1.0 + grid.steepest());
-        // A piece of a centimetre is not looked into.
-        let keeps_all = lowest_m[1] >= 0.02 + 0.03 * grid.steepest();
         if bound_m >= 0.0 {
             clear += 1;
-            assert!(kept, "{case}: {bound_m} is not kept: {}", lowest_m[0]);
+            assert!(kept[0], "{case}: {bound_m} is not kept");
         } else {
             entered += 1;
             assert!(proven.is_none(), "{case}");
         }
-        if keeps_all && is_fine {
-            assert!(proven.is_some(), "{case}: {} at {target_m}", lowest_m[1]);
-        }
+        assert!(!kept[1], "{case}: {target_m} is not found");
     }
-    println!("{clear} clear, {entered} not, {certified} certified, most work {most_work}");
+    println!(
+        "{clear} clear, {entered} not, {certified} certified, {open} open, most work {most_work}"
+    );
+    assert!(open <= 1 + cases / 100_000, "{open}");
     assert!(clear > cases / 5 && entered > cases / 5 && certified > cases / 5);
 }
 

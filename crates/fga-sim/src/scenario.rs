@@ -80,11 +80,12 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
     let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let flies_m = horizon_s * (model.vehicle.airspeed_mps + wind_mps.length());
-    let (zones, notes) = zones::all(&file.zone, &places, (start.position_m, flies_m))?;
     let flown_m = [mission_m.as_slice(), &[start.position_m]].concat();
     let terrain = file.terrain.as_ref();
-    let ground = terrain.map(|table| terrain::ground(table, &places, &flown_m));
-    let ground = ground.transpose()?;
+    let terrain = terrain.map(|table| terrain::read(table, &places, &flown_m));
+    let (terrain, ground) = terrain.transpose()?.unzip();
+    let reach_m = (start.position_m, flies_m);
+    let (zones, notes) = zones::all(&file.zone, &places, terrain.as_ref(), reach_m)?;
     let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;

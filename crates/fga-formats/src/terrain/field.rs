@@ -240,19 +240,19 @@ impl HeightField {
         }
     }
 
-    /// The largest height of the cells that an area touches, metres; `None` where a part of the area is outside or
+    /// The least and the largest height of the cells that an area touches, metres; `None` where a part of the area is outside or
     /// beside a hole.
-    pub fn largest_m(&self, area: &Area) -> Option<f64> {
+    pub fn range_m(&self, area: &Area) -> Option<[f64; 2]> {
         let [south, west] = self.grid.steps(area.south_deg, area.west_deg)?;
         let [north, east] = self.grid.steps(area.north_deg, area.east_deg)?;
-        let mut largest_m = f64::NEG_INFINITY;
+        let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
         for row in touched(south, north, self.grid.rows) {
             for column in touched(west, east, self.grid.columns) {
                 let height_m = self.post_m(self.grid.rows.saturating_sub(row + 1), column)?;
-                largest_m = largest_m.max(height_m);
+                range_m = [range_m[0].min(height_m), range_m[1].max(height_m)];
             }
         }
-        largest_m.is_finite().then_some(largest_m)
+        (range_m[0] <= range_m[1]).then_some(range_m)
     }
 
     /// The least and the largest height, if any is known, metres, and the number of holes.

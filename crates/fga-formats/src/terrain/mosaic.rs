@@ -118,10 +118,11 @@ impl Terrain {
             .find_map(|field| field.height_m(latitude_deg, longitude_deg))
     }
 
-    /// The largest height of the ground in an area, metres; at most one spacing outside of it. `None` where a part of the area is not known.
-    pub fn largest_m(&self, area: &Area) -> Option<f64> {
+    /// The least and the largest height of the ground in an area, metres; at most one spacing outside of it. `None` where a part of the area
+    /// is not known.
+    pub fn range_m(&self, area: &Area) -> Option<[f64; 2]> {
         let mut missing = vec![*area];
-        let mut largest_m = f64::NEG_INFINITY;
+        let mut range_m = [f64::INFINITY, f64::NEG_INFINITY];
         for field in self.fields() {
             let held = field.grid().area();
             let mut left = Vec::new();
@@ -130,12 +131,13 @@ impl Terrain {
                     left.push(part);
                     continue;
                 };
-                largest_m = largest_m.max(field.largest_m(&common)?);
+                let [least_m, largest_m] = field.range_m(&common)?;
+                range_m = [range_m[0].min(least_m), range_m[1].max(largest_m)];
                 left.extend(around(&part, &common));
             }
             missing = left;
             if missing.is_empty() {
-                return Some(largest_m);
+                return Some(range_m);
             }
         }
         None

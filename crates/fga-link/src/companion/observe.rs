@@ -16,6 +16,7 @@ use crate::authority::{Authority, Fault};
 use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
 use crate::ownship::{FLYING_SPEED_MPS, OwnState};
+use crate::parameters::TERRAIN_ENABLE;
 
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
@@ -46,7 +47,9 @@ impl Companion {
         // Before the take-off too: a ground station needs minutes.
         let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
         self.over.follow_arming(self.session.is_armed());
-        self.over.order(route, lists, &self.ownship, voice);
+        let has_terrain = self.parameters.get(TERRAIN_ENABLE) != Some(0.0);
+        self.over
+            .order(route, lists, (&self.ownship, has_terrain), voice);
         let state = state?;
         self.lay_fence();
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {

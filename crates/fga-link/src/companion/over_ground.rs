@@ -186,12 +186,12 @@ impl OverGround {
         }
     }
 
-    /// Asks for ground, and orders it where the present one does not serve any more.
+    /// Asks for ground, the vehicle only if it has terrain, and orders it where the present one does not serve any more.
     pub(super) fn order(
         &mut self,
         route: &LaidRoute,
         lists: &Lists,
-        ownship: &OwnshipEstimate,
+        (ownship, has_terrain): (&OwnshipEstimate, bool),
         voice: &mut Voice,
     ) {
         let (Some(frame), Some(home_m), Some(at_m)) = (
@@ -201,7 +201,7 @@ impl OverGround {
         ) else {
             return;
         };
-        self.ask(frame, at_m, route, voice);
+        self.ask(frame, at_m, route, has_terrain, voice);
         let (terrain, number) = match &self.heights {
             GroundSource::Files(terrain) => (terrain, 0),
             GroundSource::Asked(_, _, Some((terrain, number))) => (terrain, *number),
@@ -223,11 +223,19 @@ impl OverGround {
     }
 
     /// Asks for what is missing, and takes what has come.
-    fn ask(&mut self, frame: &LocalFrame, at_m: Vec3, route: &LaidRoute, voice: &mut Voice) {
+    fn ask(
+        &mut self,
+        frame: &LocalFrame,
+        at_m: Vec3,
+        route: &LaidRoute,
+        has_terrain: bool,
+        voice: &mut Voice,
+    ) {
         let now_s = voice.now_s();
         let GroundSource::Asked(source, asked, terrain) = &mut self.heights else {
             return;
         };
+        let is_off = *source == TerrainSource::Vehicle && !has_terrain;
         let places = || places(frame, at_m, route.left_m(at_m).1);
         let (requests, nobody): (Vec<MavMessage>, _) = match source {
             TerrainSource::GroundStation => {
@@ -238,6 +246,7 @@ impl OverGround {
                     "fga: no terrain from the ground station",
                 )
             }
+            _ if is_off => (Vec::new(), "fga: no terrain: TERRAIN_ENABLE is 0"),
             TerrainSource::Vehicle => {
                 let checks = asked.checks(now_s, places).into_iter();
                 (
@@ -250,7 +259,7 @@ impl OverGround {
         if terrain.as_ref().is_none_or(|(_, laid)| *laid != number) {
             *terrain = asked.terrain().map(|terrain| (terrain, number));
         }
-        let is_unanswered = asked.is_unanswered();
+        let is_unanswered = is_off || asked.is_unanswered();
         for request in requests {
             voice.send(request);
         }

@@ -14,6 +14,7 @@ use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
+use crate::parameters::FENCE_OPTIONS;
 
 impl Companion {
     /// Takes a message.
@@ -238,7 +239,7 @@ impl Companion {
         if !self.boundary.lay(fence, frame, &mut self.voice) {
             return;
         }
-        self.parameters.ask_for_fence();
+        self.parameters.ask_for(FENCE_OPTIONS);
         if self.config.command.mode == CommandMode::Paper {
             self.voice.warn("fga: Algorithm 4 knows no fence");
         }

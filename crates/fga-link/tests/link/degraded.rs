@@ -27,7 +27,7 @@ fn head_on(config: &str) -> World {
     world
 }
 
-fn set_parameter(world: &mut World, name: &str, value: f32) {
+pub(crate) fn set_parameter(world: &mut World, name: &str, value: f32) {
     let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
         param_value: value,
         target_system: 1,

@@ -6,17 +6,17 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use fga_emulator::{Mode, Settings};
 
 use crate::common::{GOOD, Intruder, Network, World};
+use crate::degraded::set_parameter;
 use crate::station_terrain::pieces;
 use crate::terrain::{Flown, PROTECTED_M, choice, fly_beside, is_told};
 
 const CONFIG: &str = "[terrain]\nsource = \"vehicle\"\nclearance_m = 30.0\n";
 
-/// A flight past a head-on intruder; the card has heights by metres east and north of home.
-fn asked(
+/// A vehicle and a head-on intruder; its card has heights by metres east and north of home.
+fn vehicle(
     network: Network,
     height_m: impl Fn(f64, f64) -> Option<f32> + Send + Sync + 'static,
-    until_s: f64,
-) -> (World, Flown) {
+) -> World {
     let mut world = World::with(Settings::default(), CONFIG, network, 8);
     let home = *world.emulator.home();
     world
@@ -29,6 +29,16 @@ fn asked(
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
     intruder.shown_m = 1200.0;
     world.add(intruder);
+    world
+}
+
+/// A flight past the intruder.
+fn asked(
+    network: Network,
+    height_m: impl Fn(f64, f64) -> Option<f32> + Send + Sync + 'static,
+    until_s: f64,
+) -> (World, Flown) {
+    let mut world = vehicle(network, height_m);
     let mut flown = fly_beside(&mut world, None, until_s, |_| {});
     world.companion.shut_down(until_s);
     flown.log.extend(world.companion.take_log());
@@ -86,6 +96,31 @@ fn a_vehicle_that_knows_no_ground_is_told_and_traffic_is_avoided() {
     let (world, flown) = asked(GOOD, |_, _| Some(3e4), 40.0);
     assert!(is_told(&world, "fga: terrain answers that are no ground"));
     assert_eq!(pieces(&flown, "taken"), 0);
+}
+
+/// ArduPilot answers then, but knows no height.
+#[test]
+fn a_vehicle_with_its_terrain_off_is_told_within_seconds_and_asked_once_it_is_on() {
+    let mut world = vehicle(GOOD, |_, _| Some(4.0));
+    world.emulator.parameters.set("TERRAIN_ENABLE", 0.0);
+    let mut told_s = None;
+    let flown = fly_beside(&mut world, None, 130.0, |world| {
+        if is_told(world, "fga: no terrain: TERRAIN_ENABLE is 0") {
+            told_s.get_or_insert(world.time_s);
+        }
+    });
+    assert!(told_s.is_some_and(|told_s| told_s < 5.0), "{told_s:?}");
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    set_parameter(&mut world, "TERRAIN_ENABLE", 1.0);
+    fly_beside(&mut world, None, 150.0, |_| {});
+    let picture = world.companion.picture().expect("a decision");
+    assert!(
+        picture
+            .above_ground
+            .and_then(|above| above.here_m)
+            .is_some()
+    );
 }
 
 /// ArduPlane 4.7 gives heights as its card has them until it arms, and from then on so that the ground below it is where it stands.

@@ -5,15 +5,15 @@
     reason = "small counts drawn from floats"
 )]
 
-use fga_proof::Vec3;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::prediction::Flyer;
 use fga_proof::vehicle::{Response, Vehicle};
+use fga_proof::{Vec2, Vec3};
 
 use super::random::Random;
 
 /// Step of the integration, seconds.
-const STEP_S: f64 = 1e-3;
+pub(crate) const STEP_S: f64 = 1e-3;
 
 /// Error of integration and rounding, metres.
 pub(crate) const INTEGRATED_M: f64 = 1e-3;
@@ -72,6 +72,37 @@ pub(crate) fn drawn(cases: u64) -> core::ops::Range<u64> {
     first..first + cases
 }
 
+/// A direction that turns step by step: its middle of each step, by a rotation where the turn stays the same.
+struct Direction {
+    angle: f64,
+    turn: f64,
+    turning: Vec2,
+    middle: Vec2,
+}
+
+impl Direction {
+    const ZERO: Self = Self {
+        angle: 0.0,
+        turn: f64::NAN,
+        turning: Vec2::X,
+        middle: Vec2::X,
+    };
+
+    /// Turns toward an angle by at most so much; cosine and sine in the middle.
+    fn step(&mut self, toward: f64, most: f64) -> Vec2 {
+        let turn = (toward - self.angle).clamp(-most, most);
+        if turn == self.turn {
+            self.middle = self.turning.rotate(self.middle);
+        } else {
+            self.turn = turn;
+            self.turning = Vec2::from_angle(turn);
+            self.middle = Vec2::from_angle(self.angle + 0.5 * turn);
+        }
+        self.angle += turn;
+        self.middle
+    }
+}
+
 /// The flight of an ideal aircraft, integrated by mid-points.
 pub(crate) struct Flown<'a> {
     vehicle: &'a Vehicle,
@@ -79,8 +110,11 @@ pub(crate) struct Flown<'a> {
     maneuver: &'a Maneuver,
     wind: Vec3,
     pub(crate) at: Vec3,
-    course: f64,
-    climb: f64,
+    course: Direction,
+    climb: Direction,
+    stage: Option<Stage>,
+    /// When the next stage begins.
+    begins_s: f64,
     pub(crate) time_s: f64,
 }
 
@@ -98,42 +132,40 @@ impl<'a> Flown<'a> {
             maneuver,
             wind,
             at: Vec3::ZERO,
-            course: 0.0,
-            climb: 0.0,
+            course: Direction::ZERO,
+            climb: Direction::ZERO,
+            stage: None,
+            begins_s: 0.0,
             time_s: 0.0,
         }
     }
 
     pub(crate) fn step(&mut self) {
-        let stage = self
-            .maneuver
-            .stages()
-            .iter()
-            .rfind(|stage| stage.start_s <= self.time_s + 1e-9);
+        let now_s = self.time_s + 1e-9;
+        if self.begins_s <= now_s {
+            let stages = self.maneuver.stages().iter();
+            self.stage = stages
+                .clone()
+                .rfind(|stage| stage.start_s <= now_s)
+                .copied();
+            let later_s = stages
+                .map(|stage| stage.start_s)
+                .filter(|start_s| *start_s > now_s);
+            self.begins_s = later_s.fold(f64::INFINITY, f64::min);
+        }
         // A stage may begin within the step.
-        let begins_s = (self.maneuver.stages().iter().map(|stage| stage.start_s))
-            .filter(|start_s| *start_s > self.time_s + 1e-9)
-            .fold(f64::INFINITY, f64::min);
-        let step_s = STEP_S.min(begins_s - self.time_s);
-        let toward = |from: f64, to: f64, most: f64| from + (to - from).clamp(-most, most);
-        let (course, climb) = stage.map_or((self.course, self.climb), |stage| {
-            let to_climb = stage
-                .climb_rad
-                .clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
-            (
-                toward(
-                    self.course,
-                    stage.course_rad,
-                    stage.rate_share * self.rates_radps.0 * step_s,
-                ),
-                toward(self.climb, to_climb, self.rates_radps.1 * step_s),
-            )
+        let step_s = STEP_S.min(self.begins_s - self.time_s);
+        let (course_rad, climb_rad, share) = self.stage.map_or((0.0, 0.0, 0.0), |stage| {
+            (stage.course_rad, stage.climb_rad, stage.rate_share)
         });
-        let (sin, cos) = (0.5 * (self.course + course)).sin_cos();
-        let (up, level) = (0.5 * (self.climb + climb)).sin_cos();
-        let air = Vec3::new(level * cos, level * sin, up) * self.vehicle.airspeed_mps;
+        let (least, most) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        let (course_rate, climb_rate) = self.rates_radps;
+        let along = self.course.step(course_rad, share * course_rate * step_s);
+        let up = self
+            .climb
+            .step(climb_rad.clamp(least, most), climb_rate * step_s);
+        let air = (up.x * along).extend(up.y) * self.vehicle.airspeed_mps;
         self.at += (air + self.wind) * step_s;
-        (self.course, self.climb) = (course, climb);
         self.time_s += step_s;
     }
 }

@@ -15,12 +15,12 @@ use crate::ground::WorldGround;
 /// Largest clearance, metres.
 const MOST_CLEARANCE_M: f64 = 10_000.0;
 
-/// The ground around places of a flight, metres.
-pub(super) fn ground(
+/// The heights of the files, and the ground around places of a flight, metres.
+pub(super) fn read(
     table: &Spanned<TerrainTable>,
     places: &Places<'_>,
     flown_m: &[Vec3],
-) -> Result<Arc<WorldGround>, InputError> {
+) -> Result<(Terrain, Arc<WorldGround>), InputError> {
     let (text, entry) = (&places.text, table.get_ref());
     let Some(frame) = &places.frame else {
         let message = "terrain has heights by latitude and longitude, expected an [origin] with latitude_deg, longitude_deg and altitude_m";
@@ -36,5 +36,5 @@ pub(super) fn ground(
     let ground = WorldGround::around(&terrain, frame, flown_m, clearance_m);
     let ground =
         ground.map_err(|message| text.error_at(&entry.file, format!("terrain {message}")))?;
-    Ok(Arc::new(ground))
+    Ok((terrain, Arc::new(ground)))
 }

@@ -6,6 +6,7 @@ use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
+use fga_formats::terrain::Terrain;
 use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
 use toml::Spanned;
@@ -17,10 +18,12 @@ use crate::zone::{WorldOutline, WorldZone};
 /// Of a file, some zones of which are nearer, those are left out that are farther from the start than this many times the way flown.
 const BEYOND: f64 = 2.0;
 
-/// The zones of a file, for a start and the length of the flight, metres, and what of their files counts otherwise than it is written.
+/// The zones of a file, over ground if it is known, for a start and the length of the flight, metres, and what of their files counts
+/// otherwise than it is written.
 pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
     places: &Places<'_>,
+    terrain: Option<&Terrain>,
     (start_m, flies_m): (Vec3, f64),
 ) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
     let (mut zones, mut notes) = (Vec::new(), Vec::new());
@@ -33,6 +36,7 @@ pub(super) fn all(
             entry,
             path,
             places,
+            terrain,
             keep_in: entry.get_ref().kind == ZoneKindName::KeepIn,
             zones: Vec::new(),
             open: 0,
@@ -48,6 +52,7 @@ struct AreaFile<'a> {
     entry: &'a Spanned<ZoneTable>,
     path: &'a Spanned<PathBuf>,
     places: &'a Places<'a>,
+    terrain: Option<&'a Terrain>,
     keep_in: bool,
     zones: Vec<WorldZone>,
     /// How many count without a ceiling, because nothing can place theirs.
@@ -107,6 +112,39 @@ impl AreaFile<'_> {
         Ok(notes.map(move |(count, what)| format!("{file}: {} {what}", counted(count, "zone"))))
     }
 
+    /// The limits of an area; those above the ground as altitudes, if the ground is known in all of the box around it: above the lowest or
+    /// the highest place there, so that no zone to keep out of is smaller than it is written, and none to stay in is larger.
+    fn over_ground(&self, area: &NamedArea) -> [Option<AreaLimit>; 2] {
+        let range_m = || {
+            let terrain = self.terrain?;
+            let error_m = terrain.vertical_error_m();
+            let [least_m, largest_m] = terrain.range_m(&area.span()?)?;
+            Some([least_m - error_m, largest_m + error_m])
+        };
+        let is_above = |limit: &AreaLimit| limit.above == Reference::Ground;
+        let mut limits = area.limits;
+        if limits.iter().flatten().any(is_above)
+            && let Some([low_m, high_m]) = range_m()
+        {
+            let [floor_m, ceiling_m] = if self.keep_in {
+                [high_m, low_m]
+            } else {
+                [low_m, high_m]
+            };
+            for (limit, ground_m) in limits.iter_mut().zip([floor_m, ceiling_m]) {
+                // On the ground itself begins what has no floor.
+                if let Some(limit) = limit
+                    .as_mut()
+                    .filter(|limit| is_above(limit) && limit.height_m > 0.0)
+                {
+                    limit.above = Reference::Sea;
+                    limit.height_m += ground_m;
+                }
+            }
+        }
+        limits
+    }
+
     /// The outline of an area and its holes.
     fn outline(
         &self,
@@ -141,7 +179,8 @@ impl AreaFile<'_> {
         holes: Vec<Vec<Vec2>>,
     ) -> Result<(), InputError> {
         let (text, name) = (&self.places.text, whole.name());
-        let (heights_m, is_open) = heights_m(self.entry, name, area.limits, self.places)?;
+        let limits = self.over_ground(area);
+        let (heights_m, is_open) = heights_m(self.entry, name, limits, self.places)?;
         self.open += usize::from(is_open);
         let wrong = |error| text.error_at(self.path, format!("{name}: {error}"));
         let mut outlines = vec![(name.to_owned(), self.keep_in, whole.outline().clone())];

@@ -305,6 +305,42 @@ const SQUARE: &str = r#"{"type":"Polygon","coordinates":[[[8.01,47.01],[8.02,47.
 const RING: &str = r#"{"type":"Polygon","coordinates":[[[8.01,47.01],[8.02,47.01],[8.02,47.02],[8.01,47.02],[8.01,47.01]],
     [[8.013,47.013],[8.017,47.013],[8.017,47.017],[8.013,47.017],[8.013,47.013]]]}"#;
 
+/// Over 430 m there is one post of 520 m and one of 410 m, each with an error of 16 m; home is at 400 m.
+#[test]
+fn limits_above_known_ground_are_altitudes_and_never_the_wrong_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("N47E008.hgt");
+    let mut heights = vec![430_i16; 1201 * 1201];
+    // At 47.0150, 8.0150 and 47.0125, 8.0125.
+    heights[1182 * 1201 + 18] = 520;
+    heights[1185 * 1201 + 15] = 410;
+    let bytes: Vec<u8> = heights.iter().flat_map(|m| m.to_be_bytes()).collect();
+    std::fs::write(&path, bytes).unwrap();
+    let ground = format!("[terrain]\nfile = '{}'\nclearance_m = 20.0", path.display());
+    let heights_m = |limits: &str, outline: &str, kind: &str| {
+        let zones = file(&[ed269("town", "PROHIBITED", limits, outline)]);
+        let plan = with_zones_of(&zones, &format!("kind = '{kind}'\n{ground}")).unwrap();
+        assert!(plan.notes.is_empty(), "{:?}", plan.notes);
+        plan.world.zones[0].heights_m()
+    };
+    let above = limits(["60", "AGL"], ["300", "AGL"]);
+    assert_eq!(heights_m(&above, SQUARE, "keep-out"), (54.0, 436.0));
+    assert_eq!(heights_m(&above, SQUARE, "keep-in"), (196.0, 294.0));
+    let circle = r#"{"type":"Circle","center":[8.015,47.015],"radius":100}"#;
+    assert_eq!(heights_m(&above, circle, "keep-out"), (74.0, 436.0));
+    let low = limits(["0", "AGL"], ["120", "AGL"]);
+    assert_eq!(
+        heights_m(&low, SQUARE, "keep-out"),
+        (f64::NEG_INFINITY, 256.0)
+    );
+    // Beyond what is known.
+    let circle = r#"{"type":"Circle","center":[8.002,47.015],"radius":300}"#;
+    let zones = file(&[ed269("town", "PROHIBITED", &low, circle)]);
+    let plan = with_zones_of(&zones, &format!("kind = 'keep-out'\n{ground}")).unwrap();
+    assert_eq!(plan.world.zones[0].heights_m(), fga::zone::ALL_HEIGHTS_M);
+    assert_eq!(plan.notes.len(), 1);
+}
+
 #[test]
 fn zones_of_an_authority_are_placed_or_counted_or_refused() {
     let circle = r#"{"type":"Circle","center":[8.01,47.01],"radius":250}"#;

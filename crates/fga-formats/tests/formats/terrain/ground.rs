@@ -35,15 +35,20 @@ fn neighbours_are_one_ground_across_the_gap_between_their_posts() {
         })
         .collect();
     let seen_m = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let largest_m = ground.largest_m(&area).unwrap();
+    let lowest_m = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let [least_m, largest_m] = ground.range_m(&area).unwrap();
     assert!(
         largest_m >= seen_m && largest_m < seen_m + 20.0,
         "{largest_m} {seen_m}"
     );
+    assert!(
+        least_m <= lowest_m && least_m > lowest_m - 20.0,
+        "{least_m} {lowest_m}"
+    );
     let beyond = Area::new([46.46, 9.21, 46.61, 9.32]).unwrap();
-    assert_eq!(ground.largest_m(&beyond), None);
+    assert_eq!(ground.range_m(&beyond), None);
     let alone = terrain(&["west.tif", "east.tif"]);
-    assert_eq!(alone.largest_m(&area), None);
+    assert_eq!(alone.range_m(&area), None);
 }
 
 #[test]

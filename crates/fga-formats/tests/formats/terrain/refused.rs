@@ -183,7 +183,7 @@ proptest! {
                 let ground = Terrain::new(vec![file]).unwrap();
                 let height_m = ground.height_m(place[0], place[1]);
                 prop_assert!(height_m.is_none_or(|height_m| height_m.abs() <= 9_000.0));
-                let _ = ground.largest_m(&area);
+                let _ = ground.range_m(&area);
             }
             Err(error) => {
                 let text = error.to_string();
