@@ -6,7 +6,8 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::{Quantity, Span};
+use crate::bands::span::Span;
+use crate::quantity::Quantity;
 use crate::settings::Settings;
 use alloc::vec::Vec;
 use glam::DVec3;
@@ -23,15 +24,10 @@ pub(crate) struct Line {
 impl Line {
     /// The line of a state at a time.
     pub(super) fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
-        let position_m = if since_s == 0.0 {
-            position_m
-        } else {
-            position_m - velocity_mps * since_s
-        };
         Self {
             since_s,
             state: State {
-                position_m,
+                position_m: position_m - velocity_mps * since_s,
                 velocity_mps,
             },
         }
@@ -63,7 +59,7 @@ pub(super) fn steps(
     let step_s = if at_once {
         0.0
     } else {
-        step_s(span.quantity, settings, ownship)
+        span.step / rate(span.quantity, settings, ownship)
     };
     let line = |count: usize, side: f64| {
         let (change, time_s) = (count as f64 * span.step, step_s * count as f64);
@@ -87,25 +83,16 @@ pub(super) fn steps(
     (down.chain(up).collect(), step_s)
 }
 
-/// Time of one step of a manoeuvre that takes any, seconds.
-fn step_s(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
+/// Change of a quantity per second.
+fn rate(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
     match quantity {
-        Quantity::Direction => {
-            let rate = if settings.turn_rate_radps == 0.0 {
-                GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
-                    / turning_speed_mps(settings, ownship)
-            } else {
-                settings.turn_rate_radps
-            };
-            settings.direction_step_rad / rate
+        Quantity::Direction if settings.turn_rate_radps == 0.0 => {
+            GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
+                / turning_speed_mps(settings, ownship)
         }
-        Quantity::HorizontalSpeed => {
-            settings.horizontal_speed.step / settings.horizontal_acceleration_mps2
-        }
-        Quantity::VerticalSpeed => {
-            settings.vertical_speed.step / settings.vertical_acceleration_mps2
-        }
-        Quantity::Altitude => 1.0,
+        Quantity::Direction => settings.turn_rate_radps,
+        Quantity::HorizontalSpeed => settings.horizontal_acceleration_mps2,
+        Quantity::VerticalSpeed | Quantity::Altitude => settings.vertical_acceleration_mps2,
     }
 }
 
