@@ -160,7 +160,7 @@ impl PySimulation {
             return Ok(None);
         };
         flight.advance(&decision, path);
-        Ok(Some(PyDecision::of(decision, ownship)))
+        Ok(Some(PyDecision::of(&decision, ownship)))
     }
 
     /// The result of the flight so far, by the names of the columns of results.csv, with `min_terrain_clearance_m` and
@@ -273,7 +273,7 @@ impl PyRun {
     fn decisions(&self) -> Vec<PyDecision> {
         let decisions = self.log.decisions.iter();
         decisions
-            .map(|log| PyDecision::of(log.decision, log.ownship))
+            .map(|log| PyDecision::of(&log.decision, log.ownship))
             .collect()
     }
 
