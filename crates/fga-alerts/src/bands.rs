@@ -28,10 +28,10 @@ pub(crate) use search::meets_within_spread;
 use crate::aircraft::Pair;
 use crate::bands::colors::{Band, Colors, Way, region_at};
 use crate::bands::intervals::Intervals;
-use crate::bands::memory::{Memory, Resolution, Step};
+use crate::bands::memory::{BandMemory, Resolution, Step};
 use crate::bands::recovery::Recovery;
-use crate::bands::search::Search;
-use crate::bands::span::Span;
+use crate::bands::search::BandSearch;
+use crate::bands::span::BandSpan;
 use crate::picture::{Contribution, Picture, Terminal};
 use crate::quantity::Quantity;
 use crate::settings::{Region, TerminalGuidance};
@@ -45,8 +45,8 @@ pub struct QuantityBands {
     bands: Vec<Band>,
     peripheral: [Vec<Contribution>; 3],
     recovery: Recovery,
-    memory: Memory,
-    span: Option<Span>,
+    memory: BandMemory,
+    span: Option<BandSpan>,
 }
 
 impl QuantityBands {
@@ -56,7 +56,7 @@ impl QuantityBands {
             bands: Vec::new(),
             peripheral: Default::default(),
             recovery: Recovery::NotNeeded,
-            memory: Memory::default(),
+            memory: BandMemory::default(),
             span: None,
         }
     }
@@ -108,11 +108,11 @@ impl QuantityBands {
         self.recovery = Recovery::NotNeeded;
         let (settings, ownship) = (&picture.settings, &picture.ownship.state);
         let around = picture.around(self.quantity);
-        self.span = Span::of(self.quantity, settings, ownship, around);
+        self.span = BandSpan::of(self.quantity, settings, ownship, around);
         let Some(span) = self.span else {
             return;
         };
-        let search = Search::new(picture, ownship, &span);
+        let search = BandSearch::new(picture, ownship, &span);
         for (aircraft, region) in self.peripheral.iter_mut().zip(Region::CONFLICTS) {
             *aircraft = search.peripheral(region);
         }
@@ -135,8 +135,8 @@ impl QuantityBands {
 
     /// Paints the regions, nearest first; where every value leads into one that is not beyond the corrective one, the
     /// values of recovery.
-    fn paint(&mut self, search: &Search) -> Colors {
-        let Search { picture, span, .. } = *search;
+    fn paint(&mut self, search: &BandSearch) -> Colors {
+        let BandSearch { picture, span, .. } = *search;
         let settings = &picture.settings;
         let corrective = settings.corrective_region.conflict_index().unwrap_or(0);
         let lands = self.quantity == Quantity::Direction
@@ -159,20 +159,14 @@ impl QuantityBands {
             if recovers && index <= corrective && free.is_empty() {
                 let (recovery, ways_out) = search.recover(&self.painting(picture, corrective));
                 self.recovery = recovery;
-                let free = if index == corrective {
-                    &ways_out
-                } else {
-                    &free
-                };
-                colors.paint_outside(free, region);
+                let is_corrective = index == corrective;
+                colors.paint_outside(if is_corrective { &ways_out } else { &free }, region);
                 colors.paint_inside(&ways_out, Region::Recovery);
                 break;
             }
             colors.paint_outside(&free, region);
-            let is_lost = picture
-                .times
-                .get(index)
-                .is_some_and(|times| times.entry_s == 0.0);
+            let lost = picture.times.get(index);
+            let is_lost = lost.is_some_and(|times| times.entry_s == 0.0);
             if recovers && at_once && index == corrective && is_lost {
                 self.recovery = Recovery::Found {
                     time_s: 0.0,
@@ -193,11 +187,13 @@ impl QuantityBands {
     /// Whether every manoeuvre of a pair's ownship leads into the volume; none begins at an altitude that is not
     /// searched.
     pub(crate) fn is_blocked(&self, picture: &Picture, pair: &Pair, volume: &Volume) -> bool {
-        let is_searched = |span: &&Span| {
+        let is_searched = |span: &&BandSpan| {
             self.quantity != Quantity::Altitude
                 || (span.min..=span.max).contains(&pair.ownship.position_m.z)
         };
         let span = self.span.as_ref().filter(is_searched);
-        span.is_none_or(|span| Search::new(picture, &pair.ownship, span).all_conflict(pair, volume))
+        span.is_none_or(|span| {
+            BandSearch::new(picture, &pair.ownship, span).all_conflict(pair, volume)
+        })
     }
 }

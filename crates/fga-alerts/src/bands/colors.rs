@@ -3,7 +3,7 @@
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
 use crate::bands::intervals::Intervals;
-use crate::bands::span::Span;
+use crate::bands::span::BandSpan;
 use crate::settings::Region;
 use alloc::vec::Vec;
 
@@ -34,7 +34,7 @@ pub(crate) struct Colors(pub(crate) Vec<Band>);
 
 impl Colors {
     /// The scale of a span, free of conflicts.
-    pub(crate) fn of(span: &Span) -> Self {
+    pub(crate) fn of(span: &BandSpan) -> Self {
         let (free, min, max, turn) = (Some(Region::None), span.min, span.max, span.modulus);
         let (least, greatest) = span.bounds;
         let is_empty = Edge.same(min, max) || Edge.same(wrapped(max - min, turn), 0.0);

@@ -1,7 +1,7 @@
 //! When the ownship's lines meet the volumes of one intruder.
 
 use crate::aircraft::Pair;
-use crate::bands::path::Line;
+use crate::bands::path::FlownLine;
 use crate::settings::Settings;
 use crate::volume::Volume;
 use alloc::vec;
@@ -41,7 +41,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Whether the ownship meets a volume on a line between two times, the same one for a moment.
-    fn meets(&self, volume: &Volume, line: &Line, from_s: f64, to_s: f64) -> bool {
+    fn meets(&self, volume: &Volume, line: &FlownLine, from_s: f64, to_s: f64) -> bool {
         let pair = Pair {
             ownship: line.state,
             ..*self.pair
@@ -50,7 +50,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Whether the ownship meets a volume in the first seconds of a line, in the course of its manoeuvre.
-    pub(super) fn stops(&self, line: &Line, coast_s: f64) -> bool {
+    pub(super) fn stops(&self, line: &FlownLine, coast_s: f64) -> bool {
         let since_s = line.since_s;
         since_s < self.settings.lookahead_s
             && self.volumes.iter().any(|&(volume, from_s, to_s)| {
@@ -60,7 +60,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Whether the ownship meets a volume on a line that it flies until a time or the horizon.
-    pub(super) fn blocks(&self, line: &Line, until_s: f64) -> bool {
+    pub(super) fn blocks(&self, line: &FlownLine, until_s: f64) -> bool {
         let mut horizon_s = self.until_s;
         if !self.settings.counts_maneuver_time {
             horizon_s += line.since_s;

@@ -2,23 +2,23 @@
 
 use crate::aircraft::State;
 use crate::bands::guard::Guard;
-use crate::bands::path::{Line, way_m};
+use crate::bands::path::{FlownLine, way_m};
 use crate::settings::Settings;
 use alloc::vec::Vec;
 
 /// A line on the way to an altitude.
 #[derive(PartialEq)]
-pub(crate) struct Leg {
-    line: Line,
+pub(crate) struct LevelLeg {
+    line: FlownLine,
     /// Until when the ownship flies it, seconds; `None` for a moment while the vertical speed changes.
     until_s: Option<f64>,
 }
 
-impl Leg {
+impl LevelLeg {
     /// The line of an altitude that is reached at once.
     pub(super) fn at_once(target_m: f64, ownship: &State) -> Self {
         let (s, v) = (ownship.position_m, ownship.velocity_mps);
-        let line = Line::at(0.0, s.with_z(target_m), v.with_z(0.0));
+        let line = FlownLine::at(0.0, s.with_z(target_m), v.with_z(0.0));
         let until_s = Some(f64::INFINITY);
         Self { line, until_s }
     }
@@ -34,7 +34,7 @@ impl Leg {
 
 /// The legs of a climb or descent to an altitude up to the horizon, in the order in which they are flown; while the
 /// vertical speed changes each second counts. The settings' vertical rate and acceleration are positive.
-pub(super) fn legs_to(target_m: f64, settings: &Settings, ownship: &State) -> Vec<Leg> {
+pub(super) fn legs_to(target_m: f64, settings: &Settings, ownship: &State) -> Vec<LevelLeg> {
     let (s, v) = (ownship.position_m, ownship.velocity_mps);
     let horizon_s = settings.lookahead_s;
     let mps2 = settings.vertical_acceleration_mps2;
@@ -72,9 +72,9 @@ pub(super) fn legs_to(target_m: f64, settings: &Settings, ownship: &State) -> Ve
             )
         };
         let position_m = (s + v * time_s).with_z(height_m);
-        Line::at(time_s, position_m, v.with_z(climb_mps))
+        FlownLine::at(time_s, position_m, v.with_z(climb_mps))
     };
-    let flown = |since_s, until_s| Leg {
+    let flown = |since_s, until_s| LevelLeg {
         line: line_at(since_s),
         until_s,
     };

@@ -5,7 +5,7 @@ use crate::almost::wrapped;
 use crate::bands::colors::{Band, Colors, Way, band_at, region_at, walk};
 use crate::bands::intervals::Intervals;
 use crate::bands::recovery::Recovery;
-use crate::bands::span::Span;
+use crate::bands::span::BandSpan;
 use crate::hysteresis::MOfN;
 use crate::settings::{Region, Settings};
 use alloc::vec::Vec;
@@ -40,7 +40,7 @@ struct Votes {
 
 /// The memory of the bands of one quantity.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Memory {
+pub(crate) struct BandMemory {
     last_s: Option<f64>,
     votes: Vec<Votes>,
     /// The conflict band in which the ownship flies.
@@ -50,12 +50,12 @@ pub(crate) struct Memory {
     preferred: Way,
     preferred_since_s: Option<f64>,
     /// To the low and to the high side.
-    sides: [Side; 2],
+    sides: [SideAnswer; 2],
 }
 
 /// One side's resolution, present and kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Side {
+struct SideAnswer {
     now: Resolution,
     kept: Resolution,
     /// Number of recovery's shrinkings when the kept one was found.
@@ -66,7 +66,7 @@ struct Side {
 pub(crate) struct Step<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) time_s: f64,
-    pub(crate) span: &'a Span,
+    pub(crate) span: &'a BandSpan,
     pub(crate) recovery: Recovery,
 }
 
@@ -117,7 +117,7 @@ impl Step<'_> {
     }
 }
 
-impl Memory {
+impl BandMemory {
     pub(crate) fn preferred(&self) -> Way {
         self.preferred
     }
@@ -141,10 +141,8 @@ impl Memory {
     /// Takes the painted scale and returns the bands for the display.
     pub(crate) fn take(&mut self, mut colors: Colors, step: &Step) -> Vec<Band> {
         let memory_s = step.settings.hysteresis.memory_s;
-        let goes_on = self
-            .last_s
-            .is_some_and(|last_s| step.time_s > last_s && step.time_s - last_s <= memory_s);
-        if !goes_on {
+        let goes_on = |last_s: f64| step.time_s > last_s && step.time_s - last_s <= memory_s;
+        if !self.last_s.is_some_and(goes_on) {
             self.forget();
         }
         self.last_s = Some(step.time_s);

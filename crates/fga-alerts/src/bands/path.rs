@@ -6,7 +6,7 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::Span;
+use crate::bands::span::BandSpan;
 use crate::quantity::Quantity;
 use crate::settings::Settings;
 use alloc::vec::Vec;
@@ -14,14 +14,14 @@ use glam::DVec3;
 
 /// A straight line of the ownship from a time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct FlownLine {
     /// Start of the line, seconds from now.
     pub(crate) since_s: f64,
     /// Its state on the line, extrapolated back to now.
     pub(crate) state: State,
 }
 
-impl Line {
+impl FlownLine {
     /// The line of a state at a time.
     pub(super) fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
         Self {
@@ -49,9 +49,9 @@ fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
 pub(super) fn steps(
     settings: &Settings,
     ownship: &State,
-    span: &Span,
+    span: &BandSpan,
     at_once: bool,
-) -> (Vec<Line>, f64) {
+) -> (Vec<FlownLine>, f64) {
     let mut start = *ownship;
     if span.quantity == Quantity::Direction {
         start.velocity_mps = with_speed(ownship, turning_speed_mps(settings, ownship));
@@ -64,7 +64,7 @@ pub(super) fn steps(
     let line = |count: usize, side: f64| {
         let (change, time_s) = (count as f64 * span.step, step_s * count as f64);
         if count == 0 {
-            return Line::at(0.0, start.position_m, start.velocity_mps);
+            return FlownLine::at(0.0, start.position_m, start.velocity_mps);
         }
         let along_mps2 = side * settings.horizontal_acceleration_mps2;
         let up_mps2 = side * settings.vertical_acceleration_mps2;
@@ -74,9 +74,9 @@ pub(super) fn steps(
             _ => climbing(&start, side * change, time_s, up_mps2),
         };
         if at_once {
-            return Line::at(0.0, start.position_m, velocity_mps);
+            return FlownLine::at(0.0, start.position_m, velocity_mps);
         }
-        Line::at(time_s, position_m, velocity_mps)
+        FlownLine::at(time_s, position_m, velocity_mps)
     };
     let down = (1..=span.steps_down).rev().map(|count| line(count, -1.0));
     let up = (0..=span.steps_up).map(|count| line(count, 1.0));

@@ -2,7 +2,7 @@
 
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
-use crate::bands::search::Search;
+use crate::bands::search::BandSearch;
 use crate::picture::Contribution;
 use crate::settings::Settings;
 use crate::units::FOOT_M;
@@ -48,7 +48,7 @@ const MOST_SHRINKINGS: usize = 1000;
 /// An altitude in the lowest level that has resolution advisories, metres.
 const LOWEST_ADVISORY_M: f64 = 1001.0 * FOOT_M;
 
-impl Search<'_> {
+impl BandSearch<'_> {
     /// Searches the resolutions of a certain conflict with these aircraft.
     pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Intervals) {
         let settings = &self.picture.settings;

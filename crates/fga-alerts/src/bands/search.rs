@@ -3,7 +3,7 @@
 use crate::aircraft::{Pair, State};
 use crate::bands::guard::Guard;
 use crate::bands::intervals::Intervals;
-use crate::bands::span::Span;
+use crate::bands::span::BandSpan;
 use crate::bands::ways::Ways;
 use crate::picture::{Contribution, Picture};
 use crate::quantity::Quantity;
@@ -12,15 +12,15 @@ use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 
 /// The manoeuvres of one quantity.
-pub(crate) struct Search<'a> {
+pub(crate) struct BandSearch<'a> {
     pub(super) picture: &'a Picture,
-    pub(super) span: &'a Span,
+    pub(super) span: &'a BandSpan,
     pub(super) ways: Ways,
 }
 
-impl<'a> Search<'a> {
+impl<'a> BandSearch<'a> {
     /// The manoeuvres from a state to the values of a span.
-    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a Span) -> Self {
+    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a BandSpan) -> Self {
         Self {
             picture,
             span,
@@ -107,8 +107,8 @@ pub(crate) fn meets_within_spread(
     until_s: f64,
 ) -> bool {
     let ownship = &picture.ownship.state;
-    let span = Span::of(quantity, &picture.settings, ownship, Some((spread, spread)));
+    let span = BandSpan::of(quantity, &picture.settings, ownship, Some((spread, spread)));
     span.is_some_and(|span| {
-        Search::new(picture, ownship, &span).any_conflict(pair, volume, until_s)
+        BandSearch::new(picture, ownship, &span).any_conflict(pair, volume, until_s)
     })
 }

@@ -41,7 +41,7 @@ impl Quantity {
 
 /// The values in reach from the current one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Span {
+pub(crate) struct BandSpan {
     pub(crate) quantity: Quantity,
     /// The current value.
     pub(crate) value: f64,
@@ -66,7 +66,7 @@ pub(crate) struct Span {
 /// Most steps; a finer step only costs time.
 pub(super) const MOST_STEPS: f64 = 1e5;
 
-impl Span {
+impl BandSpan {
     /// The span around an aircraft's value; `None` for a value outside of the scale.
     ///
     /// `around` overrides the searched range below and above the value.

@@ -3,9 +3,9 @@
 use crate::aircraft::State;
 use crate::bands::guard::Guard;
 use crate::bands::intervals::Intervals;
-use crate::bands::level::{Leg, legs_to};
-use crate::bands::path::{Line, steps};
-use crate::bands::span::{MOST_STEPS, Span};
+use crate::bands::level::{LevelLeg, legs_to};
+use crate::bands::path::{FlownLine, steps};
+use crate::bands::span::{BandSpan, MOST_STEPS};
 use crate::picture::Picture;
 use crate::quantity::Quantity;
 use alloc::vec;
@@ -15,14 +15,14 @@ use core::iter::repeat_n;
 /// The ways to the values of a span, in growing order.
 pub(crate) enum Ways {
     /// The line after each step; the way there leads over all steps from the current value, each of the same time.
-    Steps { lines: Vec<Line>, step_s: f64 },
+    Steps { lines: Vec<FlownLine>, step_s: f64 },
     /// The legs to each altitude.
-    Altitudes(Vec<Vec<Leg>>),
+    Altitudes(Vec<Vec<LevelLeg>>),
 }
 
 impl Ways {
     /// The ways from a state to the values of a span.
-    pub(super) fn new(picture: &Picture, ownship: &State, span: &Span) -> Self {
+    pub(super) fn new(picture: &Picture, ownship: &State, span: &BandSpan) -> Self {
         let settings = &picture.settings;
         let at_once = span
             .quantity
@@ -36,7 +36,7 @@ impl Ways {
         let legs = steps.map(|step| {
             let target_m = span.min + step * span.step;
             if at_once {
-                return vec![Leg::at_once(target_m, ownship)];
+                return vec![LevelLeg::at_once(target_m, ownship)];
             }
             legs_to(target_m, settings, ownship)
         });
@@ -48,7 +48,7 @@ impl Ways {
     pub(super) fn free_values(
         &self,
         guard: &Guard,
-        span: &Span,
+        span: &BandSpan,
         watched: Option<f64>,
     ) -> Vec<bool> {
         let (lines, step_s, now) = match self {
@@ -64,9 +64,10 @@ impl Ways {
             }
         };
         let coast_s = watched.filter(|_| step_s > 0.0).map(|part| part * step_s);
-        let stops = |line: &Line| coast_s.is_some_and(|coast_s| guard.stops(line, coast_s));
+        let stops = |line: &FlownLine| coast_s.is_some_and(|coast_s| guard.stops(line, coast_s));
         // From the current value to both sides, as far as nothing stops the manoeuvre.
-        let from_now = |line: &Line| (!stops(line)).then(|| !guard.blocks(line, f64::INFINITY));
+        let from_now =
+            |line: &FlownLine| (!stops(line)).then(|| !guard.blocks(line, f64::INFINITY));
         let (down, up) = (lines.get(..=now), lines.get(now..));
         let down = down.into_iter().flatten().rev().map_while(from_now);
         let up = up.into_iter().flatten().map_while(from_now);
@@ -80,7 +81,7 @@ impl Ways {
     }
 
     /// The values that are reached without conflict, where two neighbours are.
-    pub(super) fn free(&self, guard: &Guard, span: &Span) -> Intervals {
+    pub(super) fn free(&self, guard: &Guard, span: &BandSpan) -> Intervals {
         let (base, first) = match self {
             Self::Steps { .. } => (span.value, -(span.steps_down as f64)),
             Self::Altitudes(_) => (span.min, 0.0),
