@@ -5,37 +5,35 @@
 //! | [`span`] | which values can a manoeuvre reach? |
 //! | [`path`], [`level`] | where does the ownship fly meanwhile? |
 //! | [`ways`] | along which lines does it reach the values of a span, and which of them without conflict? |
-//! | [`meeting`] | when does a line meet a volume of an intruder? |
+//! | [`guard`] | when does a line meet a volume of an intruder? |
 //! | [`search`] | which values are free of conflicts with some aircraft? |
 //! | [`recovery`] | which way leads out where none stays clear? |
 //! | [`intervals`] | which values are free? |
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
-//! | [`picture`] | from what are all bands computed? |
 
 pub(crate) mod colors;
+mod guard;
 pub(crate) mod intervals;
 mod level;
-pub(crate) mod meeting;
 pub(crate) mod memory;
 pub(crate) mod path;
-mod picture;
 pub(crate) mod recovery;
 mod search;
 pub(crate) mod span;
 mod ways;
 
-pub(crate) use picture::{Contribution, Picture, Terminal};
 pub(crate) use search::meets_within_spread;
 
-use crate::aircraft::State;
-use crate::bands::colors::{Band, Colors, Way, band_at};
+use crate::aircraft::Pair;
+use crate::bands::colors::{Band, Colors, Way, region_at};
 use crate::bands::intervals::Intervals;
-use crate::bands::meeting::Met;
-use crate::bands::memory::{Memory, Resolution, Step};
+use crate::bands::memory::{BandMemory, Resolution, Step};
 use crate::bands::recovery::Recovery;
-use crate::bands::search::Search;
-use crate::bands::span::{Quantity, Span};
+use crate::bands::search::BandSearch;
+use crate::bands::span::BandSpan;
+use crate::picture::{Contribution, Picture, Terminal};
+use crate::quantity::Quantity;
 use crate::settings::{Region, TerminalGuidance};
 use crate::volume::Volume;
 use alloc::vec::Vec;
@@ -47,8 +45,8 @@ pub struct QuantityBands {
     bands: Vec<Band>,
     peripheral: [Vec<Contribution>; 3],
     recovery: Recovery,
-    memory: Memory,
-    span: Option<Span>,
+    memory: BandMemory,
+    span: Option<BandSpan>,
 }
 
 impl QuantityBands {
@@ -58,7 +56,7 @@ impl QuantityBands {
             bands: Vec::new(),
             peripheral: Default::default(),
             recovery: Recovery::NotNeeded,
-            memory: Memory::default(),
+            memory: BandMemory::default(),
             span: None,
         }
     }
@@ -75,9 +73,7 @@ impl QuantityBands {
 
     /// The region at a value; `None` outside of the bands.
     pub fn region_at(&self, value: f64) -> Option<Region> {
-        self.span?;
-        let index = band_at(&self.bands, value, self.quantity.modulus())?;
-        self.bands.get(index)?.region
+        region_at(&self.bands, value, self.quantity.modulus())
     }
 
     /// Aircraft (indices in the traffic) that are not in conflict but would be after a manoeuvre.
@@ -101,11 +97,6 @@ impl QuantityBands {
         self.recovery
     }
 
-    /// Whether the current value lies on the scale.
-    pub(crate) const fn is_computed(&self) -> bool {
-        self.span.is_some()
-    }
-
     pub(crate) fn forget(&mut self) {
         self.memory.forget();
     }
@@ -117,11 +108,11 @@ impl QuantityBands {
         self.recovery = Recovery::NotNeeded;
         let (settings, ownship) = (&picture.settings, &picture.ownship.state);
         let around = picture.around(self.quantity);
-        self.span = Span::of(self.quantity, settings, ownship, around);
+        self.span = BandSpan::of(self.quantity, settings, ownship, around);
         let Some(span) = self.span else {
             return;
         };
-        let search = Search::new(picture, ownship, &span);
+        let search = BandSearch::new(picture, ownship, &span);
         for (aircraft, region) in self.peripheral.iter_mut().zip(Region::CONFLICTS) {
             *aircraft = search.peripheral(region);
         }
@@ -129,13 +120,10 @@ impl QuantityBands {
         let step = Step {
             settings,
             time_s: picture.time_s,
-            value: span.value,
-            modulus: span.modulus,
-            tolerance: settings.resolution_persistence.get(self.quantity),
-            recovers: self.recovery != Recovery::NotNeeded,
-            shrinkings: self.recovery.shrinkings(),
+            span: &span,
+            recovery: self.recovery,
         };
-        self.memory.take(colors, &step, &mut self.bands);
+        self.bands = self.memory.take(colors, &step);
     }
 
     /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
@@ -147,8 +135,8 @@ impl QuantityBands {
 
     /// Paints the regions, nearest first; where every value leads into one that is not beyond the corrective one, the
     /// values of recovery.
-    fn paint(&mut self, search: &Search) -> Colors {
-        let Search { picture, span, .. } = *search;
+    fn paint(&mut self, search: &BandSearch) -> Colors {
+        let BandSearch { picture, span, .. } = *search;
         let settings = &picture.settings;
         let corrective = settings.corrective_region.conflict_index().unwrap_or(0);
         let lands = self.quantity == Quantity::Direction
@@ -171,20 +159,14 @@ impl QuantityBands {
             if recovers && index <= corrective && free.is_empty() {
                 let (recovery, ways_out) = search.recover(&self.painting(picture, corrective));
                 self.recovery = recovery;
-                let free = if index == corrective {
-                    &ways_out
-                } else {
-                    &free
-                };
-                colors.paint_outside(free, region);
+                let is_corrective = index == corrective;
+                colors.paint_outside(if is_corrective { &ways_out } else { &free }, region);
                 colors.paint_inside(&ways_out, Region::Recovery);
                 break;
             }
             colors.paint_outside(&free, region);
-            let is_lost = picture
-                .times
-                .get(index)
-                .is_some_and(|times| times.entry_s == 0.0);
+            let lost = picture.times.get(index);
+            let is_lost = lost.is_some_and(|times| times.entry_s == 0.0);
             if recovers && at_once && index == corrective && is_lost {
                 self.recovery = Recovery::Found {
                     time_s: 0.0,
@@ -202,19 +184,16 @@ impl QuantityBands {
         colors
     }
 
-    /// Whether every manoeuvre from a state leads into the volume; none begins at an altitude that is not searched.
-    pub(crate) fn is_blocked(
-        &self,
-        picture: &Picture,
-        ownship: &State,
-        met: &Met,
-        volume: &Volume,
-    ) -> bool {
-        let is_searched = |span: &&Span| {
+    /// Whether every manoeuvre of a pair's ownship leads into the volume; none begins at an altitude that is not
+    /// searched.
+    pub(crate) fn is_blocked(&self, picture: &Picture, pair: &Pair, volume: &Volume) -> bool {
+        let is_searched = |span: &&BandSpan| {
             self.quantity != Quantity::Altitude
-                || (span.min..=span.max).contains(&ownship.position_m.z)
+                || (span.min..=span.max).contains(&pair.ownship.position_m.z)
         };
         let span = self.span.as_ref().filter(is_searched);
-        span.is_none_or(|span| Search::new(picture, ownship, span).all_conflict(met, volume))
+        span.is_none_or(|span| {
+            BandSearch::new(picture, &pair.ownship, span).all_conflict(pair, volume)
+        })
     }
 }

@@ -33,11 +33,6 @@ impl<T: Copy + Ord> MOfN<T> {
         let highest = sorted.iter().rev().nth(self.m.saturating_sub(1));
         highest.copied().unwrap_or(value)
     }
-
-    /// Whether both have seen the same values.
-    pub(crate) fn has_seen_the_same(&self, other: &Self) -> bool {
-        self.last == other.last
-    }
 }
 
 /// Times and counts of the memory of levels.

@@ -72,7 +72,9 @@ pub mod encounter;
 mod hysteresis;
 mod loss;
 mod monitor;
+mod picture;
 mod plane;
+mod quantity;
 pub mod schemes;
 mod settings;
 pub mod severity;
@@ -84,11 +86,11 @@ pub use bands::QuantityBands;
 pub use bands::colors::{Band, Way};
 pub use bands::memory::Resolution;
 pub use bands::recovery::Recovery;
-pub use bands::span::Quantity;
+
 pub use hysteresis::HysteresisSettings;
 pub use loss::Loss;
 pub use monitor::{Ahead, Alert, LastTime, Monitor, StepError};
+pub use quantity::{PerManeuver, Quantity};
 pub use settings::{
-    AlertLevel, Alerter, PerManeuver, Reach, Region, Settings, SlowDirections, TerminalArea,
-    TerminalGuidance,
+    AlertLevel, Alerter, Reach, Region, Settings, SlowDirections, TerminalArea, TerminalGuidance,
 };

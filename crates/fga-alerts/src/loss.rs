@@ -68,15 +68,4 @@ impl Loss {
             self.exit_s.min(other.exit_s),
         )
     }
-
-    /// Whether the part between two times has a duration.
-    pub(crate) fn conflicts_within(self, from_s: f64, to_s: f64) -> bool {
-        Closeness::Rounding.less(self.entry_s.max(from_s), self.exit_s.min(to_s))
-    }
-
-    /// Whether the violation is on now and continues.
-    pub(crate) fn is_on_at(self, time_s: f64) -> bool {
-        self.conflicts_within(time_s, time_s + 1.0)
-            && Closeness::Rounding.same(self.entry_s.max(time_s), time_s)
-    }
 }

@@ -2,13 +2,13 @@
 
 mod input;
 
-use crate::aircraft::{Aircraft, AircraftId, State};
+use crate::aircraft::{Aircraft, AircraftId, Pair, State};
 use crate::almost::Closeness::Rounding;
-use crate::bands::meeting::Met;
-use crate::bands::span::Quantity;
-use crate::bands::{Contribution, Picture, QuantityBands, Terminal, meets_within_spread};
+use crate::bands::{QuantityBands, meets_within_spread};
 use crate::hysteresis::Held;
 use crate::loss::Loss;
+use crate::picture::{Contribution, Picture, Terminal};
+use crate::quantity::Quantity;
 use crate::settings::{Region, Settings, TerminalGuidance};
 use alloc::collections::BTreeMap;
 use alloc::vec;
@@ -326,23 +326,22 @@ impl Monitor {
         let number = picture.level_for(index, picture.settings.corrective_region)?;
         let volume = &picture.level(index, number)?.volume;
         let loss = picture.violation(index, number)?;
-        if !bands.is_computed() || !loss.is_conflict() {
+        if bands.bands().is_empty() || !loss.is_conflict() {
             return None;
         }
         if loss.entry_s == 0.0 {
             return Some(LastTime::Passed);
         }
-        let met = picture.met(index)?;
+        let pair = picture.pair(index)?;
         let (mut possible_s, mut too_late_s) = (0.0, loss.entry_s);
         let mut tried_s = possible_s;
         while too_late_s - possible_s > 0.5 {
-            let ownship = ahead.ownship(tried_s);
-            let met = Met {
+            let pair = Pair {
+                ownship: ahead.ownship(tried_s),
                 intruder: ahead.intruder(index, tried_s),
-                ..met
+                ..pair
             };
-            let is_lost = volume.conflicts(&met.pair(&ownship), 0.0, 0.0);
-            if is_lost || bands.is_blocked(picture, &ownship, &met, volume) {
+            if volume.conflicts(&pair, 0.0, 0.0) || bands.is_blocked(picture, &pair, volume) {
                 too_late_s = tried_s;
             } else {
                 possible_s = tried_s;
@@ -361,16 +360,15 @@ impl Monitor {
 /// level's spread; `last` is the level before.
 fn raw_level(picture: &Picture, index: usize, alerter: usize, last: Option<i8>) -> i8 {
     let alerter = picture.settings.alerters.get(alerter);
-    let (Some(alerter), Some(met)) = (alerter, picture.met(index)) else {
+    let (Some(alerter), Some(pair)) = (alerter, picture.pair(index)) else {
         return 0;
     };
-    let pair = met.pair(&picture.ownship.state);
     let alerted = (1_i8..).zip(&alerter.levels).filter(|(number, level)| {
         let (volume, time_s) = (&level.volume, level.time_s(last == Some(*number)));
         let loss = volume.violation(&pair, 0.0, picture.settings.lookahead_s);
         let leads_into = |quantity| {
             let spread = level.spread.get(quantity);
-            spread > 0.0 && meets_within_spread(picture, quantity, spread, &met, volume, time_s)
+            spread > 0.0 && meets_within_spread(picture, quantity, spread, &pair, volume, time_s)
         };
         loss.begins_before(time_s) || Quantity::ALL.into_iter().any(leads_into)
     });

@@ -1,7 +1,8 @@
 //! Configurations of the standards.
 
 use crate::hysteresis::HysteresisSettings;
-use crate::settings::{AlertLevel, Alerter, PerManeuver, Region, Settings};
+use crate::quantity::PerManeuver;
+use crate::settings::{AlertLevel, Alerter, Region, Settings};
 use crate::units::{DEGREE_RAD, FOOT_M, KNOT_MPS, NAUTICAL_MILE_M};
 use crate::volume::{Cylinder, Volume, WellClear};
 use alloc::string::String;

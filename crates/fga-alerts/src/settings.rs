@@ -1,6 +1,7 @@
 //! The settings: horizons, dynamics, regions, memories, alerters.
 
 use crate::hysteresis::HysteresisSettings;
+use crate::quantity::PerManeuver;
 use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
@@ -55,19 +56,6 @@ impl Region {
     pub(crate) fn conflict_index(self) -> Option<usize> {
         Self::CONFLICTS.iter().position(|region| *region == self)
     }
-}
-
-/// One value for each kind of manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PerManeuver<T> {
-    /// Direction over ground.
-    pub direction: T,
-    /// Horizontal speed.
-    pub horizontal_speed: T,
-    /// Vertical speed.
-    pub vertical_speed: T,
-    /// Altitude.
-    pub altitude: T,
 }
 
 /// The range in which a manoeuvre may change a quantity, in its SI unit.

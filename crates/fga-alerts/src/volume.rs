@@ -18,6 +18,7 @@ pub use uncertain::{DeviationFactors, UncertainWellClear};
 pub use well_clear::{HorizontalTime, VerticalTime, WellClear};
 
 use crate::aircraft::Pair;
+use crate::almost::Closeness::Rounding;
 use crate::loss::Loss;
 
 /// A volume around an aircraft that others must stay out of.
@@ -47,23 +48,11 @@ impl Volume {
         .if_lasting()
     }
 
-    /// The whole violation along straight lines within `[0, horizon_s]`, to be cut to any part of it;
-    /// `None` where the violation depends on the part that is asked for.
-    pub(crate) fn window(&self, pair: &Pair, horizon_s: f64) -> Option<Loss> {
-        match self {
-            Self::Cylinder(cylinder) => Some(cylinder.window(pair)),
-            Self::WellClear(volume) => Some(volume.window(pair)),
-            Self::Uncertain(volume) => Some(volume.window(pair, horizon_s)),
-            Self::Advisory(_) => None,
-        }
-    }
-
     /// Whether the volume is violated at some time between `from_s` and `to_s`.
     pub(crate) fn conflicts(&self, pair: &Pair, from_s: f64, to_s: f64) -> bool {
-        if crate::almost::Closeness::Rounding.same(from_s, to_s) {
+        if Rounding.same(from_s, to_s) {
             let loss = self.violation(pair, from_s, from_s + 1.0);
-            return loss.is_conflict()
-                && crate::almost::Closeness::Rounding.same(loss.entry_s, from_s);
+            return loss.is_conflict() && Rounding.same(loss.entry_s, from_s);
         }
         from_s <= to_s && self.violation(pair, from_s, to_s).is_conflict()
     }

@@ -95,15 +95,18 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
 }
 
-/// Reads a text file; bytes that are not UTF-8 become replacement characters and a byte-order
-/// mark is dropped.
+/// Reads a text file; see [`text_of`].
 ///
 /// # Errors
 /// An unreadable file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    let bytes = read_bytes(path)?;
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
-    Ok(String::from_utf8_lossy(bytes).into_owned())
+    Ok(text_of(&read_bytes(path)?))
+}
+
+/// The text of a file's bytes: those that are not UTF-8 become replacement characters, and a byte-order mark is dropped.
+pub fn text_of(bytes: &[u8]) -> String {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// A message of the TOML reader as one sentence without names of Rust types.

@@ -42,7 +42,10 @@ pub(crate) fn unpacked_to<'a>(
 }
 
 /// The text of a file without its byte order mark, decompressed if it is a gzip one.
-pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
+///
+/// # Errors
+/// Damaged gzip data, or too much of it.
+pub fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
     let plain = unpacked(bytes, path)?;
     let text = String::from_utf8_lossy(&plain);
     Ok(text.trim_start_matches('\u{feff}').to_owned())

@@ -1,6 +1,6 @@
 //! What the standards say of a recording or a situation: `fga alerts` and `fga bands`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::Vec3;
@@ -42,7 +42,7 @@ const fn quantity_word(quantity: Quantity) -> &'static str {
     }
 }
 
-fn read(recording: &PathBuf, config: &PathBuf) -> Result<(Instants, Configuration), InputError> {
+fn read(recording: &Path, config: &Path) -> Result<(Instants, Configuration), InputError> {
     let (recorded, configuration) = (instants::read(recording)?, conf::read(config)?);
     if recorded.names.len() < 2 {
         return Err(InputError::in_file(

@@ -34,6 +34,9 @@ const BLOCK: usize = 64;
 
 /// A column of whole numbers from 0.
 fn whole(batch: &RecordBatch, name: &str) -> PyResult<Vec<u64>> {
+    fn of<T: TryInto<u64>>(values: impl Iterator<Item = T>) -> Option<Vec<u64>> {
+        values.map(|value| value.try_into().ok()).collect()
+    }
     let array = column(batch, name)?;
     let wrong = || {
         PyValueError::new_err(format!(
@@ -41,9 +44,6 @@ fn whole(batch: &RecordBatch, name: &str) -> PyResult<Vec<u64>> {
             array.data_type()
         ))
     };
-    fn of<T: TryInto<u64>>(values: impl Iterator<Item = T>) -> Option<Vec<u64>> {
-        values.map(|value| value.try_into().ok()).collect()
-    }
     match array.data_type() {
         DataType::UInt64 => Some(array.as_primitive::<UInt64Type>().values().to_vec()),
         DataType::UInt32 => of(array.as_primitive::<UInt32Type>().values().iter().copied()),

@@ -296,7 +296,7 @@ impl PyCampaign {
             .map_err(failed)?;
         let decisions = log.decisions.iter();
         Ok(decisions
-            .map(|log| crate::decision::PyDecision::of(log.decision, log.ownship))
+            .map(|log| crate::decision::PyDecision::of(&log.decision, log.ownship))
             .collect())
     }
 

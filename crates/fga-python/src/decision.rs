@@ -183,9 +183,9 @@ pub(crate) struct PyDecision {
 }
 
 impl PyDecision {
-    pub(crate) const fn of(decision: Decision, ownship: fga::situation::Ownship) -> Self {
+    pub(crate) const fn of(decision: &Decision, ownship: fga::situation::Ownship) -> Self {
         Self {
-            decision,
+            decision: *decision,
             ownship: Some(ownship),
         }
     }

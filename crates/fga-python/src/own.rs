@@ -124,7 +124,7 @@ pub(crate) fn own(
                 made_for: *vehicle,
                 retuned: None,
                 begins: true,
-                asked: None,
+                thread: None,
             })
         }),
     ))
@@ -216,7 +216,7 @@ struct Asked {
     made_for: Vehicle,
     retuned: Option<Vehicle>,
     begins: bool,
-    asked: Option<Thread<Question, Answer>>,
+    thread: Option<Thread<Question, Answer>>,
 }
 
 impl Outside for Asked {
@@ -251,15 +251,14 @@ impl Outside for Asked {
             self.limit_s
         };
         self.begins = false;
-        let thread = match self.asked.take() {
-            Some(thread) => thread,
-            None => {
-                let mut flown = Flown::of(Arc::clone(&self.policy));
-                Thread::start(move |py, question| flown.answer(py, question))?
-            }
+        let thread = if let Some(thread) = self.thread.take() {
+            thread
+        } else {
+            let mut flown = Flown::of(Arc::clone(&self.policy));
+            Thread::start(move |py, question| flown.answer(py, question))?
         };
         let answer = thread.ask(question, limit_s)?;
-        self.asked = Some(thread);
+        self.thread = Some(thread);
         answer
     }
 
@@ -431,7 +430,7 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
         .try_iter()
         .and_then(Iterator::collect::<PyResult<Vec<_>>>);
     let items = items.map_err(|_| wrong())?;
-    let numbers = items.iter().map(|item| item.extract::<f64>());
+    let numbers = items.iter().map(PyAnyMethods::extract::<f64>);
     if let Ok([course_rad, climb_rad]) = numbers.collect::<PyResult<Vec<f64>>>().as_deref() {
         return Ok(Answer::Heading {
             course_rad: *course_rad,

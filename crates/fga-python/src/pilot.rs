@@ -113,7 +113,7 @@ fn step(
     let pilot = guard.as_mut();
     let situation = situation.get();
     let decision = py.detach(|| situation.with(|situation| pilot.step(situation)));
-    Ok(PyDecision::of(decision, situation.ownship))
+    Ok(PyDecision::of(&decision, situation.ownship))
 }
 
 /// Gives a situation of the simulator to a pilot.

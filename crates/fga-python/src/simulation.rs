@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::situation::Situation;
-use fga_results::provenance::file_fingerprint;
 use fga_results::{flight, flight_files, replay_page};
 use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
@@ -43,12 +42,13 @@ pub(crate) fn outcome_dict<'py>(
     Ok(dict)
 }
 
+/// The plan of a file, and the file's SHA-256.
 fn read_plan(
     path: &Path,
     vehicle: Option<&Bound<'_, PyAny>>,
     ownship: Option<&str>,
-) -> PyResult<Plan> {
-    Plan::read_as(path, model_of(vehicle)?, ownship).map_err(input)
+) -> PyResult<(Plan, String)> {
+    Plan::read_once(path, model_of(vehicle)?, ownship).map_err(input)
 }
 
 /// A scenario (.toml) or recording (.daa) that waits for each decision.
@@ -100,7 +100,7 @@ impl PySimulation {
         vehicle: Option<&Bound<'_, PyAny>>,
         ownship: Option<&str>,
     ) -> PyResult<Self> {
-        let plan = read_plan(&file, vehicle, ownship)?;
+        let (plan, _) = read_plan(&file, vehicle, ownship)?;
         let world = plan.world.clone();
         let mission = PyMission::of(
             world.mission_m.clone(),
@@ -160,7 +160,7 @@ impl PySimulation {
             return Ok(None);
         };
         flight.advance(&decision, path);
-        Ok(Some(PyDecision::of(decision, ownship)))
+        Ok(Some(PyDecision::of(&decision, ownship)))
     }
 
     /// The result of the flight so far, by the names of the columns of results.csv, with `min_terrain_clearance_m` and
@@ -273,7 +273,7 @@ impl PyRun {
     fn decisions(&self) -> Vec<PyDecision> {
         let decisions = self.log.decisions.iter();
         decisions
-            .map(|log| PyDecision::of(log.decision, log.ownship))
+            .map(|log| PyDecision::of(&log.decision, log.ownship))
             .collect()
     }
 
@@ -334,13 +334,12 @@ pub(crate) fn run(
     overlay: Vec<Bound<'_, PyAny>>,
     time_limit_s: f64,
 ) -> PyResult<PyRun> {
-    let plan = read_plan(&file, vehicle, ownship)?;
+    let (plan, input_sha256) = read_plan(&file, vehicle, ownship)?;
     let policy = policy.choice(time_limit_s)?;
     let others = overlay
         .iter()
         .map(|policy| choice(policy, time_limit_s))
         .collect::<PyResult<Vec<_>>>()?;
-    let input_sha256 = file_fingerprint(&file).map_err(input)?;
     let (log, overlaid) = py
         .detach(|| {
             let fly = |policy| fga_sim::run::fly(plan.clone(), policy, &mut |_| ());

@@ -424,7 +424,12 @@ impl PySituation {
             mission,
             wind_mps: wind_mps.0,
         };
-        if !situation.with(|situation| situation.is_usable()) {
+        #[expect(
+            clippy::redundant_closure_for_method_calls,
+            reason = "the method holds for one lifetime only"
+        )]
+        let is_usable = situation.with(|situation| situation.is_usable());
+        if !is_usable {
             return Err(PyValueError::new_err(
                 "a number of the situation is larger than 1e15, expected less",
             ));

@@ -66,7 +66,7 @@ pub(crate) fn interruptible<T: Send>(
             let install = |pool: &ThreadPool| pool.install(|| work(&shared));
             ThreadPoolBuilder::new()
                 .num_threads(threads)
-                .build_scoped(|thread| thread.run(), install)
+                .build_scoped(rayon::ThreadBuilder::run, install)
         });
         let mut failed = None;
         while !worker.is_finished() {

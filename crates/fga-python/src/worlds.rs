@@ -50,10 +50,6 @@ impl PyWorlds {
 impl PyWorlds {
     #[new]
     #[pyo3(signature = (cell, count, seed = 0, vehicle = None, horizon_s = 60.0, seen = 4, shielded = false))]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one for each property, by name in Python"
-    )]
     fn new(
         cell: &str,
         count: usize,
@@ -266,7 +262,7 @@ impl PyShield {
         let wish: Maneuver = wish.get().decision.command;
         let shielded = py.detach(|| situation.with(|situation| shield.step(situation, &wish)));
         Ok((
-            PyDecision::of(shielded.decision, situation.ownship),
+            PyDecision::of(&shielded.decision, situation.ownship),
             shielded.engaged,
         ))
     }

@@ -16,6 +16,7 @@
 //! | [`league`] | which policy keeps how many apart, at which cost? |
 //! | [`listing`] | which of many runs deserve a look? |
 //! | [`replay`] | why did it turn there? |
+//! | [`zone`] | where may it not fly? |
 //!
 //! Colours are from Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which people with any
 //! common colour vision can distinguish.
@@ -29,6 +30,7 @@ pub mod profile;
 pub mod replay;
 pub mod report;
 pub mod safety_case;
+pub mod zone;
 
 mod label;
 mod page;

@@ -13,8 +13,7 @@ mod separation;
 mod top;
 
 pub use data::{
-    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, OverviewZone,
-    Sample,
+    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, Sample,
 };
 
 pub(crate) use look::{FRAME, GRID_LINE, axis_titles};

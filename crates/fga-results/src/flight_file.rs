@@ -86,7 +86,7 @@ pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
     }
 }
 
-fn zone(zone: &WorldZone) -> FlightZone {
+pub(crate) fn zone(zone: &WorldZone) -> FlightZone {
     let (floor_m, ceiling_m) = zone.heights_m();
     let limit_m = |height_m: f64| height_m.is_finite().then_some(height_m);
     FlightZone {

@@ -245,13 +245,7 @@ pub fn overview(log: &RunLog) -> Overview {
             })
             .collect(),
         obstacles,
-        zones: (log.plan.world.zones.iter())
-            .map(|zone| overview::OverviewZone {
-                name: zone.name().to_owned(),
-                keep_in: zone.keep_in(),
-                ring_m: zone.ring_m(),
-            })
-            .collect(),
+        zones: replay_page::planned_zones(&log.plan),
         moments: moments(log),
     }
 }

@@ -1,10 +1,8 @@
 //! The origin of results: `run.json`.
 
-use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use fga_formats::error::read_bytes;
-use fga_formats::{InputError, build};
+use fga_formats::build;
 pub use fga_sim::fingerprint::fingerprint;
 use serde_json::{Value, json};
 
@@ -51,12 +49,4 @@ impl Provenance {
         }
         document
     }
-}
-
-/// SHA-256 of a file.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn file_fingerprint(path: &Path) -> Result<String, InputError> {
-    Ok(fingerprint(&read_bytes(path)?))
 }

@@ -2,6 +2,7 @@
 
 use alloc::sync::Arc;
 
+use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
 use fga::certificate::{Asked, Hazard, Status, certify_set};
 use fga::maneuver::Maneuver;
@@ -9,19 +10,19 @@ use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
-use fga::{Vec2, Vec3};
 use fga_formats::words::{decision_words, reason_words};
 use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayGround, ReplayObstacle, ReplayOutcome, ReplayPath,
-    ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayZone, render,
+    ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, render,
 };
+use fga_report::zone::DrawnZone;
 use fga_sim::ground::WorldGround;
 use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::world::WorldZone;
 
-use crate::replay_guidance;
+use crate::{flight_file, replay_guidance};
 
 /// The text of the records of a flight without a policy.
 const NO_POLICY: &str = "no policy decides, the mission is flown";
@@ -167,18 +168,18 @@ pub fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
 }
 
 /// The zones of a plan.
-pub fn planned_zones(plan: &Plan) -> Vec<ReplayZone> {
-    plan.world.zones.iter().map(zone).collect()
-}
-
-fn zone(zone: &WorldZone) -> ReplayZone {
-    let (floor_m, ceiling_m) = zone.heights_m();
-    ReplayZone {
-        name: zone.name().to_owned(),
-        keep_in: zone.keep_in(),
-        ring_m: zone.ring_m().iter().map(Vec2::to_array).collect(),
-        heights_m: [floor_m, ceiling_m].map(|height_m| height_m.is_finite().then_some(height_m)),
-    }
+pub fn planned_zones(plan: &Plan) -> Vec<DrawnZone> {
+    let drawn = |zone: &WorldZone| {
+        let zone = flight_file::zone(zone);
+        DrawnZone {
+            name: zone.name,
+            keep_in: zone.keep_in,
+            ring_m: zone.ring_m,
+            floor_m: zone.floor_m,
+            ceiling_m: zone.ceiling_m,
+        }
+    };
+    plan.world.zones.iter().map(drawn).collect()
 }
 
 fn obstacles(log: &RunLog) -> Vec<ReplayObstacle> {

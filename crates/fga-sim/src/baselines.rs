@@ -87,14 +87,10 @@ impl Baseline {
         Self::VelocityObstacles,
     ];
 
-    /// Those that use the volumes of a standard instead of the vehicle file's.
-    pub const OPERATORS: [Self; 2] = [
+    /// Those that use the volumes of a standard, and those that others fly by: pilots, traffic advisories, an autopilot.
+    pub const OTHERS: [Self; 6] = [
         Self::Operator(Display::F3442),
         Self::Operator(Display::Do365),
-    ];
-
-    /// Those that others fly by: pilots, traffic advisories, an autopilot.
-    pub const RULES: [Self; 4] = [
         Self::RightOfWay,
         Self::SeeAndAvoid,
         Self::VerticalAdvisories,
@@ -119,13 +115,14 @@ impl Baseline {
         }
     }
 
+    /// Every one of them.
+    pub fn every() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain(Self::OTHERS)
+    }
+
     /// The method of this name.
     pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL
-            .into_iter()
-            .chain(Self::OPERATORS)
-            .chain(Self::RULES)
-            .find(|method| method.name() == name)
+        Self::every().find(|method| method.name() == name)
     }
 
     /// A pilot of this method with the best settings.

@@ -14,5 +14,6 @@ mod stepped;
 mod steps;
 
 pub use flight::Engine;
-pub use observer::{DecisionMoment, Observer, Outcome, Sample};
+pub use measured::Outcome;
+pub use observer::{DecisionMoment, Observer, Sample};
 pub use stepped::SteppedFlight;

@@ -11,7 +11,6 @@ mod arc;
 mod autopilot;
 mod lagged;
 mod pi_controller;
-mod rolls;
 
 use alloc::collections::VecDeque;
 
@@ -24,7 +23,6 @@ pub use arc::{Arc, unwrap_near};
 pub use autopilot::Autopilot;
 
 use pi_controller::PiController;
-use rolls::PlantRolls;
 
 /// A rest of a turn or a change of climb that takes less than this is rounding, seconds.
 const SHORTEST_S: f64 = 1e-12;
@@ -63,7 +61,6 @@ pub struct Plant {
     pending: VecDeque<(f64, Stage)>,
     /// Those of course and climb angle.
     controllers: [Option<PiController>; 2],
-    rolls: PlantRolls,
 }
 
 impl Plant {
@@ -83,7 +80,6 @@ impl Plant {
             straight: None,
             pending: VecDeque::with_capacity(64),
             controllers: autopilot.controllers(&vehicle),
-            rolls: PlantRolls::default(),
         }
     }
 
@@ -107,7 +103,6 @@ impl Plant {
         self.wind_mps = wind_mps;
         self.gust = None;
         self.straight = None;
-        self.rolls = PlantRolls::default();
     }
 
     /// Meets a gust in the wind that it flies in now.
@@ -132,7 +127,6 @@ impl Plant {
         if wind_mps != self.wind_mps {
             self.wind_mps = wind_mps;
             self.straight = None;
-            self.rolls = PlantRolls::default();
         }
         changes_s.min(until_s)
     }
@@ -141,7 +135,6 @@ impl Plant {
     pub fn fly_at(&mut self, airspeed_mps: f64) {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.straight = None;
-        self.rolls = PlantRolls::default();
     }
 
     /// The vehicle's limits at the present airspeed.

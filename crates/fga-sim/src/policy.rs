@@ -27,8 +27,11 @@ pub enum PolicyChoice {
 }
 
 /// Names of the policies, for messages and help.
-pub const POLICY_NAMES: &str = "turn-aware, published, published-literal, circle, none, \
-     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365, right-of-way, see-and-avoid, tcas-like, arduplane-rules, pipe:PROGRAM";
+pub fn policy_names() -> String {
+    let baselines = Baseline::every().map(Baseline::name);
+    let baselines = baselines.collect::<Vec<_>>().join(", ");
+    format!("turn-aware, published, published-literal, circle, none, {baselines}, pipe:PROGRAM")
+}
 
 /// The beginning of the name of a policy that is an object in Python.
 pub const PYTHON: &str = "python:";
@@ -76,8 +79,9 @@ impl PolicyChoice {
                     fga_formats::error::shown(other)
                 )),
                 (None, _) => Err(format!(
-                    "unknown policy {}, expected one of {POLICY_NAMES}",
-                    fga_formats::error::shown(other)
+                    "unknown policy {}, expected one of {}",
+                    fga_formats::error::shown(other),
+                    policy_names()
                 )),
             },
         }

@@ -32,12 +32,17 @@ const STRAIGHT_WITHIN_M: f64 = 0.5;
 /// Time for the way back after the recording's end, seconds.
 const WAY_BACK_S: f64 = 300.0;
 
-/// Reads a recording; `ownship` names the ownship, without it the first aircraft is the ownship.
+/// A flight from the text of a recording; `ownship` names the ownship, without it the first aircraft is the ownship.
 ///
 /// # Errors
-/// A file that is not a recording, an ownship that does not move, a wind that is too strong.
-pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<Plan, InputError> {
-    let mut recording = daa::read(path)?;
+/// A text that is not a recording, an ownship that does not move, a wind that is too strong.
+pub fn parse(
+    text: &str,
+    path: &Path,
+    model: VehicleModel,
+    ownship: Option<&str>,
+) -> Result<Plan, InputError> {
+    let mut recording = daa::parse(text, path)?;
     if let Some(name) = ownship {
         make_ownship(&mut recording, name, path)?;
     }

@@ -13,9 +13,11 @@ use fga::avoider::{Decision, SettingsError, State};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_files::TomlText;
 use fga_files::from_mission::scenario_text;
-use fga_formats::{InputError, missions};
+use fga_formats::error::{read_bytes, text_of};
+use fga_formats::{InputError, gzip, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use crate::fingerprint::fingerprint;
 use crate::ground::GroundSeparation;
 use crate::own::FailureKind;
 use crate::policy::PolicyChoice;
@@ -32,39 +34,46 @@ impl Plan {
     /// # Errors
     /// A file of no such kind, or an unusable one.
     pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
-        Self::read_as(path, vehicle, None)
+        Ok(Self::read_once(path, vehicle, None)?.0)
     }
 
-    /// The same, with the name of a recording's ownship; without it the first aircraft is the ownship.
+    /// The same, with the name of a recording's ownship (without it the first aircraft), and the SHA-256 of what was read.
     ///
     /// # Errors
     /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for another file.
-    pub fn read_as(
+    pub fn read_once(
         path: &Path,
         vehicle: Option<VehicleModel>,
         ownship: Option<&str>,
-    ) -> Result<Self, InputError> {
-        let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-        match extension.as_ref().and_then(|extension| extension.to_str()) {
-            Some(ending) if ownship.is_some() && ending != "daa" => Err(InputError::in_file(
-                path,
-                "is no recording, expected a .daa recording with --ownship",
-            )),
-            Some("toml") => scenario::read(path, vehicle),
-            Some("daa") => {
-                let model = match vehicle {
-                    Some(model) => model,
-                    None => VehicleModel::recorded()?,
-                };
-                recording::read(path, model, ownship)
+    ) -> Result<(Self, String), InputError> {
+        let refused = |reason| Err(InputError::in_file(path, reason));
+        let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+        let ending = ending.as_ref().and_then(|ending| ending.to_str());
+        if ownship.is_some() && ending.is_some_and(|ending| ending != "daa") {
+            return refused("is no recording, expected a .daa recording with --ownship");
+        }
+        if !matches!(ending, Some("toml" | "daa")) {
+            if path.is_dir() {
+                return refused(
+                    "is a folder, expected a .toml scenario, a .daa recording or a mission; fga batch flies folders",
+                );
             }
-            _ if path.is_dir() => Err(InputError::in_file(
-                path,
-                "is a folder, expected a .toml scenario, a .daa recording or a mission; fga batch flies folders",
-            )),
-            _ if missions::is_mission_file(path) => {
+            if !missions::is_mission_file(path) {
+                return refused(
+                    "is of no known kind, expected a .toml scenario, a .daa recording or a mission (.plan, .waypoints)",
+                );
+            }
+        }
+        let bytes = read_bytes(path)?;
+        let plan = match ending {
+            Some("toml") => scenario::parse(TomlText::new(path, &text_of(&bytes)), vehicle)?,
+            Some("daa") => {
+                let model = vehicle.map_or_else(VehicleModel::recorded, Ok)?;
+                recording::parse(&gzip::text_of(&bytes, path)?, path, model, ownship)?
+            }
+            _ => {
                 let model = vehicle.map_or_else(VehicleModel::built_in, Ok)?;
-                let mission = missions::read(path)?;
+                let mission = missions::parse(&text_of(&bytes), path)?;
                 let text = scenario_text(&mission, path, model.vehicle.airspeed_mps)?;
                 scenario::parse(TomlText::new(path, &text), Some(model)).map_err(|error| {
                     // Lines of the text that was made are no lines of the file.
@@ -72,13 +81,10 @@ impl Plan {
                         line: None,
                         ..error
                     }
-                })
+                })?
             }
-            _ => Err(InputError::in_file(
-                path,
-                "is of no known kind, expected a .toml scenario, a .daa recording or a mission (.plan, .waypoints)",
-            )),
-        }
+        };
+        Ok((plan, fingerprint(&bytes)))
     }
 }
 

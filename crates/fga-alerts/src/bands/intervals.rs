@@ -16,6 +16,18 @@ impl Intervals {
         self.0.iter().copied()
     }
 
+    /// From one value to another, on a circular scale around it where the first one is not less.
+    pub(crate) fn around(low: f64, high: f64, modulus: f64) -> Self {
+        let mut around = Self::default();
+        if low < high || modulus == 0.0 {
+            around.add(low, high);
+        } else {
+            around.add(0.0, high);
+            around.add(low, modulus);
+        }
+        around
+    }
+
     /// Adds an interval; ignores one without length.
     pub(crate) fn add(&mut self, mut low: f64, mut high: f64) {
         if !Edge.less(low, high) {
@@ -43,36 +55,10 @@ impl Intervals {
 
     /// Keeps the intersection with `other`.
     pub(crate) fn intersect(&mut self, other: &Self) {
-        let mine = core::mem::take(self);
-        let (mut a, mut b) = (mine.iter().peekable(), other.iter().peekable());
-        while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (a.peek(), b.peek()) {
-            let starts_in_b = Edge.at_most(b_low, a_low) && Edge.less(a_low, b_high);
-            let starts_in_a = Edge.at_most(a_low, b_low) && Edge.less(b_low, a_high);
-            let a_ends_first = if starts_in_b {
-                Edge.at_most(a_high, b_high)
-            } else if starts_in_a {
-                !Edge.at_most(b_high, a_high)
-            } else {
-                Edge.at_most(a_high, b_low)
-            };
-            let end = if a_ends_first { a_high } else { b_high };
-            if starts_in_b {
-                self.append(a_low, end);
-            } else if starts_in_a {
-                self.append(b_low, end);
+        for [low, high] in core::mem::take(self).iter() {
+            for [other_low, other_high] in other.iter() {
+                self.add(low.max(other_low), high.min(other_high));
             }
-            if a_ends_first {
-                a.next();
-            } else {
-                b.next();
-            }
-        }
-    }
-
-    fn append(&mut self, low: f64, high: f64) {
-        match self.0.last_mut() {
-            Some([_, last]) if *last >= low => *last = last.max(high),
-            _ => self.0.push([low, high]),
         }
     }
 }

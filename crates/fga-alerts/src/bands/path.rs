@@ -6,32 +6,28 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::{Quantity, Span};
+use crate::bands::span::BandSpan;
+use crate::quantity::Quantity;
 use crate::settings::Settings;
 use alloc::vec::Vec;
 use glam::DVec3;
 
 /// A straight line of the ownship from a time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct FlownLine {
     /// Start of the line, seconds from now.
     pub(crate) since_s: f64,
     /// Its state on the line, extrapolated back to now.
     pub(crate) state: State,
 }
 
-impl Line {
+impl FlownLine {
     /// The line of a state at a time.
     pub(super) fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
-        let position_m = if since_s == 0.0 {
-            position_m
-        } else {
-            position_m - velocity_mps * since_s
-        };
         Self {
             since_s,
             state: State {
-                position_m,
+                position_m: position_m - velocity_mps * since_s,
                 velocity_mps,
             },
         }
@@ -53,9 +49,9 @@ fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
 pub(super) fn steps(
     settings: &Settings,
     ownship: &State,
-    span: &Span,
+    span: &BandSpan,
     at_once: bool,
-) -> (Vec<Line>, f64) {
+) -> (Vec<FlownLine>, f64) {
     let mut start = *ownship;
     if span.quantity == Quantity::Direction {
         start.velocity_mps = with_speed(ownship, turning_speed_mps(settings, ownship));
@@ -63,12 +59,12 @@ pub(super) fn steps(
     let step_s = if at_once {
         0.0
     } else {
-        step_s(span.quantity, settings, ownship)
+        span.step / rate(span.quantity, settings, ownship)
     };
     let line = |count: usize, side: f64| {
         let (change, time_s) = (count as f64 * span.step, step_s * count as f64);
         if count == 0 {
-            return Line::at(0.0, start.position_m, start.velocity_mps);
+            return FlownLine::at(0.0, start.position_m, start.velocity_mps);
         }
         let along_mps2 = side * settings.horizontal_acceleration_mps2;
         let up_mps2 = side * settings.vertical_acceleration_mps2;
@@ -78,34 +74,25 @@ pub(super) fn steps(
             _ => climbing(&start, side * change, time_s, up_mps2),
         };
         if at_once {
-            return Line::at(0.0, start.position_m, velocity_mps);
+            return FlownLine::at(0.0, start.position_m, velocity_mps);
         }
-        Line::at(time_s, position_m, velocity_mps)
+        FlownLine::at(time_s, position_m, velocity_mps)
     };
     let down = (1..=span.steps_down).rev().map(|count| line(count, -1.0));
     let up = (0..=span.steps_up).map(|count| line(count, 1.0));
     (down.chain(up).collect(), step_s)
 }
 
-/// Time of one step of a manoeuvre that takes any, seconds.
-fn step_s(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
+/// Change of a quantity per second.
+fn rate(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
     match quantity {
-        Quantity::Direction => {
-            let rate = if settings.turn_rate_radps == 0.0 {
-                GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
-                    / turning_speed_mps(settings, ownship)
-            } else {
-                settings.turn_rate_radps
-            };
-            settings.direction_step_rad / rate
+        Quantity::Direction if settings.turn_rate_radps == 0.0 => {
+            GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
+                / turning_speed_mps(settings, ownship)
         }
-        Quantity::HorizontalSpeed => {
-            settings.horizontal_speed.step / settings.horizontal_acceleration_mps2
-        }
-        Quantity::VerticalSpeed => {
-            settings.vertical_speed.step / settings.vertical_acceleration_mps2
-        }
-        Quantity::Altitude => 1.0,
+        Quantity::Direction => settings.turn_rate_radps,
+        Quantity::HorizontalSpeed => settings.horizontal_acceleration_mps2,
+        Quantity::VerticalSpeed | Quantity::Altitude => settings.vertical_acceleration_mps2,
     }
 }
 

@@ -2,12 +2,11 @@
 
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
-use crate::bands::meeting::{Guard, Meeting};
-use crate::bands::picture::Contribution;
-use crate::bands::search::Search;
+use crate::bands::search::BandSearch;
+use crate::picture::Contribution;
 use crate::settings::Settings;
 use crate::units::FOOT_M;
-use crate::volume::{Advisory, Cylinder, Sensitivity, Volume};
+use crate::volume::{Advisory, Cylinder, Sensitivity};
 use alloc::vec::Vec;
 
 /// The result of recovery bands, where every manoeuvre leads into the corrective volume.
@@ -49,26 +48,18 @@ const MOST_SHRINKINGS: usize = 1000;
 /// An altitude in the lowest level that has resolution advisories, metres.
 const LOWEST_ADVISORY_M: f64 = 1001.0 * FOOT_M;
 
-/// An aircraft that recovery keeps away from: out of a cylinder until a change, out of its own volume from then on.
-struct Avoided<'a> {
-    own: Meeting<'a>,
-    cylinder: Meeting<'a>,
-    /// Horizon of its conflict, seconds.
-    horizon_s: f64,
-}
-
-impl Search<'_> {
+impl BandSearch<'_> {
     /// Searches the resolutions of a certain conflict with these aircraft.
     pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Intervals) {
         let settings = &self.picture.settings;
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
-        let past_nmac = self.free(aircraft, Some(nmac));
+        let past_nmac = self.free(aircraft, Some((nmac, f64::INFINITY)));
         let distances = distances(settings, &self.picture.ownship.state);
         if distances.is_empty() || past_nmac.is_empty() {
             return (Recovery::Impossible { shrinkings: 0 }, past_nmac);
         }
         for (&kept, shrinkings) in distances.iter().zip(0..) {
-            if self.free(aircraft, Some(kept)).is_empty() {
+            if self.free(aircraft, Some((kept, f64::INFINITY))).is_empty() {
                 continue;
             }
             let (time_s, ways_out) = self.way_back(aircraft, kept);
@@ -91,20 +82,7 @@ impl Search<'_> {
     /// of the cylinder until then and of each aircraft's own volume afterwards.
     fn way_back(&self, aircraft: &[Contribution], kept: Cylinder) -> (f64, Intervals) {
         let settings = &self.picture.settings;
-        let kept = Volume::Cylinder(kept);
-        let avoided = aircraft.iter().filter_map(|contribution| {
-            let (met, own) = self.against(contribution)?;
-            Some(Avoided {
-                own: self.ways.meeting(&met, own),
-                cylinder: self.ways.meeting(&met, &kept),
-                horizon_s: contribution.horizon_s,
-            })
-        });
-        let avoided: Vec<Avoided> = avoided.collect();
-        let free = |change_s| {
-            let guards = avoided.iter().map(|aircraft| aircraft.guard(change_s));
-            self.common(guards.map(|guard| self.ways.free(&guard, self.span)))
-        };
+        let free = |change_s| self.free(aircraft, Some((kept, change_s)));
         let (mut blocked_s, mut open_s) = (0.0, settings.lookahead_s + 1.0);
         let mut tried_s = open_s - 1.0;
         while open_s - blocked_s > 0.5 {
@@ -123,19 +101,6 @@ impl Search<'_> {
             blocked_s
         };
         (time_s, free(time_s))
-    }
-}
-
-impl Avoided<'_> {
-    fn guard(&self, change_s: f64) -> Guard<'_> {
-        if change_s > self.horizon_s {
-            return Guard::of(&self.cylinder, self.horizon_s);
-        }
-        Guard {
-            before: Some(&self.cylinder),
-            change_s,
-            ..Guard::of(&self.own, self.horizon_s)
-        }
     }
 }
 
@@ -181,8 +146,8 @@ fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
 mod tests {
     use super::*;
     use crate::aircraft::{Aircraft, AircraftId};
-    use crate::bands::span::Quantity;
     use crate::monitor::Monitor;
+    use crate::quantity::Quantity;
     use crate::schemes::{do_365b, f3442};
     use crate::settings::Region;
     use glam::DVec3;

@@ -1,25 +1,26 @@
 //! Which values of a quantity are free of conflicts with some aircraft.
 
-use crate::aircraft::State;
+use crate::aircraft::{Pair, State};
+use crate::bands::guard::Guard;
 use crate::bands::intervals::Intervals;
-use crate::bands::meeting::{Guard, Met};
-use crate::bands::picture::{Contribution, Picture};
-use crate::bands::span::{Quantity, Span};
+use crate::bands::span::BandSpan;
 use crate::bands::ways::Ways;
+use crate::picture::{Contribution, Picture};
+use crate::quantity::Quantity;
 use crate::settings::Region;
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 
 /// The manoeuvres of one quantity.
-pub(crate) struct Search<'a> {
+pub(crate) struct BandSearch<'a> {
     pub(super) picture: &'a Picture,
-    pub(super) span: &'a Span,
+    pub(super) span: &'a BandSpan,
     pub(super) ways: Ways,
 }
 
-impl<'a> Search<'a> {
+impl<'a> BandSearch<'a> {
     /// The manoeuvres from a state to the values of a span.
-    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a Span) -> Self {
+    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a BandSpan) -> Self {
         Self {
             picture,
             span,
@@ -28,28 +29,29 @@ impl<'a> Search<'a> {
     }
 
     /// The aircraft that contributes, and the volume of its level.
-    pub(super) fn against(&self, contribution: &Contribution) -> Option<(Met<'a>, &'a Volume)> {
+    pub(super) fn against(&self, contribution: &Contribution) -> Option<(Pair, &'a Volume)> {
         let (intruder, picture) = (contribution.intruder, self.picture);
         let level = picture.level(intruder, contribution.level)?;
-        Some((picture.met(intruder)?, &level.volume))
+        Some((picture.pair(intruder)?, &level.volume))
     }
 
-    /// The values free of conflicts with these aircraft: out of each one's own volume, or of a cylinder instead.
-    pub(super) fn free(&self, aircraft: &[Contribution], kept: Option<Cylinder>) -> Intervals {
-        let kept = kept.map(Volume::Cylinder);
-        self.common(aircraft.iter().filter_map(|contribution| {
-            let (met, own) = self.against(contribution)?;
-            let meeting = self.ways.meeting(&met, kept.as_ref().unwrap_or(own));
-            let guard = Guard::of(&meeting, contribution.horizon_s);
-            Some(self.ways.free(&guard, self.span))
-        }))
-    }
-
-    /// What of the searched values is free of each aircraft.
-    pub(super) fn common(&self, free: impl Iterator<Item = Intervals>) -> Intervals {
+    /// The values free of conflicts with these aircraft: out of each one's own volume, before a time out of a cylinder
+    /// instead.
+    pub(super) fn free(
+        &self,
+        aircraft: &[Contribution],
+        kept: Option<(Cylinder, f64)>,
+    ) -> Intervals {
+        let settings = &self.picture.settings;
+        let kept = kept.map(|(cylinder, change_s)| (Volume::Cylinder(cylinder), change_s));
         let mut common = self.span.whole();
-        for free in free {
-            common.intersect(&free);
+        for contribution in aircraft {
+            let Some((pair, own)) = self.against(contribution) else {
+                continue;
+            };
+            let horizon_s = contribution.horizon_s;
+            let guard = Guard::new(settings, &pair, own, kept.as_ref(), horizon_s);
+            common.intersect(&self.ways.free(&guard, self.span));
             if common.is_empty() {
                 break;
             }
@@ -57,17 +59,19 @@ impl<'a> Search<'a> {
         common
     }
 
-    /// Whether any manoeuvre leads into a volume before a time.
-    pub(crate) fn any_conflict(&self, met: &Met<'a>, volume: &'a Volume, until_s: f64) -> bool {
-        let meeting = self.ways.meeting(met, volume);
-        self.ways.any_conflict(&Guard::of(&meeting, until_s))
+    /// Whether a manoeuvre to any value leads into a volume before a time, or on the way beyond it.
+    pub(crate) fn any_conflict(&self, pair: &Pair, volume: &Volume, until_s: f64) -> bool {
+        let guard = Guard::new(&self.picture.settings, pair, volume, None, until_s);
+        let free = self.ways.free_values(&guard, self.span, None);
+        free.contains(&false)
     }
 
-    /// Whether every manoeuvre leads into a volume within the horizon.
-    pub(crate) fn all_conflict(&self, met: &Met<'a>, volume: &'a Volume) -> bool {
-        let meeting = self.ways.meeting(met, volume);
-        let until_s = self.picture.settings.lookahead_s;
-        self.ways.all_conflict(&Guard::of(&meeting, until_s))
+    /// Whether no manoeuvre leads past a volume within the horizon.
+    pub(crate) fn all_conflict(&self, pair: &Pair, volume: &Volume) -> bool {
+        let settings = &self.picture.settings;
+        let guard = Guard::new(settings, pair, volume, None, settings.lookahead_s);
+        let free = self.ways.free_values(&guard, self.span, Some(0.0));
+        !free.contains(&true)
     }
 
     /// The aircraft that only a manoeuvre brings into a region's conflict.
@@ -81,10 +85,10 @@ impl<'a> Search<'a> {
                 level,
                 horizon_s: settings.lookahead_s.min(alerting_s),
             };
-            let (met, volume) = self.against(&contribution)?;
+            let (pair, volume) = self.against(&contribution)?;
             let loss = self.picture.violation(intruder, level)?;
             let is_peripheral = !loss.begins_before(contribution.horizon_s)
-                && self.any_conflict(&met, volume, contribution.horizon_s);
+                && self.any_conflict(&pair, volume, contribution.horizon_s);
             is_peripheral.then_some(contribution)
         };
         (0..self.picture.traffic.len())
@@ -98,11 +102,13 @@ pub(crate) fn meets_within_spread(
     picture: &Picture,
     quantity: Quantity,
     spread: f64,
-    met: &Met,
+    pair: &Pair,
     volume: &Volume,
     until_s: f64,
 ) -> bool {
     let ownship = &picture.ownship.state;
-    let span = Span::of(quantity, &picture.settings, ownship, Some((spread, spread)));
-    span.is_some_and(|span| Search::new(picture, ownship, &span).any_conflict(met, volume, until_s))
+    let span = BandSpan::of(quantity, &picture.settings, ownship, Some((spread, spread)));
+    span.is_some_and(|span| {
+        BandSearch::new(picture, ownship, &span).any_conflict(pair, volume, until_s)
+    })
 }

@@ -4,48 +4,11 @@ use crate::aircraft::State;
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
 use crate::bands::intervals::Intervals;
-use crate::settings::{PerManeuver, Reach, Settings};
+use crate::quantity::Quantity;
+use crate::settings::{Reach, Settings};
 use core::f64::consts::TAU;
 
-/// The quantity that a manoeuvre changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Quantity {
-    /// Direction of flight, radians clockwise from north.
-    Direction,
-    /// Horizontal speed, metres per second.
-    HorizontalSpeed,
-    /// Vertical speed, metres per second.
-    VerticalSpeed,
-    /// Altitude, metres.
-    Altitude,
-}
-
 impl Quantity {
-    /// All four, in the order of tables.
-    pub const ALL: [Self; 4] = [
-        Self::Direction,
-        Self::HorizontalSpeed,
-        Self::VerticalSpeed,
-        Self::Altitude,
-    ];
-
-    /// The quantity's value of an aircraft.
-    pub fn of(self, state: &State) -> f64 {
-        match self {
-            Self::Direction => state.direction_rad(),
-            Self::HorizontalSpeed => state.speed_mps(),
-            Self::VerticalSpeed => state.velocity_mps.z,
-            Self::Altitude => state.position_m.z,
-        }
-    }
-
-    pub(crate) const fn modulus(self) -> f64 {
-        match self {
-            Self::Direction => TAU,
-            _ => 0.0,
-        }
-    }
-
     /// Whether a manoeuvre of the quantity is instantaneous.
     pub(crate) fn is_instantaneous(self, settings: &Settings, slow: bool) -> bool {
         match self {
@@ -76,21 +39,9 @@ impl Quantity {
     }
 }
 
-impl<T: Copy> PerManeuver<T> {
-    /// The value for a quantity.
-    pub fn get(&self, quantity: Quantity) -> T {
-        match quantity {
-            Quantity::Direction => self.direction,
-            Quantity::HorizontalSpeed => self.horizontal_speed,
-            Quantity::VerticalSpeed => self.vertical_speed,
-            Quantity::Altitude => self.altitude,
-        }
-    }
-}
-
 /// The values in reach from the current one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Span {
+pub(crate) struct BandSpan {
     pub(crate) quantity: Quantity,
     /// The current value.
     pub(crate) value: f64,
@@ -115,7 +66,7 @@ pub(crate) struct Span {
 /// Most steps; a finer step only costs time.
 pub(super) const MOST_STEPS: f64 = 1e5;
 
-impl Span {
+impl BandSpan {
     /// The span around an aircraft's value; `None` for a value outside of the scale.
     ///
     /// `around` overrides the searched range below and above the value.
@@ -190,42 +141,24 @@ impl Span {
 
     /// The whole searched range.
     pub(crate) fn whole(&self) -> Intervals {
-        let mut whole = Intervals::default();
         if self.is_circular {
-            whole.add(0.0, self.modulus);
-        } else if self.modulus == 0.0 || self.min < self.max {
-            whole.add(self.min, self.max);
+            Intervals::around(0.0, self.modulus, self.modulus)
         } else {
-            whole.add(self.min, self.modulus);
-            whole.add(0.0, self.max);
+            Intervals::around(self.min, self.max, self.modulus)
         }
-        whole
     }
 
-    /// Adds the searched values between two, on a circular scale around it.
-    pub(crate) fn add_free(&self, free: &mut Intervals, low: f64, high: f64) {
+    /// The searched values between two, on a circular scale around it.
+    pub(crate) fn between(&self, low: f64, high: f64) -> Intervals {
         if Edge.same(low, high) {
-            return;
+            return Intervals::default();
         }
-        if self.modulus == 0.0 {
-            free.add(low.max(self.min), high.min(self.max));
-            return;
-        }
+        let mut between = self.whole();
         let (low, high) = (wrapped(low, self.modulus), wrapped(high, self.modulus));
-        let mut part = Intervals::default();
-        if low < high {
-            part.add(low, high);
-        } else if !Edge.same(low, high) {
-            part.add(0.0, high);
-            part.add(low, self.modulus);
+        // The same value twice is once around the circle.
+        if !Edge.same(low, high) {
+            between.intersect(&Intervals::around(low, high, self.modulus));
         }
-        let whole = self.whole();
-        if part.is_empty() {
-            // Once around the circle.
-            part = whole;
-        } else if !self.is_circular && !whole.is_empty() {
-            part.intersect(&whole);
-        }
-        free.unite(&part);
+        between
     }
 }

@@ -1,167 +1,102 @@
 //! The lines on which the ownship flies to the values of a span, and which values it reaches without conflict.
 
 use crate::aircraft::State;
+use crate::bands::guard::Guard;
 use crate::bands::intervals::Intervals;
-use crate::bands::level::LevelChange;
-use crate::bands::meeting::{Guard, Meeting, Met};
-use crate::bands::path::{Line, steps};
-use crate::bands::picture::Picture;
-use crate::bands::span::{MOST_STEPS, Quantity, Span};
-use crate::volume::Volume;
+use crate::bands::level::{LevelLeg, legs_to};
+use crate::bands::path::{FlownLine, steps};
+use crate::bands::span::{BandSpan, MOST_STEPS};
+use crate::picture::Picture;
+use crate::quantity::Quantity;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::ops::Range;
+use core::iter::repeat_n;
 
-/// The ways to the values of a span.
-pub(crate) struct Ways {
-    legs: Vec<Leg>,
-    kind: Kind,
-}
-
-/// A line on a way.
-struct Leg {
-    line: Line,
-    /// Until when the ownship flies it, seconds; `None` for a moment.
-    until_s: Option<f64>,
-}
-
-/// How legs make ways.
-enum Kind {
-    /// Each leg ends one step's way, which leads over all steps between it and the current value.
-    Steps { now: usize, step_s: f64 },
-    /// The legs of each altitude.
-    Altitudes(Vec<Range<usize>>),
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "between 0 and 100,000")]
-const fn int(value: f64) -> i32 {
-    value as i32
+/// The ways to the values of a span, in growing order.
+pub(crate) enum Ways {
+    /// The line after each step; the way there leads over all steps from the current value, each of the same time.
+    Steps { lines: Vec<FlownLine>, step_s: f64 },
+    /// The legs to each altitude.
+    Altitudes(Vec<Vec<LevelLeg>>),
 }
 
 impl Ways {
     /// The ways from a state to the values of a span.
-    pub(super) fn new(picture: &Picture, ownship: &State, span: &Span) -> Self {
+    pub(super) fn new(picture: &Picture, ownship: &State, span: &BandSpan) -> Self {
         let settings = &picture.settings;
         let at_once = span
             .quantity
             .is_instantaneous(settings, picture.turns_at_once());
         if span.quantity != Quantity::Altitude {
             let (lines, step_s) = steps(settings, ownship, span, at_once);
-            let until_s = Some(f64::INFINITY);
-            let legs = lines.into_iter().map(|line| Leg { line, until_s });
-            let (legs, now) = (legs.collect(), span.steps_down);
-            let kind = Kind::Steps { now, step_s };
-            return Self { legs, kind };
+            return Self::Steps { lines, step_s };
         }
-        let (mut legs, mut ways) = (Vec::new(), Vec::<Range<usize>>::new());
-        let mut last = None;
-        let steps = libm::floor((span.max - span.min) / span.step);
-        for step in 0..=int(steps.min(MOST_STEPS)) + 1 {
-            let target_m = span.min + f64::from(step) * span.step;
-            let change = LevelChange::to(target_m, settings, ownship);
-            let from = legs.len();
-            let mut take = |line, until_s| legs.push(Leg { line, until_s });
-            let is_known = |last| change.is_flown_as(&last, settings.lookahead_s);
-            let way = if at_once {
-                take(
-                    LevelChange::instantly(target_m, ownship),
-                    Some(f64::INFINITY),
-                );
-                None
-            } else if last.is_some_and(is_known) {
-                // Altitudes beyond the horizon are flown to alike.
-                ways.last().cloned()
-            } else {
-                change.fly(settings.lookahead_s, take);
-                None
-            };
-            ways.push(way.unwrap_or(from..legs.len()));
-            last = Some(change);
-        }
-        let kind = Kind::Altitudes(ways);
-        Self { legs, kind }
+        let steps = libm::floor((span.max - span.min) / span.step).min(MOST_STEPS);
+        let steps = (0..).map(f64::from).take_while(|step| *step <= steps + 1.0);
+        let legs = steps.map(|step| {
+            let target_m = span.min + step * span.step;
+            if at_once {
+                return vec![LevelLeg::at_once(target_m, ownship)];
+            }
+            legs_to(target_m, settings, ownship)
+        });
+        Self::Altitudes(legs.collect())
     }
 
-    /// A volume of an intruder on all lines.
-    pub(super) fn meeting<'a>(&self, met: &Met<'a>, volume: &'a Volume) -> Meeting<'a> {
-        Meeting::new(met, volume, self.legs.iter().map(|leg| &leg.line))
-    }
-
-    /// Whether each value, in growing order, is reached without conflict. `watched` says what counts besides the line
-    /// after a step: of the way to the next step 1 for all of it and 0 for its begin, `None` for nothing.
-    fn free_values(&self, guard: &Guard, watched: Option<f64>) -> Vec<bool> {
-        match &self.kind {
-            Kind::Altitudes(ways) => {
+    /// Whether each value is reached without conflict. `watched` says what counts besides the line after a step: of
+    /// the way to the next step 1 for all of it and 0 for its begin, `None` for nothing.
+    pub(super) fn free_values(
+        &self,
+        guard: &Guard,
+        span: &BandSpan,
+        watched: Option<f64>,
+    ) -> Vec<bool> {
+        let (lines, step_s, now) = match self {
+            Self::Steps { lines, step_s } => (lines, *step_s, span.steps_down),
+            Self::Altitudes(ways) => {
+                // Altitudes beyond the horizon have the same legs.
                 let alike = ways.chunk_by(|a, b| a == b);
                 let free = alike.flat_map(|ways| {
-                    let is_free = ways.first().is_some_and(|way| self.leads_past(way, guard));
-                    core::iter::repeat_n(is_free, ways.len())
+                    let mut legs = ways.iter().take(1).flatten();
+                    repeat_n(!legs.any(|leg| leg.is_blocked(guard)), ways.len())
                 });
-                free.collect()
+                return free.collect();
             }
-            Kind::Steps { now, step_s } => {
-                let coast_s = watched.filter(|_| *step_s > 0.0).map(|part| part * step_s);
-                let mut free = vec![false; self.legs.len()];
-                // From the current value to both sides, as far as nothing stops the manoeuvre.
-                for side in [-1, 1] {
-                    for steps in 0.. {
-                        let order = (steps as f64).partial_cmp(&(guard.change_s / step_s));
-                        let index = now.wrapping_add_signed(side * steps);
-                        let (Some(Leg { line, .. }), Some(free)) =
-                            (self.legs.get(index), free.get_mut(index))
-                        else {
-                            break;
-                        };
-                        if coast_s.is_some_and(|coast_s| guard.stops(index, line, order, coast_s)) {
-                            break;
-                        }
-                        *free = !guard.blocks(index, line, f64::INFINITY);
-                    }
-                }
-                free
-            }
-        }
-    }
-
-    /// Whether the ownship meets nothing on the legs to an altitude.
-    fn leads_past(&self, way: &Range<usize>, guard: &Guard) -> bool {
-        let legs = self.legs.get(way.clone()).unwrap_or_default();
-        way.clone()
-            .zip(legs)
-            .all(|(index, Leg { line, until_s })| match until_s {
-                None => !guard.stops(index, line, line.since_s.partial_cmp(&guard.change_s), 0.0),
-                Some(until_s) => !guard.blocks(index, line, *until_s),
-            })
+        };
+        let coast_s = watched.filter(|_| step_s > 0.0).map(|part| part * step_s);
+        let stops = |line: &FlownLine| coast_s.is_some_and(|coast_s| guard.stops(line, coast_s));
+        // From the current value to both sides, as far as nothing stops the manoeuvre.
+        let from_now =
+            |line: &FlownLine| (!stops(line)).then(|| !guard.blocks(line, f64::INFINITY));
+        let (down, up) = (lines.get(..=now), lines.get(now..));
+        let down = down.into_iter().flatten().rev().map_while(from_now);
+        let up = up.into_iter().flatten().map_while(from_now);
+        let mut free: Vec<bool> = down.collect();
+        free.resize(now + 1, false);
+        free.reverse();
+        free.truncate(now);
+        free.extend(up);
+        free.resize(lines.len(), false);
+        free
     }
 
     /// The values that are reached without conflict, where two neighbours are.
-    pub(super) fn free(&self, guard: &Guard, span: &Span) -> Intervals {
-        let (base, first) = match self.kind {
-            Kind::Steps { now, .. } => (span.value, -(now as f64)),
-            Kind::Altitudes(_) => (span.min, 0.0),
+    pub(super) fn free(&self, guard: &Guard, span: &BandSpan) -> Intervals {
+        let (base, first) = match self {
+            Self::Steps { .. } => (span.value, -(span.steps_down as f64)),
+            Self::Altitudes(_) => (span.min, 0.0),
         };
-        let values = self.free_values(guard, Some(1.0));
+        let value = |index: usize| span.step * (first + index as f64) + base;
         let mut free = Intervals::default();
         let mut start = 0;
-        for part in values.chunk_by(|a, b| a == b) {
+        for part in (self.free_values(guard, span, Some(1.0))).chunk_by(|a, b| a == b) {
             let end = start + part.len() - 1;
             if part.first() == Some(&true) && end > start {
-                let value = |index: usize| span.step * (first + index as f64) + base;
-                span.add_free(&mut free, value(start), value(end));
+                free.unite(&span.between(value(start), value(end)));
             }
             start = end + 1;
         }
         free
-    }
-
-    /// Whether a manoeuvre to any value leads into a volume, or on the way beyond it.
-    pub(super) fn any_conflict(&self, guard: &Guard) -> bool {
-        self.free_values(guard, None).contains(&false)
-    }
-
-    /// Whether no manoeuvre leads past a volume.
-    pub(super) fn all_conflict(&self, guard: &Guard) -> bool {
-        !self.free_values(guard, Some(0.0)).contains(&true)
     }
 }
 

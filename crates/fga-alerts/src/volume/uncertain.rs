@@ -85,14 +85,6 @@ impl UncertainWellClear {
         })
     }
 
-    /// The whole violation up to a time, seconds from now.
-    pub(super) fn window(&self, pair: &Pair, horizon_s: f64) -> Loss {
-        match self.spread(pair) {
-            None => self.volume.window(pair),
-            Some(spread) => self.spread_violation(pair, &spread, 0.0, horizon_s),
-        }
-    }
-
     pub(super) fn violation(&self, pair: &Pair, from_s: f64, to_s: f64) -> Loss {
         match self.spread(pair) {
             None => self.volume.violation(pair, from_s, to_s),

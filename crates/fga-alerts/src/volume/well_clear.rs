@@ -202,13 +202,6 @@ impl WellClear {
             .and(Loss::new(from_s, to_s))
     }
 
-    /// The whole violation, seconds from now.
-    pub(super) fn window(&self, pair: &Pair) -> Loss {
-        let ((s, v), (height_m, climb_mps)) = (pair.plane(), pair.vertical());
-        self.vertical_window(height_m, climb_mps)
-            .and(self.plane_window(s, v))
-    }
-
     pub(super) fn violation(&self, pair: &Pair, from_s: f64, to_s: f64) -> Loss {
         let (s, v) = pair.plane();
         let (height_m, climb_mps) = pair.vertical();

@@ -1,10 +1,11 @@
 //! The data of an overview, and the choice of the obstacles that it follows.
 
+use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
-use fga::{Vec2, Vec3};
 
 use super::look::Shape;
+use crate::zone::DrawnZone;
 
 /// The aircraft's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,17 +52,6 @@ pub struct OverviewObstacle {
     pub track: Vec<OverviewPoint>,
     /// The closest approach over continuous time, if known; else the samples give it.
     pub closest: Option<Closest>,
-}
-
-/// A zone, seen from above.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OverviewZone {
-    /// Its name for people; any text.
-    pub name: String,
-    /// Whether the aircraft keeps within it, not out of it.
-    pub keep_in: bool,
-    /// Its outline, metres east and north; the last place is the first one again.
-    pub ring_m: Vec<Vec2>,
 }
 
 /// A kind of critical moment.
@@ -149,7 +139,7 @@ pub struct Overview {
     /// The obstacles.
     pub obstacles: Vec<OverviewObstacle>,
     /// The zones.
-    pub zones: Vec<OverviewZone>,
+    pub zones: Vec<DrawnZone>,
     /// Critical moments; the picture draws the closest approaches without an entry here.
     pub moments: Vec<OverviewMoment>,
 }

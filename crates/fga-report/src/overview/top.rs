@@ -4,7 +4,7 @@ use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 
-use super::data::{Focus, FollowedTrack, Overview, OverviewObstacle, OverviewZone};
+use super::data::{Focus, FollowedTrack, Overview, OverviewObstacle};
 use super::look::{
     FRAME, GRID_LINE, MISSION, OBSTACLE_COLOURS, axis_titles, marker, obstacle_line, state_look,
 };
@@ -13,6 +13,7 @@ use crate::label::Labels;
 use crate::palette::{INK, MUTED, VERMILION};
 use crate::scale::{Scale, mark_text, marks, round_down, step, time_step};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width, thin};
+use crate::zone::DrawnZone;
 
 /// The bounding box of some points.
 #[derive(Clone, Copy)]
@@ -182,9 +183,13 @@ fn draw_grid(view: &TopView, svg: &mut Svg) {
 }
 
 /// A zone: its outline, and its area where the aircraft keeps out of it.
-fn draw_zone(view: &TopView, zone: &OverviewZone, svg: &mut Svg, labels: &mut Labels) {
-    let places = zone.ring_m.iter().filter(|at| at.is_finite());
-    let ring: Vec<Point> = places.map(|at| view.at(at.extend(0.0))).collect();
+fn draw_zone(view: &TopView, zone: &DrawnZone, svg: &mut Svg, labels: &mut Labels) {
+    let places = zone
+        .ring_m
+        .iter()
+        .map(|[x_m, y_m]| Vec3::new(*x_m, *y_m, 0.0));
+    let ring = places.filter(|at| at.is_finite()).map(|at| view.at(at));
+    let ring: Vec<Point> = ring.collect();
     if zone.keep_in {
         svg.polyline(
             &ring,

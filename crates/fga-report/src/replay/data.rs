@@ -1,5 +1,7 @@
 //! What a replay page shows.
 
+use crate::zone::DrawnZone;
+
 /// The content of a page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Replay {
@@ -38,7 +40,7 @@ pub struct ReplayRun {
     /// The obstacles.
     pub obstacles: Vec<ReplayObstacle>,
     /// The zones.
-    pub zones: Vec<ReplayZone>,
+    pub zones: Vec<DrawnZone>,
     /// The decision records, in time order; each holds until the next one. The page drops records
     /// that repeat the previous one.
     pub decisions: Vec<ReplayDecision>,
@@ -142,19 +144,6 @@ impl ReplayRun {
             ..Self::default()
         }
     }
-}
-
-/// A zone.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ReplayZone {
-    /// Its name; any text.
-    pub name: String,
-    /// Whether the aircraft keeps within it, not out of it.
-    pub keep_in: bool,
-    /// Its outline, metres east and north; the last place is the first one again.
-    pub ring_m: Vec<[f64; 2]>,
-    /// Its floor and ceiling, metres, where it has them.
-    pub heights_m: [Option<f64>; 2],
 }
 
 /// Position, attitude and state of the aircraft at a time.

@@ -9,9 +9,10 @@ use serde::Serialize;
 use super::thin;
 use super::{
     Replay, ReplayBands, ReplayDecision, ReplayGround, ReplayGuidance, ReplayObstacle,
-    ReplayPathKind, ReplayRun, ReplaySample, ReplayZone,
+    ReplayPathKind, ReplayRun, ReplaySample,
 };
 use crate::page::json;
+use crate::zone::DrawnZone;
 
 /// The built viewer; `npm run build` in `viewer/` writes it.
 pub(super) const TEMPLATE: &str = include_str!("../../assets/replay.html");
@@ -41,8 +42,8 @@ pub(super) struct EncodedRun<'a> {
     samples: Samples,
     mission: &'a [[f64; 3]],
     obstacles: Vec<EncodedObstacle<'a>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    zones: Vec<EncodedZone<'a>>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    zones: &'a [DrawnZone],
     motion: String,
     decisions: Vec<EncodedDecision<'a>>,
     points: String,
@@ -62,17 +63,6 @@ pub(super) struct EncodedRun<'a> {
 )]
 const fn is_zero(levels: &usize) -> bool {
     *levels == 0
-}
-
-/// A zone: `ring` is its outline, metres; the last place is the first one again.
-#[derive(Serialize)]
-struct EncodedZone<'a> {
-    name: &'a str,
-    #[serde(rename = "in")]
-    keep_in: bool,
-    ring: &'a [[f64; 2]],
-    floor: Option<f64>,
-    ceiling: Option<f64>,
 }
 
 /// Alerts and bands: `who` holds obstacle, level and time to the violation; `bands` from, to and
@@ -179,7 +169,7 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> EncodedRun<'_> {
         samples: samples(&thin::samples(&run.samples, runs)),
         mission: &run.mission_m,
         obstacles,
-        zones: run.zones.iter().map(zone).collect(),
+        zones: &run.zones,
         motion: floats(motion.into_iter()),
         decisions,
         points: bytes(&points),
@@ -238,17 +228,6 @@ pub(super) fn ground(all: &ReplayGround) -> EncodedGround {
         low,
         step,
         heights: bytes(&steps.flat_map(u16::to_le_bytes).collect::<Vec<u8>>()),
-    }
-}
-
-fn zone(zone: &ReplayZone) -> EncodedZone<'_> {
-    let [floor, ceiling] = zone.heights_m;
-    EncodedZone {
-        name: &zone.name,
-        keep_in: zone.keep_in,
-        ring: &zone.ring_m,
-        floor,
-        ceiling,
     }
 }
 

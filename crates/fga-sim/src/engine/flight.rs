@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use fga::angle::{climb_of, course_of};
-use fga::avoider::{Decision, Reason, State};
+use fga::avoider::{Decision, State};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
 use fga::pilot::Pilot;
@@ -12,8 +12,8 @@ use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::Vehicle;
 use fga::zone::Zone;
 
-use super::measured::Measured;
-use super::observer::{DecisionMoment, Observer, Outcome};
+use super::measured::{Measured, Milestones, Outcome};
+use super::observer::{DecisionMoment, Observer};
 use super::steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 use crate::ground::GroundSeparation;
 use crate::plant::{Arc, Plant, unwrap_near};
@@ -31,56 +31,6 @@ pub struct Engine {
     pub(super) measured: Measured,
     elapsed_ns: Vec<u64>,
     missed: Vec<MissedWaypoint>,
-}
-
-/// Times of events.
-#[derive(Debug, Clone, Copy, Default)]
-struct Milestones {
-    threat_s: Option<f64>,
-    start_s: Option<f64>,
-    clear_s: Option<f64>,
-    rejoined_s: Option<f64>,
-    /// Whether the pilot says that it is back, which counts once the track is.
-    says_back: bool,
-    /// Whether the pilot says that it has passed the last waypoint.
-    says_flown: bool,
-    last: State,
-    work_most: u32,
-}
-
-impl Milestones {
-    fn note(&mut self, time_s: f64, decision: &Decision) {
-        let state = decision.state;
-        if state != State::Cruise && self.threat_s.is_none() {
-            self.threat_s = Some(time_s);
-        }
-        if state == State::Avoiding && self.last != State::Avoiding {
-            self.start_s.get_or_insert(time_s);
-            self.clear_s = None;
-            self.rejoined_s = None;
-            self.says_back = false;
-        }
-        if self.last == State::Avoiding && state != State::Avoiding {
-            self.clear_s = Some(time_s);
-        }
-        let away = matches!(self.last, State::Avoiding | State::Recovering);
-        if away && matches!(state, State::Cruise | State::Threatened) {
-            self.rejoined_s = None;
-            self.says_back = true;
-        } else if !matches!(state, State::Cruise | State::Threatened) {
-            self.says_back = false;
-        }
-        self.says_flown = decision.record.reason == Reason::MissionComplete;
-        self.last = state;
-        self.work_most = self.work_most.max(decision.record.work.work);
-    }
-
-    /// The pilot says that it is back, and the track says so too.
-    fn confirm(&mut self, time_s: f64, is_on_line: bool) {
-        if self.says_back && is_on_line && self.rejoined_s.is_none() {
-            self.rejoined_s = Some(time_s);
-        }
-    }
 }
 
 impl Engine {
@@ -457,30 +407,9 @@ impl<'a> EngineFlight<'a> {
             self.state.progress.coast(step_m);
         }
         *self.missed = self.state.progress.missed(is_over);
-        let measured = &self.measured;
-        let separations = measured.separations.iter();
-        let least = |value: fn(&Separation) -> f64| {
-            separations.clone().map(value).fold(f64::INFINITY, f64::min)
-        };
-        let milestones = &self.state.milestones;
-        Outcome {
-            min_separation_m: least(|s| s.distance().value_m),
-            min_margin_m: least(|s| s.margin().value_m),
-            threat_s: milestones.threat_s,
-            start_s: milestones.start_s,
-            clear_s: milestones.clear_s,
-            rejoined_s: milestones.rejoined_s,
-            max_cross_track_m: self.state.progress.max_cross_track_m(),
-            extra_path_m: measured.flown_m - self.state.progress.along_m(),
-            end_s,
-            mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
-            waypoints_missed: self.missed.len(),
-            min_terrain_clearance_m: (measured.from_ground).map(|ground| ground.least.value_m),
-            min_zone_margin_m: (measured.from_zones.iter())
-                .map(|least| least.value_m)
-                .reduce(f64::min),
-            work_most: milestones.work_most,
-        }
+        let (missed, state) = (self.missed.len(), &self.state);
+        self.measured
+            .outcome(end_s, &state.milestones, &state.progress, missed)
     }
 }
 

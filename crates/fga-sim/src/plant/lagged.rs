@@ -11,7 +11,6 @@ use core::f64::consts::PI;
 use fga::Vec3;
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
-use super::rolls::RollMoment;
 use super::{Arc, Plant, rate_to};
 use crate::whole::whole;
 
@@ -45,6 +44,40 @@ impl PiState {
     }
 }
 
+/// A moment of a roll.
+#[derive(Debug, Clone, Copy)]
+struct RollMoment {
+    position_m: Vec3,
+    course_rad: f64,
+    climb_rad: f64,
+    bank_rad: f64,
+    /// Tangent of the bank angle.
+    bank_tan: f64,
+    /// Sine and cosine of the course and of the climb angle.
+    course: (f64, f64),
+    climb: (f64, f64),
+}
+
+impl RollMoment {
+    /// This moment of an aircraft.
+    fn of(plant: &Plant) -> Self {
+        Self {
+            position_m: plant.position_m,
+            course_rad: plant.course_rad,
+            climb_rad: plant.climb_rad,
+            bank_rad: plant.bank_rad,
+            bank_tan: libm::tan(plant.bank_rad),
+            course: libm::sincos(plant.course_rad),
+            climb: libm::sincos(plant.climb_rad),
+        }
+    }
+
+    fn direction(&self) -> Vec3 {
+        let ((sin_course, cos_course), (sin_climb, cos_climb)) = (self.course, self.climb);
+        Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
+    }
+}
+
 /// Steps of the bank's time constant, at least.
 const STEPS_OF_LAG: f64 = 10.0;
 
@@ -54,9 +87,6 @@ const THERE_RAD: f64 = 1e-4;
 
 /// A smaller turn does not roll in, radians.
 const LITTLE_RAD: f64 = 1e-7;
-
-/// A bound of the turn of a roll-out is larger by this factor than its formula, for rounding.
-const WITH_ROUNDING: f64 = 1.0 + 1e-9;
 
 /// Most iterations for the start of a roll-out.
 const STEPS_TO_ROLL_OUT: u32 = 44;
@@ -93,19 +123,13 @@ impl Plant {
     /// Flies until `until_s` under the direct autopilot: rolls in steps, the rest in exact arcs.
     pub(super) fn fly_rolling(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let lag_s = self.vehicle.response.bank_time_constant_s;
-        // The remaining turn beyond the roll-out's, where the last step has computed it.
-        let mut known = None;
         let limit = self.active.map_or(0.0, |stage| {
             self.course_rate_limit_radps() * stage.rate_share
         });
         let course_target = self.active.map_or(self.course_rad, |s| s.course_rad);
-        let full_rad = self.full_bank_rad(limit);
-        let rolls_out_rad = lag_s * limit * WITH_ROUNDING + LITTLE_RAD;
-        // tan(u)/u grows with u: a roll-out turns less than the largest rate does in a time constant. A turn with
-        // more than that left goes on; how much more does not matter.
-        let goes_on = |bank_rad: f64, left_rad: f64| {
-            bank_rad.abs() <= full_rad && left_rad.abs() > rolls_out_rad
-        };
+        let full_rad = self.bank_of(limit);
+        // A roll-out turns by what it was begun for.
+        let mut begun_for = None;
         while self.time_s < until_s {
             let (from_s, left_s) = (self.time_s, until_s - self.time_s);
             let end_s = |step_s: f64| {
@@ -118,14 +142,9 @@ impl Plant {
             let climb_target = self.climb_target_rad();
             let climb_limit = self.vehicle.climb_rate_radps;
             let (climb_rate, climb_s) = rate_to(climb_target, &mut self.climb_rad, climb_limit);
-            let left_rad = self.left_rad(self.course_rad);
-            let far = limit > 0.0 && goes_on(self.bank_rad, left_rad);
-            let computed = known.take();
-            let beyond = if far {
-                left_rad
-            } else {
-                computed.unwrap_or_else(|| self.beyond_at(self.course_rad, self.bank_rad))
-            };
+            let beyond = begun_for
+                .take()
+                .unwrap_or_else(|| self.beyond_at(self.course_rad, self.bank_rad));
             let turns = limit > 0.0 && beyond.abs() > LITTLE_RAD;
             let command = if turns {
                 libm::copysign(full_rad, beyond)
@@ -133,12 +152,6 @@ impl Plant {
                 0.0
             };
             if (self.bank_rad - command).abs() <= THERE_RAD {
-                let ends_later = beyond.abs() - rolls_out_rad > limit * left_s;
-                let beyond = if far && !ends_later {
-                    self.beyond_at(self.course_rad, self.bank_rad)
-                } else {
-                    beyond
-                };
                 self.bank_rad = command;
                 let (course_rate, turn_s) = if turns {
                     (libm::copysign(limit, beyond), beyond.abs() / limit)
@@ -164,26 +177,17 @@ impl Plant {
                 LONGEST_ROLL_S.min(lag_s / STEPS_OF_LAG)
             };
             let mut step_s = longest_s.min(left_s).min(climb_s);
-            let now = self.moment();
+            let now = RollMoment::of(self);
             let mut after = self.rolled((command, climb_rate), &now, step_s);
-            let left_rad = self.left_rad(after.course_rad);
-            let left = if !turns {
-                // A roll-out turns by what it was begun for.
-                known = Some(beyond);
-                beyond
-            } else if goes_on(after.bank_rad, left_rad) {
-                left_rad
-            } else {
+            if turns {
                 let left = self.beyond_at(after.course_rad, after.bank_rad);
-                known = Some(left);
-                left
-            };
-            if left * beyond < 0.0 {
-                let at_end = (step_s, left);
-                let (begins_s, left) =
-                    self.roll_out_begins((command, climb_rate), at_end, (&now, &mut after));
-                step_s = begins_s;
-                known = Some(left);
+                if left * beyond < 0.0 {
+                    let at_end = (step_s, left);
+                    step_s =
+                        self.roll_out_begins((command, climb_rate), at_end, (&now, &mut after));
+                }
+            } else {
+                begun_for = Some(beyond);
             }
             let course_rate = (after.course_rad - self.course_rad) / step_s;
             let arc = self.arc(step_s, course_rate, climb_rate);
@@ -193,7 +197,6 @@ impl Plant {
             self.course_rad = after.course_rad;
             self.bank_rad = after.bank_rad;
             self.climb_rad = after.climb_rad;
-            self.rolls.last = Some(after);
             self.time_s = end_s(step_s);
         }
     }
@@ -217,14 +220,14 @@ impl Plant {
         }
     }
 
-    /// When the roll-out begins within a step at whose end it has begun (the Illinois method), and the remaining
-    /// turn beyond it then; sets the flight `after` to that moment.
+    /// When the roll-out begins within a step at whose end it has begun (the Illinois method); sets the flight `after` to
+    /// that moment.
     fn roll_out_begins(
         &self,
         (command, climb_rate): (f64, f64),
         (step_s, left): (f64, f64),
         (now, after): (&RollMoment, &mut RollMoment),
-    ) -> (f64, f64) {
+    ) -> f64 {
         let (mut a_s, mut at_a) = (0.0, self.beyond_at(now.course_rad, now.bank_rad));
         let (mut b_s, mut at_b) = (step_s, left);
         for _ in 0..STEPS_TO_ROLL_OUT {
@@ -241,48 +244,16 @@ impl Plant {
             }
             (b_s, at_b) = (c_s, at_c);
         }
-        (b_s, at_b)
-    }
-
-    /// The bank angle of a course rate, radians; mostly that of the last question.
-    fn full_bank_rad(&mut self, course_rate_radps: f64) -> f64 {
-        if self.rolls.full.0 != course_rate_radps {
-            self.rolls.full = (course_rate_radps, self.bank_of(course_rate_radps));
-        }
-        self.rolls.full.1
-    }
-
-    /// This moment; mostly the end of the last step.
-    fn moment(&self) -> RollMoment {
-        let (course_rad, climb_rad, bank_rad) = (self.course_rad, self.climb_rad, self.bank_rad);
-        let is_now = |last: &RollMoment| {
-            (last.course_rad, last.climb_rad, last.bank_rad) == (course_rad, climb_rad, bank_rad)
-        };
-        let position_m = self.position_m;
-        match self.rolls.last.filter(is_now) {
-            Some(last) => RollMoment { position_m, ..last },
-            None => RollMoment {
-                position_m,
-                course_rad,
-                climb_rad,
-                bank_rad,
-                bank_tan: libm::tan(bank_rad),
-                course: libm::sincos(course_rad),
-                climb: libm::sincos(climb_rad),
-            },
-        }
-    }
-
-    /// The remaining turn, radians.
-    fn left_rad(&self, course_rad: f64) -> f64 {
-        self.active
-            .map_or(0.0, |stage| stage.course_rad - course_rad)
+        b_s
     }
 
     /// The remaining turn beyond the turn made while rolling out to level, radians.
     fn beyond_at(&self, course_rad: f64, bank_rad: f64) -> f64 {
-        let left_rad = self.left_rad(course_rad);
-        if self.active.is_none() || bank_rad == 0.0 {
+        let Some(stage) = self.active else {
+            return 0.0;
+        };
+        let left_rad = stage.course_rad - course_rad;
+        if bank_rad == 0.0 {
             return left_rad;
         }
         let response = self.vehicle.response;
@@ -446,7 +417,6 @@ impl Plant {
 #[cfg(test)]
 mod tests {
     use super::super::autopilot::Autopilot;
-    use super::super::rolls::PlantRolls;
     use super::*;
     use fga::vehicle::Vehicle;
 
@@ -487,28 +457,6 @@ mod tests {
         }
     }
 
-    /// Among them rolls that a command ends halfway, and another speed.
-    #[test]
-    fn what_a_roll_computes_for_its_next_step_changes_nothing() {
-        let mut vehicle = Vehicle::table_4();
-        vehicle.response.bank_time_constant_s = 0.6;
-        let mut plant = Plant::new(vehicle, Autopilot::Direct, Vec3::new(3.0, -4.0, 0.0));
-        let mut forgetful = plant.clone();
-        for cycle in 0..120 {
-            let course_rad = [0.4, 0.4, 2.0, -1.0][cycle / 30];
-            let maneuver = fga::maneuver::Maneuver::turn(0.0, course_rad, 0.002 * course_rad);
-            forgetful.rolls = PlantRolls::default();
-            for plant in [&mut plant, &mut forgetful] {
-                if cycle == 70 {
-                    plant.fly_at(25.0);
-                }
-                plant.command(&maneuver, 0.1);
-                plant.advance(0.1, |_, _| ());
-            }
-            assert_eq!(plant.ownship(), forgetful.ownship(), "{cycle}");
-        }
-    }
-
     /// Flies the reference in Runge–Kutta steps of at most 0.1 ms under the largest bank to one side.
     fn fly_finely(fine: &mut Plant, side: f64, until_s: f64) {
         let command = side * fine.bank_of(fine.course_rate_limit_radps());
@@ -538,17 +486,6 @@ mod tests {
             }
             let found = roll_out_integral(bank_rad);
             assert!((found - turn).abs() < 1e-9, "{bank_rad}: {found} {turn}");
-        }
-    }
-
-    /// The bound by which a step leaves the integral out.
-    #[test]
-    fn a_roll_out_turns_less_than_the_largest_rate_does_in_a_time_constant() {
-        for hundredths in 1..150 {
-            let bank_rad = 0.01 * f64::from(hundredths);
-            let turn = roll_out_integral(bank_rad);
-            assert!(turn < libm::tan(bank_rad), "{bank_rad}: {turn}");
-            assert!(turn > bank_rad, "{bank_rad}: {turn}");
         }
     }
 }

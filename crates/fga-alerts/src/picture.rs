@@ -1,9 +1,8 @@
-//! What all bands are computed from.
+//! From what are alerts and bands computed?
 
-use crate::aircraft::{Aircraft, PairDeviation};
-use crate::bands::meeting::Met;
-use crate::bands::span::Quantity;
+use crate::aircraft::{Aircraft, Pair, PairDeviation};
 use crate::loss::Loss;
+use crate::quantity::Quantity;
 use crate::settings::{AlertLevel, Region, Settings, SlowDirections};
 use alloc::vec::Vec;
 
@@ -47,11 +46,11 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// An aircraft of the traffic.
-    pub(crate) fn met(&self, intruder: usize) -> Option<Met<'_>> {
+    /// The ownship and an aircraft of the traffic.
+    pub(crate) fn pair(&self, intruder: usize) -> Option<Pair> {
         let aircraft = self.traffic.get(intruder)?;
-        Some(Met {
-            settings: &self.settings,
+        Some(Pair {
+            ownship: self.ownship.state,
             intruder: aircraft.state,
             deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
         })
@@ -71,7 +70,7 @@ impl Picture {
 
     /// The violation of a level's volume by an aircraft.
     pub(crate) fn violation(&self, intruder: usize, level: usize) -> Option<Loss> {
-        let pair = self.met(intruder)?.pair(&self.ownship.state);
+        let pair = self.pair(intruder)?;
         let volume = &self.level(intruder, level)?.volume;
         Some(volume.violation(&pair, 0.0, self.settings.lookahead_s))
     }
@@ -81,14 +80,14 @@ impl Picture {
     }
 
     /// The searched range below and above the value, if the terminal area limits it.
-    pub(super) fn around(&self, quantity: Quantity) -> Option<(f64, f64)> {
+    pub(crate) fn around(&self, quantity: Quantity) -> Option<(f64, f64)> {
         let vertical = matches!(quantity, Quantity::VerticalSpeed | Quantity::Altitude);
         // No descent.
         (vertical && self.terminal == Terminal::Guided).then_some((0.0, -1.0))
     }
 
     /// Whether any alerter paints a region.
-    pub(super) fn paints(&self, region: Region) -> bool {
+    pub(crate) fn paints(&self, region: Region) -> bool {
         let mut alerters = self.settings.alerters.iter();
         alerters.any(|alerter| alerter.level_for(region).is_some())
     }
