@@ -9,8 +9,6 @@ use crate::certificate::Hazard;
 pub(super) struct Demand {
     /// Share of the bounds of aircraft that it withstands: turns of this share, changes of climb of 1.4 times it.
     pub(super) share: f64,
-    /// Whether these turns may also begin later.
-    pub(super) turns_later: bool,
     /// Distance beyond every volume, metres.
     pub(super) margin_m: f64,
     /// How far ahead, seconds.
@@ -23,8 +21,6 @@ pub(super) struct Demand {
 struct Rung {
     /// Share of the bounds of aircraft.
     share: f64,
-    /// Whether these turns may also begin later.
-    turns_later: bool,
     /// Share of the distance that is kept for drift, beside the margin of the settings.
     drift: f64,
     /// Whether the horizon is the longer one.
@@ -37,7 +33,6 @@ impl Rung {
     const fn of(share: f64, drift: f64) -> Self {
         Self {
             share,
-            turns_later: false,
             drift,
             is_far: false,
             in_need: false,
@@ -49,17 +44,10 @@ impl Rung {
 const LADDER: [Rung; 5] = [
     Rung {
         is_far: true,
-        turns_later: true,
         ..Rung::of(0.5, 1.0)
     },
-    Rung {
-        turns_later: true,
-        ..Rung::of(0.5, 1.0)
-    },
-    Rung {
-        turns_later: true,
-        ..Rung::of(0.25, 0.5)
-    },
+    Rung::of(0.5, 1.0),
+    Rung::of(0.25, 0.5),
     Rung::of(0.0, 0.0),
     Rung {
         in_need: true,
@@ -82,11 +70,13 @@ impl Avoider<dyn Places + '_> {
     pub(super) fn demand_of(&self, rung: usize) -> Demand {
         let [highest, ..] = &LADDER;
         let rung = LADDER.get(rung).unwrap_or(highest);
-        let has_aircraft = self.tracks.has_aircraft();
         Demand {
             // Nothing else turns.
-            share: if has_aircraft { rung.share } else { 1.0 },
-            turns_later: has_aircraft && rung.turns_later,
+            share: if self.tracks.has_aircraft() {
+                rung.share
+            } else {
+                1.0
+            },
             margin_m: self.settings.margin_m + rung.drift * self.drift_m,
             horizon_s: if rung.is_far {
                 self.far_s
@@ -112,11 +102,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
     pub(super) fn ask(&mut self, demand: &Demand, beyond_m: f64) {
-        let freedom = if demand.turns_later {
-            Freedom::Later(demand.share)
-        } else {
-            Freedom::Share(demand.share)
-        };
+        let freedom = Freedom::Later(demand.share, self.vehicle.response.bank_time_constant_s);
         self.withstand(&|_| freedom, (beyond_m, demand.margin_m));
     }
 

@@ -24,10 +24,6 @@ const TURNS_ON_S: f64 = 10.0;
 /// Smaller turn rates count as straight flight, radians per second (0.5°/s).
 const STRAIGHT_RADPS: f64 = 0.009;
 
-/// A turn of a share of the bounds begins at the report, or later by this, seconds: as long as an aircraft may take to see a turn and to
-/// begin to answer it. `flown --seeds 4` with noise, lag and a report each second chose it: 2.5 to 4 s leave fewest.
-const TURNS_LATER_S: f64 = 3.0;
-
 /// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
 const CHORD_RAD: f64 = 0.27;
 
@@ -68,8 +64,8 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
-    /// The same, and these turns may begin later.
-    Later(f64),
+    /// The same, and these turns may also begin later: once the aircraft answers what it decides now, seconds.
+    Later(f64, f64),
     /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
     Brief,
     /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
@@ -190,7 +186,7 @@ fn turns(
 ) -> [Option<Turn>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
-        Freedom::Share(share) | Freedom::Later(share) => (share, bounds.turn_rate_radps),
+        Freedom::Share(share) | Freedom::Later(share, _) => (share, bounds.turn_rate_radps),
         Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
@@ -203,9 +199,11 @@ fn turns(
     let for_s = share * bounds.turn_rad / rate_radps;
     let turns = share > 0.0 && rate_radps != 0.0;
     let to = |rate_radps, later_s| turns.then_some(turn(rate_radps, for_s, later_s));
-    // A way back withstands what begins at once.
-    let is_share = matches!(freedom, Freedom::Later(_));
-    let later = |rate_radps| to(rate_radps, TURNS_LATER_S).filter(|_| is_share);
+    let later_s = match freedom {
+        Freedom::Later(_, answers_s) => obstacle.age_s.max(0.0) + answers_s,
+        _ => 0.0,
+    };
+    let later = |rate_radps| to(rate_radps, later_s).filter(|_| later_s > 0.0);
     [
         Some(turn(0.0, 0.0, 0.0)),
         expected,
@@ -252,7 +250,7 @@ pub(super) fn add_aircraft(
     let always = f64::INFINITY;
     let (climbs, changes, at_once_m, speeds_m, until_s) = match freedom {
         Freedom::Expected => (1.0, 1.0, 0.0, 0.0, always),
-        Freedom::Share(share) | Freedom::Later(share) => {
+        Freedom::Share(share) | Freedom::Later(share, _) => {
             (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always)
         }
         Freedom::Brief => (1.0, 1.0, 0.0, speeds_m, turn_s),
@@ -629,7 +627,7 @@ mod tests {
             turned.turned(0.0, time_s - turned.at_s).position_m
         };
         let is_met = |at_m: Vec3, motions| {
-            let motions = motions_of(&obstacle, Freedom::Later(0.5), motions);
+            let motions = motions_of(&obstacle, Freedom::Later(0.5, 3.0), motions);
             let mut rows = motions.rows().iter();
             let at_s = 30.0;
             rows.any(|row| {
@@ -637,7 +635,7 @@ mod tests {
                 is_now && row.margin_m(at_m, at_s) < 0.0
             })
         };
-        for (later_s, met) in [(0.0, [true; 2]), (TURNS_LATER_S, [false, true])] {
+        for (later_s, met) in [(0.0, [true; 2]), (3.0, [false, true])] {
             let at_m = after(later_s, 30.0);
             assert_eq!([AT_ONCE, MOTIONS].map(|most| is_met(at_m, most)), met);
         }

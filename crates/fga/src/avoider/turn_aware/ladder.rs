@@ -125,29 +125,18 @@ impl Avoider<dyn Places + '_> {
             if self.meter.is_met() {
                 return None;
             }
-            let answer = self.certified((&demand, rung), nominal, now, look);
+            self.ask(&demand, BEYOND_M);
+            let answer = self.search(nominal, now, &demand, |search| {
+                search.share_work(RUNG_SHARE);
+                let found = look(search)?;
+                let proven = search.proven(found)?;
+                Some(Answer::new(search, proven, rung))
+            });
             if answer.is_some() {
                 return answer;
             }
         }
         None
-    }
-
-    /// The certified manoeuvre for a demand, which counts as one of a rung.
-    pub(super) fn certified(
-        &mut self,
-        (demand, rung): (&Demand, usize),
-        nominal: &Maneuver,
-        now: &Now<'_>,
-        look: &mut dyn FnMut(&mut Search<'_>) -> Option<Found>,
-    ) -> Option<Answer> {
-        self.ask(demand, BEYOND_M);
-        self.search(nominal, now, demand, |search| {
-            search.share_work(RUNG_SHARE);
-            let found = look(search)?;
-            let proven = search.proven(found)?;
-            Some(Answer::new(search, proven, rung))
-        })
     }
 
     /// The manoeuvre with the largest margin on the lowest rung, beside the flown one only if it is clearly better. A manoeuvre

@@ -6,7 +6,7 @@
 
 use core::f64::consts::PI;
 
-use crate::avoider::demand::{BEYOND_M, Demand, WANTED};
+use crate::avoider::demand::{BEYOND_M, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Reason, State, Threat};
 use crate::maneuver::Maneuver;
@@ -90,15 +90,10 @@ impl Avoider<dyn Places + '_> {
         if !is_time || self.may_wait(nominal, now, SMALL_TURN_RAD) {
             return None;
         }
-        // A large one that withstands turns that begin later remains.
-        let demand = Demand {
-            turns_later: false,
-            ..self.demand_of(WANTED)
-        };
-        self.certified((&demand, WANTED), &Maneuver::HOLD, now, &mut |search| {
-            let found = search.cheapest(0.0)?;
-            (found.turns.turn_rad.abs() <= SMALL_TURN_RAD).then_some(found)
+        self.highest(0..WANTED + 1, &Maneuver::HOLD, now, &mut |search| {
+            search.cheapest(0.0)
         })
+        .filter(|answer| answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD)
     }
 
     /// Whether a small manoeuvre saves much and may be followed by a large one: the volume is wide, the intruder not much faster.
