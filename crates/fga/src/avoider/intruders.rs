@@ -64,7 +64,7 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
-    /// The same, and these turns may also begin later: once the aircraft answers what it decides now, seconds.
+    /// The same share; its turns begin at the report, or so many seconds after now, once the aircraft answers what it decides.
     Later(f64, f64),
     /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
     Brief,
