@@ -16,7 +16,10 @@ fuzz_target!(|bytes: &[u8]| {
         if let Some(area) = ground.area() {
             let height_m = ground.height_m(area.south_deg, area.west_deg);
             assert!(height_m.is_none_or(|height_m| height_m.abs() <= 9_000.0));
-            assert!(ground.range_m(&area).is_none_or(|[least_m, largest_m]| least_m <= largest_m));
+            let is_range = |[least_m, largest_m]: [f64; 2]| {
+                least_m.is_finite() && largest_m.is_finite() && least_m <= largest_m
+            };
+            assert!(ground.range_m(&area).is_none_or(is_range));
         }
     }
 });

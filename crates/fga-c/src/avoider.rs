@@ -328,7 +328,7 @@ pub unsafe extern "C" fn fga_avoider_init(
         apart(&[storage, from, of, answer, why])?;
         let (settings, vehicle) = (settings.settings()?, vehicle.vehicle()?);
         let construct = |flying: *mut Flying| -> Result<(), Refused> {
-            // SAFETY: there is room for a `Flying`; all of its fields are written, and all of those of `decided`.
+            // SAFETY: a `Flying` has room there; all of its fields and all fields of `decided` are written.
             unsafe {
                 let tracks = Tracks::within(places(object, obstacles_most));
                 (&raw mut (*flying).avoider).write(Avoider::within(settings, vehicle, tracks));

@@ -11,7 +11,7 @@ use fga_formats::words::counted;
 use fga_formats::{InputError, conf, missions};
 use fga_results::flight::{document, summary};
 use fga_results::flight_files;
-use fga_results::provenance::Provenance;
+use fga_results::provenance::{Provenance, fingerprint};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::separation::Least;
@@ -67,8 +67,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let policy = args.policy.choice()?;
     let overlay = args.overlay.choices(&policy)?;
     let guidance = args.config.as_deref().map(conf::read).transpose()?;
-    let ownship = args.ownship.as_deref();
-    let (plan, input_hash) = Plan::read_once(&args.file, args.vehicle.given()?, ownship)?;
+    let (plan, read) = Plan::read_once(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
+    let input_hash = fingerprint(&read);
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
     let unknown = match (plan.world.zones.is_empty(), &plan.world.ground) {

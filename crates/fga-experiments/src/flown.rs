@@ -86,7 +86,7 @@ pub(crate) struct FlownArgs {
     #[arg(long, default_value = "turn-aware")]
     policy: String,
     /// Each file with the noise of this many seeds, from 0 on.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// Half of the files, by their numbers.
     #[arg(long)]

@@ -52,9 +52,8 @@ impl Observer for Steps<'_> {
     }
 }
 
-/// The value below which this many of a hundred are.
-fn at(values: &mut [f64], percent: usize) -> f64 {
-    values.sort_by(f64::total_cmp);
+/// The value below which this many of a hundred sorted ones are.
+fn at(values: &[f64], percent: usize) -> f64 {
     let place = values.len() * percent / 100;
     values.get(place).copied().unwrap_or(f64::NAN)
 }
@@ -87,31 +86,34 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
             }
         }
         for (unit, part) in [("units of work", 0), ("microseconds", 1)] {
-            let all = |of: &dyn Fn(&(SearchCost, SearchCost)) -> f64| -> Vec<f64> {
-                searches.iter().map(of).collect()
+            let all = |of: &dyn Fn(&(SearchCost, SearchCost)) -> f64| {
+                let mut all: Vec<f64> = searches.iter().map(of).collect();
+                all.sort_by(f64::total_cmp);
+                all
             };
-            let (mut without, mut with) = (all(&|both| both.0[part]), all(&|both| both.1[part]));
-            let mut ratios = all(&|both| both.1[part] / both.0[part]);
+            let (without, with) = (all(&|both| both.0[part]), all(&|both| both.1[part]));
+            let ratios = all(&|both| both.1[part] / both.0[part]);
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
             println!(
                 "{words}, {unit}, {} searches: median {:.1} without ground, {:.1} with; mean {:.1} and {:.1}; 90 % {:.1} and {:.1}; 99 % {:.1} and \
                  {:.1}; ratio of one search: median {:.2}, 90 % {:.2}",
                 searches.len(),
-                at(&mut without, 50),
-                at(&mut with, 50),
+                at(&without, 50),
+                at(&with, 50),
                 mean(&without),
                 mean(&with),
-                at(&mut without, 90),
-                at(&mut with, 90),
-                at(&mut without, 99),
-                at(&mut with, 99),
-                at(&mut ratios, 50),
-                at(&mut ratios, 90),
+                at(&without, 90),
+                at(&with, 90),
+                at(&without, 99),
+                at(&with, 99),
+                at(&ratios, 50),
+                at(&ratios, 90),
             );
         }
         for (ground, mut steps_us) in ["without", "with"].into_iter().zip(quiet_us) {
+            steps_us.sort_by(f64::total_cmp);
             let count = steps_us.len();
-            let [half, most, nearly_all] = [50, 90, 99].map(|percent| at(&mut steps_us, percent));
+            let [half, most, nearly_all] = [50, 90, 99].map(|percent| at(&steps_us, percent));
             println!(
                 "{words}, {count} quiet steps {ground} ground: median {half:.2} µs, 90 % {most:.2} µs, 99 % {nearly_all:.2} µs"
             );

@@ -263,7 +263,8 @@ fn no_ground_is_nearer_than_certified() {
         // Its height above the ground falls no faster.
         let falls_mps = speed_mps * (1.0 + 1.5 * steepest);
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
-        // What is certified is kept; what is kept by more than a piece of a centimetre, not looked into, is certified.
+        // A flight keeps a certified margin. The certificate splits no piece shorter than a centimetre, so it certifies a margin that a
+        // flight keeps by more than that.
         let beside_m = [(bound_m - INTEGRATED_M).max(0.0), asked_m];
         let least_m = [-INTEGRATED_M * (1.0 + steepest), 0.02 + 0.03 * steepest];
         let is_judged = [bound_m >= 0.0, is_fine && proven.is_none()];

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::situation::Situation;
-use fga_results::{flight, flight_files, replay_page};
+use fga_results::{flight, flight_files, provenance, replay_page};
 use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
 use fga_sim::run::{Plan, RunLog};
@@ -42,12 +42,12 @@ pub(crate) fn outcome_dict<'py>(
     Ok(dict)
 }
 
-/// The plan of a file, and the file's SHA-256.
+/// The plan of a file, and its bytes.
 fn read_plan(
     path: &Path,
     vehicle: Option<&Bound<'_, PyAny>>,
     ownship: Option<&str>,
-) -> PyResult<(Plan, String)> {
+) -> PyResult<(Plan, Vec<u8>)> {
     Plan::read_once(path, model_of(vehicle)?, ownship).map_err(input)
 }
 
@@ -334,7 +334,7 @@ pub(crate) fn run(
     overlay: Vec<Bound<'_, PyAny>>,
     time_limit_s: f64,
 ) -> PyResult<PyRun> {
-    let (plan, input_sha256) = read_plan(&file, vehicle, ownship)?;
+    let (plan, read) = read_plan(&file, vehicle, ownship)?;
     let policy = policy.choice(time_limit_s)?;
     let others = overlay
         .iter()
@@ -352,6 +352,6 @@ pub(crate) fn run(
         log,
         overlaid,
         input: file,
-        input_sha256,
+        input_sha256: provenance::fingerprint(&read),
     })
 }

@@ -17,7 +17,6 @@ use fga_formats::error::{read_bytes, text_of};
 use fga_formats::{InputError, gzip, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
-use crate::fingerprint::fingerprint;
 use crate::ground::GroundSeparation;
 use crate::own::FailureKind;
 use crate::policy::PolicyChoice;
@@ -37,7 +36,7 @@ impl Plan {
         Ok(Self::read_once(path, vehicle, None)?.0)
     }
 
-    /// The same, with the name of a recording's ownship (without it the first aircraft), and the SHA-256 of what was read.
+    /// The same, with the name of a recording's ownship (without it the first aircraft), and the bytes that were read.
     ///
     /// # Errors
     /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for another file.
@@ -45,7 +44,7 @@ impl Plan {
         path: &Path,
         vehicle: Option<VehicleModel>,
         ownship: Option<&str>,
-    ) -> Result<(Self, String), InputError> {
+    ) -> Result<(Self, Vec<u8>), InputError> {
         let refused = |reason| Err(InputError::in_file(path, reason));
         let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         let ending = ending.as_ref().and_then(|ending| ending.to_str());
@@ -84,7 +83,7 @@ impl Plan {
                 })?
             }
         };
-        Ok((plan, fingerprint(&bytes)))
+        Ok((plan, bytes))
     }
 }
 
