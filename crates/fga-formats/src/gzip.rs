@@ -6,7 +6,7 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes, text_of};
 
 /// The most that a file may hold when it is decompressed, bytes (4 GiB).
 const MOST: u64 = 4 << 30;
@@ -41,19 +41,9 @@ pub(crate) fn unpacked_to<'a>(
     Err(InputError::in_file(path, message))
 }
 
-/// The text of a file without its byte order mark, decompressed if it is a gzip one.
-///
-/// # Errors
-/// Damaged gzip data, or too much of it.
-pub fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
-    let plain = unpacked(bytes, path)?;
-    let text = String::from_utf8_lossy(&plain);
-    Ok(text.trim_start_matches('\u{feff}').to_owned())
-}
-
-/// The text of a file, as [`text_of`] gives it.
+/// The text of a file, decompressed if it is gzip data.
 pub(crate) fn read_packed_text(path: &Path) -> Result<String, InputError> {
-    text_of(&crate::error::read_bytes(path)?, path)
+    Ok(text_of(&unpacked(&read_bytes(path)?, path)?))
 }
 
 #[cfg(test)]
