@@ -27,6 +27,11 @@ fn srtm_that_cannot_be_right_is_refused_in_one_sentence() {
             "S34W071.hgt",
             "has 2884801 bytes, expected 2884802 or 25934402",
         ),
+        (
+            &vec![0; 30_000_000],
+            "S34W071.hgt",
+            "has at least 25936796 bytes, expected 2884802 or 25934402",
+        ),
         (&plain[..], "ground.hgt", "has no place in its name"),
         (&plain[..], "N90E008.hgt", "place N90E008 in its name"),
         (&plain[..], "S90E008.hgt", "reaches no pole"),
@@ -62,7 +67,12 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (
             &dted[..dted.len() - 1],
             "a.dt0",
-            "expected 34162 for 121 lines of 121 heights",
+            "has 34161 bytes, expected 34162 for 121 lines of 121 heights",
+        ),
+        (
+            &[&dted[..], &[0]].concat(),
+            "a.dt0",
+            "has more than 34162 bytes, expected 34162",
         ),
         (&dted[..200], "a.dt0", "expected at least 3428"),
         (&changed(19, b"E"), "a.dt0", "as its origin"),
@@ -89,7 +99,7 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (
             &blocks[..4000],
             "N46E009.DAT",
-            "expected whole blocks of 2048 bytes",
+            "has 4000 bytes, expected whole blocks of 2048 bytes",
         ),
         (
             bytes("N46E009.DAT"),
