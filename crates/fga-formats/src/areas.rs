@@ -1,9 +1,11 @@
-//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them.
+//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them;
+//! fences of [`missions`].
 //!
-//! All hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. Nothing of a file is left
+//! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. Nothing of a file is left
 //! out: what is no area is refused.
 
 mod ed269;
+mod fences;
 mod geojson;
 mod kml;
 #[cfg(test)]
@@ -17,6 +19,7 @@ use serde_json::Value;
 
 use crate::error::{InputError, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::missions;
 use crate::terrain::Area;
 use crate::units::FOOT_M;
 use crate::zones::{ZoneError, heights_m, with_holes};
@@ -36,6 +39,8 @@ pub struct NamedArea {
     pub outline: AreaOutline,
     /// Its floor and its ceiling, where the file states them.
     pub limits: [Option<AreaLimit>; 2],
+    /// Whether it is to stay in, or to keep out of, where the file says so.
+    pub keep_in: Option<bool>,
     /// Whether the file restricts no flight in it (`NO_RESTRICTION`).
     pub is_free: bool,
     /// Whether the file states times at which it applies.
@@ -166,6 +171,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<NamedArea>, InputError> {
     };
     if text.trim_start().starts_with('<') {
         areas.take_kml(text)?;
+    } else if missions::is_mission(text) {
+        areas.take_fences(text)?;
     } else if text.contains("\"horizontalProjection\"") {
         areas.take_ed269(areas.json(text, "ED-269")?)?;
     } else {

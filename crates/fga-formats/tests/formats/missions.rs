@@ -135,6 +135,15 @@ fn n8_fences_and_rally_points_of_mission_planner_are_read() {
     );
     let file = parse(&text, Path::new("fence.waypoints")).unwrap();
     assert_eq!(file.holds(), "0 waypoints, 2 fences, 1 rally point");
+    // Their heights do not count, in whatever frame.
+    let above_terrain = text.replace("\t0\t3\t5", "\t0\t10\t5");
+    let file = parse(&above_terrain, Path::new("fence.waypoints")).unwrap();
+    assert_eq!(file.holds(), "0 waypoints, 2 fences, 0 rally points");
+    assert!(
+        file.notes[0].ends_with("rally point above the terrain 1"),
+        "{:?}",
+        file.notes
+    );
     let unfinished = text.replace("3\t0\t3\t5001", "3\t0\t3\t5003");
     let error = parse(&unfinished, Path::new("f.waypoints")).unwrap_err();
     assert!(error.message.contains("2 of 3 corners"), "{error}");
