@@ -55,6 +55,9 @@ pub struct FlightSample {
     pub bank_rad: f64,
     /// State of the avoidance, such as `cruise` or `avoiding`.
     pub state: Cow<'static, str>,
+    /// Height of the ground below, metres in the local frame; `None` where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_m: Option<f64>,
 }
 
 /// An obstacle with its protected volume and its track.
@@ -204,7 +207,8 @@ impl Flight {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         for sample in &self.samples {
             let angles = [sample.course_rad, sample.climb_rad, sample.bank_rad];
-            if !sample.position_m.is_finite() || !finite(&angles) {
+            let is_finite = finite(&angles) && finite(sample.ground_m.as_slice());
+            if !sample.position_m.is_finite() || !is_finite {
                 let at = sample.time_s;
                 return Err(format!(
                     "the sample at {at} s is not finite, expected numbers"
@@ -300,6 +304,11 @@ impl FlightObstacle {
 }
 
 impl FlightSample {
+    /// Height above the ground, metres; `None` where the ground is not known.
+    pub fn above_ground_m(&self) -> Option<f64> {
+        Some(self.position_m.z - self.ground_m?)
+    }
+
     /// The aircraft's axes in the local frame: forward, left wing, up through the canopy.
     pub fn axes(&self) -> [Vec3; 3] {
         let (sin_course, cos_course) = libm::sincos(self.course_rad);
