@@ -17,7 +17,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::error::{InputError, read_text};
+use crate::error::{InputError, json_sentence, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::missions;
 use crate::terrain::Area;
@@ -198,15 +198,18 @@ struct Areas<'a> {
 impl Areas<'_> {
     fn json<T: DeserializeOwned>(&self, text: &str, kind: &str) -> Result<T, InputError> {
         serde_json::from_str(text).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or(1);
-            self.unreadable(line, kind, error.to_string().split(" at line ").next())
+            let line = u64::try_from(error.line()).unwrap_or_default();
+            self.unreadable(line, kind, Some(&json_sentence(&error)))
         })
     }
 
     /// What is wrong with the text of a kind, as one line whatever it quotes.
     fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
         let told = told.unwrap_or_default().replace(char::is_control, " ");
-        InputError::at_line(self.path, line, format!("is no {kind}: {told}"))
+        InputError {
+            line: Some(line).filter(|line| *line > 0),
+            ..InputError::in_file(self.path, format!("is no {kind}: {told}"))
+        }
     }
 
     fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {

@@ -166,6 +166,12 @@ pub fn toml_sentence(message: &str) -> String {
     told
 }
 
+/// A message of the JSON reader, without its place, as [`toml_sentence`] says it.
+pub(crate) fn json_sentence(error: &serde_json::Error) -> String {
+    let told = error.to_string().replace(char::is_control, " ");
+    toml_sentence(told.split(" at line ").next().unwrap_or_default())
+}
+
 /// A piece of input for a message: quoted, control characters escaped, at most
 /// 40 characters.
 pub fn shown(text: &str) -> String {

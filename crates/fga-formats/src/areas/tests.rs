@@ -235,6 +235,10 @@ fn what_is_no_area_is_one_sentence() {
         ),
         (polygon("[[[8.5,NaN]]]"), "line 1: is no GeoJSON"),
         (polygon("[[[8.5,1e999]]]"), "line 1: is no GeoJSON"),
+        (
+            polygon("[[[8.5,null]]]"),
+            "a: is no GeoJSON, no ED-269 and no KML: found null, expected a number",
+        ),
         (polygon("[]"), "area 1 has no corners"),
         (polygon("[[]]"), "area 1 has no corners"),
         (polygon("[[[1,2],[3,4],[5,6]]]"), "area 1 is not closed"),
@@ -341,10 +345,7 @@ fn what_is_no_zone_of_an_authority_is_one_sentence() {
             round(r#"{"type":"Circle","center":[47.3,108.5],"radius":3}"#),
             "look exchanged",
         ),
-        (
-            round(r#"{"type":"El\nlipse"}"#),
-            "unknown variant `El lipse`",
-        ),
+        (round(r#"{"type":"El\nlipse"}"#), "unknown word `El lipse`"),
         (
             point(r#""subType":"Circle","radius":0"#),
             "has a radius of 0 m",

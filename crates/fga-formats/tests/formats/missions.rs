@@ -180,6 +180,10 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
             "a.waypoints, line 4: field 9 is \"S35.35900000\", expected a number",
         ),
         (
+            of_plan("\"inclusion\": true", "\"inclusion\": 1"),
+            "a.plan, line 5: is no plan of QGroundControl: found integer `1`, expected true or false",
+        ),
+        (
             of_plan("\"Plan\"", "\"Mission\""),
             "a.plan: is of type \"Mission\", expected a Plan",
         ),
@@ -258,14 +262,14 @@ fn n8_an_unknown_version_or_order_is_refused() {
         ),
         (
             plan("\"params\": [15, 0", "\"params\": [\"15\", 0"),
-            "a.plan: item 1 cannot be read: invalid type: string \"15\"",
+            "a.plan: item 1 cannot be read: found string \"15\", expected a number",
         ),
         (
             plan(
                 "\"items\": [\n            {\"AMSL",
                 "\"items\": 3, \"x\": [\n            {\"AMSL",
             ),
-            "a.plan, line 11: is no plan of QGroundControl: invalid type: integer `3`",
+            "a.plan, line 11: is no plan of QGroundControl: found integer `3`",
         ),
         (
             list("2\t0\t3\t16", "3\t0\t3\t16"),

@@ -1,10 +1,11 @@
 //! Files that cannot be right, and drawn changes of files.
 
-use fga_formats::terrain::{Area, Given, Terrain, parse};
+use fga_formats::InputError;
+use fga_formats::terrain::{Area, Given, Terrain, TerrainFile, parse};
 use proptest::prelude::*;
 use std::path::Path;
 
-use super::{FILES, SRTM, bytes, refusal, unpacked};
+use super::{FILES, SRTM, bytes, packed, refusal, unpacked};
 
 #[test]
 fn srtm_that_cannot_be_right_is_refused_in_one_sentence() {
@@ -184,7 +185,20 @@ proptest! {
         if let Some(keep) = keep {
             bytes.truncate(keep.index(bytes.len()));
         }
-        match parse(&bytes, Path::new(name), &Given::default()) {
+        let read = parse(&bytes, Path::new(name), &Given::default());
+        // The same when it is compressed, in two parts.
+        let (one, other) = bytes.split_at(bytes.len() / 2);
+        let packed = [packed(one), packed(other)].concat();
+        let told = |read: &Result<TerrainFile, InputError>| match read {
+            Ok(file) => {
+                let fields = file.fields.iter().map(|field| (field.grid(), field.summary()));
+                format!("{:?}", fields.collect::<Vec<_>>())
+            }
+            Err(error) => error.to_string(),
+        };
+        let unpacked = parse(&packed, Path::new(name), &Given::default());
+        prop_assert_eq!(told(&unpacked), told(&read));
+        match read {
             Ok(file) => {
                 let area = file.area().unwrap();
                 let (south, north) = (area.south_deg, area.north_deg);
