@@ -139,6 +139,9 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
             if mission.fences.is_empty() && mission.rally.is_empty() {
                 return Err(InputError::in_file(path, holds).into());
             }
+            if !mission.fences.is_empty() {
+                areas_in(path)?;
+            }
             mission.notes.push(format!("not for fga run: {holds}"));
         } else {
             mission.notes.extend(Plan::read(path, None)?.warnings());

@@ -170,7 +170,7 @@ pub struct ZoneTable {
     pub center_deg: Option<Spanned<[f64; 2]>>,
     /// Radius of a circle, metres.
     pub radius_m: Option<Spanned<f64>>,
-    /// File of areas, each a zone of its own: GeoJSON, KML, ED-269 or ED-318.
+    /// File of areas, each a zone of its own: GeoJSON, KML, ED-269, ED-318, or fences of a mission.
     pub file: Option<Spanned<PathBuf>>,
     /// Its lowest altitude, metres.
     pub floor_m: Option<Spanned<f64>>,

@@ -1,9 +1,11 @@
-//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them.
+//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them;
+//! fences of [`missions`].
 //!
-//! All hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. Nothing of a file is left
+//! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. Nothing of a file is left
 //! out: what is no area is refused.
 
 mod ed269;
+mod fences;
 mod geojson;
 mod kml;
 #[cfg(test)]
@@ -15,8 +17,9 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::error::{InputError, read_text};
+use crate::error::{InputError, json_sentence, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::missions;
 use crate::terrain::Area;
 use crate::units::FOOT_M;
 use crate::zones::{ZoneError, heights_m, with_holes};
@@ -36,6 +39,8 @@ pub struct NamedArea {
     pub outline: AreaOutline,
     /// Its floor and its ceiling, where the file states them.
     pub limits: [Option<AreaLimit>; 2],
+    /// Whether it is to stay in, or to keep out of, where the file says so.
+    pub keep_in: Option<bool>,
     /// Whether the file restricts no flight in it (`NO_RESTRICTION`).
     pub is_free: bool,
     /// Whether the file states times at which it applies.
@@ -166,6 +171,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<NamedArea>, InputError> {
     };
     if text.trim_start().starts_with('<') {
         areas.take_kml(text)?;
+    } else if missions::is_mission(text) {
+        areas.take_fences(text)?;
     } else if text.contains("\"horizontalProjection\"") {
         areas.take_ed269(areas.json(text, "ED-269")?)?;
     } else {
@@ -191,15 +198,18 @@ struct Areas<'a> {
 impl Areas<'_> {
     fn json<T: DeserializeOwned>(&self, text: &str, kind: &str) -> Result<T, InputError> {
         serde_json::from_str(text).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or(1);
-            self.unreadable(line, kind, error.to_string().split(" at line ").next())
+            let line = u64::try_from(error.line()).unwrap_or_default();
+            self.unreadable(line, kind, Some(&json_sentence(&error)))
         })
     }
 
     /// What is wrong with the text of a kind, as one line whatever it quotes.
     fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
         let told = told.unwrap_or_default().replace(char::is_control, " ");
-        InputError::at_line(self.path, line, format!("is no {kind}: {told}"))
+        InputError {
+            line: Some(line).filter(|line| *line > 0),
+            ..InputError::in_file(self.path, format!("is no {kind}: {told}"))
+        }
     }
 
     fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {

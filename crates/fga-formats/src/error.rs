@@ -75,7 +75,7 @@ impl OutputError {
 }
 
 /// The reason of an operating-system error in plain words.
-fn reason(error: &io::Error) -> String {
+pub(crate) fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file or folder".into(),
         io::ErrorKind::PermissionDenied => "permission denied".into(),
@@ -103,10 +103,10 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     Ok(text_of(&read_bytes(path)?))
 }
 
-/// The text of a file's bytes: those that are not UTF-8 become replacement characters, and a byte-order mark is dropped.
+/// The text of a file's bytes: those that are not UTF-8 become replacement characters, and byte-order marks before it are dropped.
 pub fn text_of(bytes: &[u8]) -> String {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    String::from_utf8_lossy(bytes).into_owned()
+    let text = String::from_utf8_lossy(bytes);
+    text.trim_start_matches('\u{feff}').to_owned()
 }
 
 /// A message of the TOML reader as one sentence without names of Rust types.
@@ -166,6 +166,12 @@ pub fn toml_sentence(message: &str) -> String {
     told
 }
 
+/// A message of the JSON reader, without its place, as [`toml_sentence`] says it.
+pub(crate) fn json_sentence(error: &serde_json::Error) -> String {
+    let told = error.to_string().replace(char::is_control, " ");
+    toml_sentence(told.split(" at line ").next().unwrap_or_default())
+}
+
 /// A piece of input for a message: quoted, control characters escaped, at most
 /// 40 characters.
 pub fn shown(text: &str) -> String {
@@ -188,6 +194,11 @@ mod tests {
     fn long_and_odd_text_is_cut_and_escaped() {
         assert_eq!(shown("a\u{1b}[31m\n"), "\"a\\u{1b}[31m\\n\"");
         assert_eq!(shown(&"x".repeat(50)), format!("\"{}…\"", "x".repeat(40)));
+    }
+
+    #[test]
+    fn byte_order_marks_are_no_text() {
+        assert_eq!(text_of(b"\xEF\xBB\xBF\xEF\xBB\xBFa\xFF"), "a\u{fffd}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! The simulator and the companion fill a [`Flight`]; the writers of `export` turn it
 //! into files. A JSON file keeps it between two commands.
 
-use crate::error::{InputError, OutputError, read_text, shown};
+use crate::error::{InputError, OutputError, json_sentence, read_text, shown};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::{atomic, units};
 use alloc::borrow::Cow;
@@ -55,6 +55,9 @@ pub struct FlightSample {
     pub bank_rad: f64,
     /// State of the avoidance, such as `cruise` or `avoiding`.
     pub state: Cow<'static, str>,
+    /// Height of the ground below, metres in the local frame; `None` where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ground_m: Option<f64>,
 }
 
 /// An obstacle with its protected volume and its track.
@@ -175,7 +178,11 @@ impl Flight {
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let flight: Self = serde_json::from_str(&read_text(path)?).map_err(|error| {
             let line = u64::try_from(error.line()).unwrap_or_default();
-            InputError::at_line(path, line, format!("is not a recorded flight: {error}"))
+            InputError::at_line(
+                path,
+                line,
+                format!("is not a recorded flight: {}", json_sentence(&error)),
+            )
         })?;
         flight
             .check()
@@ -204,7 +211,8 @@ impl Flight {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         for sample in &self.samples {
             let angles = [sample.course_rad, sample.climb_rad, sample.bank_rad];
-            if !sample.position_m.is_finite() || !finite(&angles) {
+            let is_finite = finite(&angles) && finite(sample.ground_m.as_slice());
+            if !sample.position_m.is_finite() || !is_finite {
                 let at = sample.time_s;
                 return Err(format!(
                     "the sample at {at} s is not finite, expected numbers"
@@ -300,6 +308,11 @@ impl FlightObstacle {
 }
 
 impl FlightSample {
+    /// Height above the ground, metres; `None` where the ground is not known.
+    pub fn above_ground_m(&self) -> Option<f64> {
+        Some(self.position_m.z - self.ground_m?)
+    }
+
     /// The aircraft's axes in the local frame: forward, left wing, up through the canopy.
     pub fn axes(&self) -> [Vec3; 3] {
         let (sin_course, cos_course) = libm::sincos(self.course_rad);

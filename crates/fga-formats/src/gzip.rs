@@ -1,12 +1,12 @@
 //! Files that may be compressed.
 
 use alloc::borrow::Cow;
-use std::io::Read as _;
+use std::io::{self, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use crate::error::InputError;
+use crate::error::{InputError, read_bytes, reason, text_of};
 
 /// The most that a file may hold when it is decompressed, bytes (4 GiB).
 const MOST: u64 = 4 << 30;
@@ -20,11 +20,7 @@ pub fn unpacked<'a>(bytes: &'a [u8], path: &Path) -> Result<Cow<'a, [u8]>, Input
 }
 
 /// As [`unpacked`], with at most this many bytes.
-pub(crate) fn unpacked_to<'a>(
-    bytes: &'a [u8],
-    path: &Path,
-    most: u64,
-) -> Result<Cow<'a, [u8]>, InputError> {
+fn unpacked_to<'a>(bytes: &'a [u8], path: &Path, most: u64) -> Result<Cow<'a, [u8]>, InputError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
@@ -36,24 +32,29 @@ pub(crate) fn unpacked_to<'a>(
         Ok(_) => {
             format!("holds more than {most} bytes when it is decompressed, expected at most that")
         }
-        Err(error) => format!("holds damaged gzip data ({error}), expected a whole file"),
+        Err(error) => unread(&error),
     };
     Err(InputError::in_file(path, message))
 }
 
-/// The text of a file without its byte order mark, decompressed if it is a gzip one.
-///
-/// # Errors
-/// Damaged gzip data, or too much of it.
-pub fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
-    let plain = unpacked(bytes, path)?;
-    let text = String::from_utf8_lossy(&plain);
-    Ok(text.trim_start_matches('\u{feff}').to_owned())
+/// Why bytes cannot be read.
+pub(crate) fn unread(error: &io::Error) -> String {
+    if error.raw_os_error().is_some() {
+        return format!("cannot be read: {}", reason(error));
+    }
+    format!("holds damaged gzip data ({error}), expected a whole file")
 }
 
-/// The text of a file, as [`text_of`] gives it.
+/// Reads this many bytes, fewer at the end of the input.
+pub(crate) fn fill(input: &mut impl Read, bytes: &mut Vec<u8>, count: usize) -> Result<(), String> {
+    bytes.clear();
+    let read = input.take(count as u64).read_to_end(bytes);
+    read.map(|_| ()).map_err(|error| unread(&error))
+}
+
+/// The text of a file, decompressed if it is gzip data.
 pub(crate) fn read_packed_text(path: &Path) -> Result<String, InputError> {
-    text_of(&crate::error::read_bytes(path)?, path)
+    Ok(text_of(&unpacked(&read_bytes(path)?, path)?))
 }
 
 #[cfg(test)]

@@ -18,8 +18,8 @@ mod received;
 mod state_vectors;
 
 use crate::daa;
-use crate::error::{InputError, read_bytes};
-use crate::gzip::text_of;
+use crate::error::{InputError, read_bytes, text_of};
+use crate::gzip::unpacked;
 use crate::traffic::sbs;
 use std::path::{Path, PathBuf};
 
@@ -141,7 +141,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
 /// # Errors
 /// As [`read_content`].
 pub fn parse_content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
-    let text = text_of(bytes, path)?;
+    let text = text_of(&unpacked(bytes, path)?);
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) {
         return state_vectors::parse(begin, path).map(Content::States);
@@ -163,9 +163,10 @@ fn has_messages(text: &str) -> bool {
 /// Whether the bytes of a file are those of a recording, and not a table of encounters around a line:
 /// by the first line that is neither blank nor a comment.
 pub fn is_recording(bytes: &[u8], path: &Path) -> bool {
-    let Ok(text) = text_of(bytes, path) else {
+    let Ok(plain) = unpacked(bytes, path) else {
         return true;
     };
+    let text = text_of(&plain);
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) || degas::is_degas(begin) {
         return true;

@@ -28,6 +28,7 @@ pub fn write(folder: &Path, log: &RunLog, events: &[(f64, Value)]) -> Result<(),
 
 /// The flight with its events.
 pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
+    let ground = log.plan.world.ground.as_deref();
     let mut samples: Vec<FlightSample> = Vec::with_capacity(log.samples.len());
     for sample in &log.samples {
         // The last moment may be logged twice.
@@ -44,6 +45,7 @@ pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
             climb_rad: sample.climb_rad,
             bank_rad: sample.bank_rad,
             state: sample.state.name().into(),
+            ground_m: ground.and_then(|ground| ground.height_m(sample.position_m.truncate())),
         });
     }
     let obstacles = log

@@ -64,22 +64,22 @@ impl Plan {
             }
         }
         let bytes = read_bytes(path)?;
+        let text = text_of(&gzip::unpacked(&bytes, path)?);
         let plan = match ending {
-            Some("toml") => scenario::parse(TomlText::new(path, &text_of(&bytes)), vehicle)?,
+            Some("toml") => scenario::parse(TomlText::new(path, &text), vehicle)?,
             Some("daa") => {
                 let model = vehicle.map_or_else(VehicleModel::recorded, Ok)?;
-                recording::parse(&gzip::text_of(&bytes, path)?, path, model, ownship)?
+                recording::parse(&text, path, model, ownship)?
             }
             _ => {
                 let model = vehicle.map_or_else(VehicleModel::built_in, Ok)?;
-                let mission = missions::parse(&text_of(&bytes), path)?;
+                let mission = missions::parse(&text, path)?;
                 let text = scenario_text(&mission, path, model.vehicle.airspeed_mps)?;
-                scenario::parse(TomlText::new(path, &text), Some(model)).map_err(|error| {
-                    // Lines of the text that was made are no lines of the file.
-                    InputError {
-                        line: None,
-                        ..error
-                    }
+                let plan = scenario::parse(TomlText::new(path, &text), Some(model));
+                // Lines of the text that was made are no lines of the file.
+                plan.map_err(|error| InputError {
+                    line: None,
+                    ..error
                 })?
             }
         };

@@ -16,6 +16,16 @@ fn a_flight_over_ground_keeps_above_it_and_says_so() {
     assert!(words.contains(told), "{words}");
     let drawn = fs::read_to_string(folder.path().join("f/profile.svg")).unwrap();
     assert!(drawn.contains("Lowest 107.0 m above the ground"));
+    // Its export has the height above the ground of each place of the track.
+    let exported = fga_in(folder.path(), &["export", "f", "--format", "geojson"]);
+    assert_eq!(exported.status.code(), Some(0), "{}", errors(&exported));
+    let map = fs::read(folder.path().join("f/flight.geojson")).unwrap();
+    let map: serde_json::Value = serde_json::from_slice(&map).unwrap();
+    let features = map["features"].as_array().unwrap().iter();
+    let above_m = features.filter_map(|feature| feature["properties"]["above_ground_m"].as_array());
+    let above_m = above_m.flatten().filter_map(serde_json::Value::as_f64);
+    let least_m = above_m.fold(f64::INFINITY, f64::min);
+    assert!((106.9..107.1).contains(&least_m), "{least_m}");
     // A mission through the ridge is flown; a warning comes before the flight.
     let text = fs::read_to_string(&scenario).unwrap();
     let text = text.replace(

@@ -58,6 +58,22 @@ fn ed318(geometry: &str) -> String {
 }
 
 #[test]
+fn fences_of_a_mission_say_whether_they_keep_in() {
+    let list = "QGC WPL 110\n0 0 3 5003 90 0 0 0 47.3 8.5 0 1\n1 0 3 5004 80 0 0 0 47.3 8.5 0 1\n";
+    let fence = |name, radius_m, keep_in| NamedArea {
+        keep_in: Some(keep_in),
+        ..circle(name, radius_m)
+    };
+    let fences = vec![fence("fence 1", 90.0, true), fence("fence 2", 80.0, false)];
+    assert_eq!(areas(list), Ok(fences));
+    let mission = "QGC WPL 110\n0 0 3 16 0 0 0 0 47.3 8.5 0 1\n";
+    assert_eq!(
+        areas(mission),
+        Err("a: has no area, expected at least one".into())
+    );
+}
+
+#[test]
 fn polygons_of_geojson_and_kml_are_the_same() {
     let polygon = format!(r#"{{"type":"Polygon","coordinates":[{RING}]}}"#);
     assert_eq!(areas(&polygon).unwrap(), [triangle(None)]);
@@ -219,6 +235,10 @@ fn what_is_no_area_is_one_sentence() {
         ),
         (polygon("[[[8.5,NaN]]]"), "line 1: is no GeoJSON"),
         (polygon("[[[8.5,1e999]]]"), "line 1: is no GeoJSON"),
+        (
+            polygon("[[[8.5,null]]]"),
+            "a: is no GeoJSON, no ED-269 and no KML: found null, expected a number",
+        ),
         (polygon("[]"), "area 1 has no corners"),
         (polygon("[[]]"), "area 1 has no corners"),
         (polygon("[[[1,2],[3,4],[5,6]]]"), "area 1 is not closed"),
@@ -325,10 +345,7 @@ fn what_is_no_zone_of_an_authority_is_one_sentence() {
             round(r#"{"type":"Circle","center":[47.3,108.5],"radius":3}"#),
             "look exchanged",
         ),
-        (
-            round(r#"{"type":"El\nlipse"}"#),
-            "unknown variant `El lipse`",
-        ),
+        (round(r#"{"type":"El\nlipse"}"#), "unknown word `El lipse`"),
         (
             point(r#""subType":"Circle","radius":0"#),
             "has a radius of 0 m",

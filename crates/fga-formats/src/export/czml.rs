@@ -1,7 +1,7 @@
-//! CZML for Cesium: the flight with its attitude, the protected volumes, the zones, the events.
+//! CZML for Cesium: the flight with its attitude and its height above the ground, the protected volumes, the zones, the events.
 
-use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
-use super::shapes::zone_heights_m;
+use super::look::{GROUND_COLOR, MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
+use super::shapes::{curtain, zone_heights_m};
 use super::text::{escaped, iso};
 use crate::flight::{Flight, FlightObstacle, FlightZone};
 use crate::geodesy::LocalFrame;
@@ -35,6 +35,20 @@ pub fn text(flight: &Flight) -> String {
             "id": "mission",
             "name": "Mission",
             "polyline": polyline(&frame, flight.mission.iter().copied(), MISSION_COLOR, 2),
+        }));
+    }
+    for (index, [ground, path]) in curtain(flight).into_iter().enumerate() {
+        let frame = flight.frame();
+        let lowest_m: Vec<f64> = ground.iter().map(|at| degrees(&frame, *at)[2]).collect();
+        let places: Vec<f64> = path.iter().flat_map(|at| degrees(&frame, *at)).collect();
+        packets.push(json!({
+            "id": format!("ground/{index}"),
+            "name": "Height above the ground",
+            "wall": {
+                "positions": { "cartographicDegrees": places },
+                "minimumHeights": { "array": lowest_m },
+                "material": { "solidColor": { "color": rgba(GROUND_COLOR, 80) } },
+            },
         }));
     }
     for (index, obstacle) in flight.obstacles.iter().enumerate() {

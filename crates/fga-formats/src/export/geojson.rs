@@ -25,6 +25,10 @@ pub fn text(flight: &Flight) -> String {
             .iter()
             .map(|sample| iso(flight.unix_s(sample.time_s)))
             .collect();
+        let above_m = piece.iter().map(|sample| sample.above_ground_m());
+        let above_m: Vec<Option<f64>> = above_m
+            .map(|above_m| Some(libm::rint(1e3 * above_m?) / 1e3))
+            .collect();
         let positions = piece.iter().map(|sample| sample.position_m);
         features.push(feature(
             line(&frame, positions),
@@ -34,6 +38,7 @@ pub fn text(flight: &Flight) -> String {
                 "from_s": piece.first().map(|sample| sample.time_s),
                 "to_s": piece.last().map(|sample| sample.time_s),
                 "coordTimes": times,
+                "above_ground_m": above_m.iter().any(Option::is_some).then_some(above_m),
                 "stroke": hex(state_color(state)),
             }),
         ));

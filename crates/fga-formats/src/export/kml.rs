@@ -1,11 +1,11 @@
-//! KML for Google Earth: the flight with time, the protected volumes, the zones, the events.
+//! KML for Google Earth: the flight with time and its height above the ground, the protected volumes, the zones, the events.
 //!
 //! The aircraft and moving obstacles are tracks with time (`gx:Track`); a second copy of the flown
 //! track has the colours of the states. A volume at rest is one surface; a moving one is a series of
 //! surfaces, each with its time span.
 
-use super::look::{MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
-use super::shapes::{line, surface, zone_surface};
+use super::look::{GROUND_COLOR, MISSION_COLOR, OBSTACLE_COLOR, ZONE_COLOR, pieces, state_color};
+use super::shapes::{curtain, line, surface, wall, zone_surface};
 use super::text::{escaped, iso};
 use crate::flight::{Flight, FlightObstacle, FlightSample};
 use crate::geodesy::LocalFrame;
@@ -38,6 +38,12 @@ pub fn text(flight: &Flight) -> String {
     out.styles();
     out.aircraft(flight);
     out.mission(flight);
+    for [ground, path] in curtain(flight) {
+        out.placemark("Height above the ground", |out| {
+            out.style("ground");
+            out.polygons(wall(&ground, &path));
+        });
+    }
     let moving = flight.obstacles.iter().filter(|o| !o.is_static()).count();
     let volumes = (VOLUMES_ALL / moving.max(1)).clamp(1, VOLUMES_EACH);
     out.folder("Obstacles", |out| {
@@ -136,7 +142,11 @@ impl Kml {
                  <width>{width}</width></LineStyle></Style>"
             );
         }
-        for (id, color) in [("volume", OBSTACLE_COLOR), ("zone", ZONE_COLOR)] {
+        for (id, color) in [
+            ("volume", OBSTACLE_COLOR),
+            ("zone", ZONE_COLOR),
+            ("ground", GROUND_COLOR),
+        ] {
             let color = kml_color(color);
             let _ = writeln!(
                 self.text,

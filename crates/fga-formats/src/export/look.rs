@@ -20,6 +20,9 @@ pub const OBSTACLE_COLOR: [u8; 3] = [0xCC, 0x79, 0xA7];
 /// Red, green, blue of zones.
 pub(super) const ZONE_COLOR: [u8; 3] = [0x80, 0x80, 0x80];
 
+/// Red, green, blue of the ground.
+pub(super) const GROUND_COLOR: [u8; 3] = [0x00, 0x9E, 0x73];
+
 /// Red, green, blue of the mission.
 pub const MISSION_COLOR: [u8; 3] = [0x56, 0xB4, 0xE9];
 

@@ -173,6 +173,7 @@ fn state(sample: &FlightSample) -> Value {
         "climb_rad": sample.climb_rad,
         "bank_rad": sample.bank_rad,
         "compass_deg": sample.compass_deg(),
+        "above_ground_m": sample.above_ground_m(),
     })
 }
 
@@ -310,7 +311,7 @@ fn entity(id: &str, stamp: &Value, kind: &str, primitives: Value) -> Value {
 
 const STATE: (&str, &str) = (
     "fga.State",
-    r#"{"title":"fga.State","type":"object","properties":{"time_s":{"type":"number"},"state":{"type":"string"},"x_m":{"type":"number","description":"east"},"y_m":{"type":"number","description":"north"},"z_m":{"type":"number","description":"up"},"course_rad":{"type":"number","description":"from east towards north"},"climb_rad":{"type":"number"},"bank_rad":{"type":"number","description":"positive in a left turn"},"compass_deg":{"type":"number"}}}"#,
+    r#"{"title":"fga.State","type":"object","properties":{"time_s":{"type":"number"},"state":{"type":"string"},"x_m":{"type":"number","description":"east"},"y_m":{"type":"number","description":"north"},"z_m":{"type":"number","description":"up"},"course_rad":{"type":"number","description":"from east towards north"},"climb_rad":{"type":"number"},"bank_rad":{"type":"number","description":"positive in a left turn"},"compass_deg":{"type":"number"},"above_ground_m":{"type":["number","null"],"description":"null where the ground is not known"}}}"#,
 );
 const SEPARATIONS: (&str, &str) = (
     "fga.Separations",

@@ -27,6 +27,25 @@ pub(super) fn zone_heights_m(flight: &Flight, zone: &FlightZone) -> (f64, f64) {
     )
 }
 
+/// Least time between places of the curtain, seconds.
+const CURTAIN_STEP_S: f64 = 1.0;
+
+/// The ground below the flight and the flight, in pieces over known ground.
+pub(super) fn curtain(flight: &Flight) -> Vec<[Vec<Vec3>; 2]> {
+    let mut pieces = vec![[Vec::new(), Vec::new()]];
+    for sample in flight.thinned(CURTAIN_STEP_S) {
+        match (sample.ground_m, pieces.last_mut()) {
+            (Some(ground_m), Some([ground, path])) => {
+                ground.push(sample.position_m.with_z(ground_m));
+                path.push(sample.position_m);
+            }
+            _ => pieces.push([Vec::new(), Vec::new()]),
+        }
+    }
+    pieces.retain(|[ground, _]| ground.len() > 1);
+    pieces
+}
+
 /// The places of a line. Readers need two, so a single one is doubled.
 pub(super) fn line<T: Clone>(places: impl Iterator<Item = T>) -> Vec<T> {
     let mut places: Vec<T> = places.collect();
@@ -101,7 +120,7 @@ pub(super) fn surface(centre: Vec3, volume: ProtectedVolume, bands: u32) -> Vec<
 }
 
 /// The quadrilaterals between two rings with equal numbers of corners.
-fn wall(lower: &[Vec3], upper: &[Vec3]) -> Vec<Vec<Vec3>> {
+pub(super) fn wall(lower: &[Vec3], upper: &[Vec3]) -> Vec<Vec<Vec3>> {
     let edges = lower.iter().zip(lower.iter().skip(1));
     let above = upper.iter().zip(upper.iter().skip(1));
     edges

@@ -265,8 +265,8 @@ impl<'a> ItemReader<'a> {
             10 | 11 => {
                 return Err(self.error(
                     item,
-                    "has a height above the terrain, which is not known here, expected heights above home (frame 3) or \
-                     above mean sea level (frame 0)",
+                    "has a height above the terrain, which the vehicle follows and a straight leg does not, expected heights above home \
+                     (frame 3) or above mean sea level (frame 0)",
                 ));
             }
             frame => {
@@ -344,17 +344,19 @@ impl<'a> ItemReader<'a> {
                 let keep_in = item.command == 5003;
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
-            5100 => {
+            5100 if !matches!(item.frame, 10 | 11) => {
                 let place = self.place(item)?;
                 self.file.rally.push(place);
                 Ok(())
             }
-            // Where ArduPlane returns to after it has left a fence.
-            _ => {
-                *self
-                    .left_out
-                    .entry("fence return point".into())
-                    .or_default() += 1;
+            // Where ArduPlane returns to after it has left a fence, or above ground that is not known here.
+            other => {
+                let name = if other == 5100 {
+                    "rally point above the terrain"
+                } else {
+                    "fence return point"
+                };
+                *self.left_out.entry(name.into()).or_default() += 1;
                 Ok(())
             }
         }

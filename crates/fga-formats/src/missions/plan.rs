@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::items::{Item, ItemReader};
 use super::{FenceOutline, MissionFence, MissionFile};
-use crate::error::InputError;
+use crate::error::{InputError, json_sentence};
 use crate::geodesy::Geodetic;
 
 /// A plan; what else it holds concerns the ground station alone.
@@ -105,8 +105,7 @@ struct Transects {
 pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
     let plan: Plan = serde_json::from_str(text).map_err(|error| {
         let line = u64::try_from(error.line()).unwrap_or(1);
-        let told = error.to_string();
-        let told = told.split(" at line ").next().unwrap_or_default();
+        let told = json_sentence(&error);
         InputError::at_line(path, line, format!("is no plan of QGroundControl: {told}"))
     })?;
     if plan.file_type != "Plan" {
@@ -224,7 +223,7 @@ fn take(
         count.jump_id = number;
     }
     let unusable = |reader: &ItemReader<'_>, error: &serde_json::Error| {
-        reader.error(&item, &format!("cannot be read: {error}"))
+        reader.error(&item, &format!("cannot be read: {}", json_sentence(error)))
     };
     if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {
         let simple = SimpleItem::deserialize(value).map_err(|error| unusable(reader, &error))?;

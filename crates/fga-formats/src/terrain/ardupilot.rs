@@ -4,8 +4,12 @@
 //! first 1,821 bytes with the checksum as 0), 24 rows and 28 columns from one block to the next, and the metres of a degree. A block's longitude
 //! spacing has the scale at the middle latitude between its degree and its rows; older files have the scale of their degree.
 
+use std::io::Read;
+
 use super::field::{HOLE, HeightField, HeightGrid, Heights};
+use super::file::MOST_BYTES;
 use super::{Datum, Stated, name};
+use crate::gzip::fill;
 use crate::units::DEGREE_RAD;
 
 const BLOCK: usize = 2048;
@@ -27,27 +31,41 @@ pub(super) const DATUM: Stated<Datum> = Stated {
 };
 
 /// Blocks of a file: those with heights as fields, and the number without.
-pub(super) fn parse(bytes: &[u8], file_name: &str) -> Result<(Vec<HeightField>, usize), String> {
-    let blocks = bytes.len() / BLOCK;
-    if blocks == 0 || !bytes.len().is_multiple_of(BLOCK) {
-        return Err(format!(
-            "has {} bytes, expected whole blocks of {BLOCK} bytes; block {blocks} is cut off",
-            bytes.len()
-        ));
-    }
-    let mut fields = Vec::with_capacity(blocks);
+pub(super) fn parse(
+    mut input: impl Read,
+    file_name: &str,
+) -> Result<(Vec<HeightField>, usize), String> {
+    let mut fields = Vec::new();
     let mut empty = 0;
     let mut damaged = 0_usize;
     let mut first_error = None;
-    for (number, block) in bytes.chunks_exact(BLOCK).enumerate() {
-        match self::block(block, file_name) {
+    let mut bytes = Vec::new();
+    let mut blocks = 0;
+    loop {
+        fill(&mut input, &mut bytes, BLOCK)?;
+        if bytes.is_empty() && blocks > 0 {
+            break;
+        }
+        if bytes.len() < BLOCK {
+            return Err(format!(
+                "has {} bytes, expected whole blocks of {BLOCK} bytes; block {blocks} is cut off",
+                blocks * BLOCK + bytes.len()
+            ));
+        }
+        if blocks * BLOCK >= MOST_BYTES {
+            return Err(format!(
+                "has more than {blocks} blocks, expected at most {blocks}"
+            ));
+        }
+        match block(&bytes, file_name) {
             Ok(Some(field)) => fields.push(field),
             Ok(None) => empty += 1,
             Err(message) => {
                 damaged += 1;
-                first_error.get_or_insert((number, message));
+                first_error.get_or_insert((blocks, message));
             }
         }
+        blocks += 1;
     }
     if let Some((number, message)) = first_error {
         return Err(format!(
@@ -66,14 +84,9 @@ fn crc(block: &[u8]) -> u16 {
     let mut crc = 0_u16;
     for (index, byte) in block.iter().take(CHECKED).enumerate() {
         let byte = if index == 16 || index == 17 { 0 } else { *byte };
-        crc ^= u16::from(byte) << 8;
-        for _ in 0..8 {
-            let carry = crc & 0x8000 != 0;
-            crc <<= 1;
-            if carry {
-                crc ^= 0x1021;
-            }
-        }
+        let mut carried = crc >> 8 ^ u16::from(byte);
+        carried ^= carried >> 4;
+        crc = crc << 8 ^ carried << 12 ^ carried << 5 ^ carried;
     }
     crc
 }

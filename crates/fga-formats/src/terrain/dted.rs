@@ -1,12 +1,16 @@
 //! DTED levels 0, 1 and 2 (MIL-PRF-89020B): three headers, then a record of heights for each line of longitude, from the west;
 //! in it heights from the south, with a sign and a magnitude.
 
+use std::io::Read;
+
 use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::{Datum, Stated};
+use crate::gzip::fill;
 
 const UHL: usize = 80;
 const DSI: usize = 648;
 const ACC: usize = 2700;
+const HEADERS: usize = UHL + DSI + ACC;
 /// Bytes of a record before its heights.
 const BEFORE: usize = 8;
 /// Bytes of the checksum behind them.
@@ -19,16 +23,17 @@ const UNKNOWN: u16 = 0xFFFF;
 /// A field, its datum and its vertical error, if the file has one.
 pub(super) type ParsedField = (HeightField, Stated<Datum>, Option<Stated<f64>>);
 
-pub(super) fn parse(bytes: &[u8]) -> Result<ParsedField, String> {
+pub(super) fn parse(mut input: impl Read) -> Result<ParsedField, String> {
+    let mut bytes = Vec::new();
+    fill(&mut input, &mut bytes, HEADERS)?;
     let text = |at: usize, length: usize| {
         let part = bytes.get(at..at + length).unwrap_or_default();
         String::from_utf8_lossy(part).into_owned()
     };
-    if bytes.len() < UHL + DSI + ACC {
+    if bytes.len() < HEADERS {
         return Err(format!(
-            "has {} bytes, expected at least {} for the headers of DTED",
-            bytes.len(),
-            UHL + DSI + ACC
+            "has {} bytes, expected at least {HEADERS} for the headers of DTED",
+            bytes.len()
         ));
     }
     for (at, expected) in [(0, "UHL1"), (UHL, "DSI"), (UHL + DSI, "ACC")] {
@@ -70,7 +75,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<ParsedField, String> {
         ));
     }
     let datum = datum(&text(UHL + 141, 3))?;
-    let heights = heights(bytes, rows, columns)?;
+    let heights = heights(input, rows, columns)?;
     let error = [28, UHL + DSI + 7].into_iter().find_map(|at| {
         let value: f64 = text(at, 4).trim().parse().ok()?;
         (0.0..=1000.0).contains(&value).then_some(Stated {
@@ -129,18 +134,20 @@ fn angle(text: &str, letters: [char; 2]) -> Result<f64, String> {
 }
 
 /// The heights by rows from the north.
-fn heights(bytes: &[u8], rows: usize, columns: usize) -> Result<Vec<i16>, String> {
+fn heights(mut input: impl Read, rows: usize, columns: usize) -> Result<Vec<i16>, String> {
     let length = BEFORE + 2 * rows + CHECKSUM;
-    let expected = UHL + DSI + ACC + columns * length;
-    if bytes.len() != expected {
-        return Err(format!(
-            "has {} bytes, expected {expected} for {columns} lines of {rows} heights",
-            bytes.len()
-        ));
-    }
+    let expected = HEADERS + columns * length;
+    let wrong = |found: &str| {
+        format!("has {found} bytes, expected {expected} for {columns} lines of {rows} heights")
+    };
     let mut heights = vec![HOLE; rows * columns];
-    let records = bytes.get(UHL + DSI + ACC..).unwrap_or_default();
-    for (column, record) in records.chunks_exact(length).enumerate() {
+    let mut record = Vec::new();
+    for column in 0..columns {
+        fill(&mut input, &mut record, length)?;
+        if record.len() < length {
+            let found = HEADERS + column * length + record.len();
+            return Err(wrong(&found.to_string()));
+        }
         let (content, checksum) = record.split_at(length - CHECKSUM);
         let stored = checksum
             .iter()
@@ -178,6 +185,10 @@ fn heights(bytes: &[u8], rows: usize, columns: usize) -> Result<Vec<i16>, String
                 *post = height;
             }
         }
+    }
+    fill(&mut input, &mut record, 1)?;
+    if !record.is_empty() {
+        return Err(wrong(&format!("more than {expected}")));
     }
     Ok(heights)
 }

@@ -6,7 +6,7 @@ use super::area::Area;
 use super::field::HeightField;
 
 /// A file may hold this many bytes, decompressed too: ten times a degree with a post each second of arc as 32-bit numbers.
-pub(super) const MOST_BYTES: u64 = 512 << 20;
+pub(super) const MOST_BYTES: usize = 512 << 20;
 
 /// What heights are above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +69,12 @@ pub struct Given {
     pub vertical_error_m: Option<f64>,
 }
 
-pub(super) const GIVEN: &str = "given by the user";
+impl<T> Stated<T> {
+    pub(super) const fn given(value: T) -> Self {
+        let source = "given by the user";
+        Self { value, source }
+    }
+}
 
 /// A file of heights.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,12 +111,17 @@ pub(super) struct Parsed {
 }
 
 impl Parsed {
-    pub(super) fn one(format: &'static str, field: HeightField, datum: Stated<Datum>) -> Self {
+    pub(super) fn one(
+        format: &'static str,
+        field: HeightField,
+        datum: Stated<Datum>,
+        error: Option<Stated<f64>>,
+    ) -> Self {
         Self {
             format,
             fields: vec![field],
             datum,
-            error: None,
+            error,
             empty_blocks: 0,
         }
     }

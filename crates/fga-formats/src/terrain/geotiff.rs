@@ -1,6 +1,6 @@
 //! Heights in a GeoTIFF: one band of 16-bit integers or of floats, in strips or tiles, geographic coordinates.
 
-use std::io::{Read, Seek};
+use std::io::{Read, Seek, SeekFrom};
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -10,6 +10,7 @@ use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
 use super::name;
+use crate::gzip::unread;
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
 const MOST_TIMES: u64 = 1_100;
@@ -25,10 +26,14 @@ pub(super) fn is_tiff(bytes: &[u8]) -> bool {
         .any(|magic| bytes.starts_with(*magic))
 }
 
-pub(super) fn parse(input: impl Read + Seek, size: u64, file_name: &str) -> Result<Parsed, String> {
+pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String> {
+    let size = input
+        .seek(SeekFrom::End(0))
+        .map_err(|error| unread(&error))?;
+    input.rewind().map_err(|error| unread(&error))?;
     let failed = |error: TiffError| sentence(&error);
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = usize::try_from(MOST_BYTES).unwrap_or(usize::MAX);
+    limits.decoding_buffer_size = MOST_BYTES;
     let mut decoder = Decoder::new(input).map_err(failed)?.with_limits(limits);
     let (columns, rows) = decoder.dimensions().map_err(failed)?;
     let color = decoder.colortype().map_err(failed)?;
@@ -40,7 +45,7 @@ pub(super) fn parse(input: impl Read + Seek, size: u64, file_name: &str) -> Resu
     let promised = u64::from(columns)
         .saturating_mul(u64::from(rows))
         .saturating_mul(u64::from(bits / 8));
-    if promised > MOST_BYTES.min(size.saturating_mul(MOST_TIMES)) {
+    if promised > (MOST_BYTES as u64).min(size.saturating_mul(MOST_TIMES)) {
         return Err(format!(
             "promises {columns} x {rows} heights in {size} bytes, expected at most {MOST_BYTES} bytes of heights and \
              {MOST_TIMES} times the file"
@@ -70,10 +75,7 @@ pub(super) fn parse(input: impl Read + Seek, size: u64, file_name: &str) -> Resu
     let image = decoder.read_image().map_err(failed)?;
     let field = HeightField::new(grid, heights(image, unknown)?)?;
     name::agrees(file_name, &field.grid().area())?;
-    Ok(Parsed {
-        error,
-        ..Parsed::one("GeoTIFF", field, keys.datum)
-    })
+    Ok(Parsed::one("GeoTIFF", field, keys.datum, error))
 }
 
 /// An error of the reader as words without its line breaks.

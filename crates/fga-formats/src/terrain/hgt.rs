@@ -4,9 +4,10 @@ use std::io::Read;
 
 use super::field::{HeightField, HeightGrid, Heights};
 use super::{Datum, Stated, name};
+use crate::gzip::fill;
 
-/// Posts of a side and the bytes of the file: three seconds of arc apart, and one.
-const SIDES: [(usize, usize); 2] = [(1201, 2 * 1201 * 1201), (3601, 2 * 3601 * 3601)];
+/// Posts of a side: three seconds of arc apart, and one.
+const SIDES: [usize; 2] = [1201, 3601];
 
 /// SRTM's absolute vertical accuracy, metres: 90 % of the heights are nearer.
 pub(super) const ERROR: Stated<f64> = Stated {
@@ -19,37 +20,41 @@ pub(super) const DATUM: Stated<Datum> = Stated {
     source: "the format",
 };
 
-/// Reads a file of this many bytes piece by piece, so that it is in memory once.
-pub(super) fn parse(
-    mut input: impl Read,
-    size: u64,
-    file_name: &str,
-) -> Result<HeightField, String> {
-    let Some((side, _)) = SIDES.iter().find(|(_, bytes)| *bytes as u64 == size) else {
-        return Err(format!(
-            "has {size} bytes, expected {} or {} of a .hgt file ({} or {} heights a side)",
-            SIDES[0].1, SIDES[1].1, SIDES[0].0, SIDES[1].0
-        ));
-    };
-    let [south_deg, west_deg] = name::corner(file_name)?
-        .ok_or("has no place in its name, expected a .hgt file to be named after its south-west corner, as in N47E008.hgt")?;
-    let mut heights = Vec::with_capacity(side * side);
-    let mut row = vec![0; 2 * side];
-    for number in 0..*side {
-        input.read_exact(&mut row).map_err(|error| {
-            format!("cannot be read at row {number} ({error}), expected {side}")
-        })?;
-        let (pairs, _) = row.as_chunks::<2>();
+pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<HeightField, String> {
+    let [few, many] = SIDES.map(|side| side * side);
+    let mut heights = Vec::with_capacity(many);
+    let mut part = Vec::new();
+    let mut size = 0;
+    while size <= 2 * many {
+        fill(&mut input, &mut part, 2 * SIDES[0])?;
+        if part.is_empty() {
+            break;
+        }
+        size += part.len();
+        let (pairs, _) = part.as_chunks::<2>();
         heights.extend(pairs.iter().map(|pair| i16::from_be_bytes(*pair)));
     }
+    let Some(side) = SIDES.into_iter().find(|side| 2 * side * side == size) else {
+        return Err(format!(
+            "has {}{size} bytes, expected {} or {} of a .hgt file ({} or {} heights a side)",
+            if size > 2 * many { "at least " } else { "" },
+            2 * few,
+            2 * many,
+            SIDES[0],
+            SIDES[1]
+        ));
+    };
+    heights.shrink_to_fit();
+    let [south_deg, west_deg] = name::corner(file_name)?
+        .ok_or("has no place in its name, expected a .hgt file to be named after its south-west corner, as in N47E008.hgt")?;
     let step_deg = 1.0 / (side - 1) as f64;
     let grid = HeightGrid {
         south_deg,
         west_deg,
         step_north_deg: step_deg,
         step_east_deg: step_deg,
-        rows: *side,
-        columns: *side,
+        rows: side,
+        columns: side,
     };
     HeightField::new(grid, Heights::Whole(heights))
 }

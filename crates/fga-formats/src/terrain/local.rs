@@ -4,7 +4,7 @@ use fga::ground::Ground;
 use fga::limit::SettingsError;
 use fga::{Vec2, Vec3};
 
-use super::Terrain;
+use super::{HeightField, Terrain};
 use crate::geodesy::LocalFrame;
 
 /// The ground is known this far beside the places of a flight, metres.
@@ -87,8 +87,8 @@ impl LocalGround {
         )]
         let (columns, rows) = (count.x as usize, count.y as usize);
         let at = |column: f64, row: f64| low_m + spacing_m * Vec2::new(column, row);
-        let places = Places::new(frame, low_m, at(count.x, count.y));
-        let of_file = |at: Vec2| places.height_m(terrain, at);
+        let places = Places::new(terrain, frame, low_m, at(count.x, count.y));
+        let of_file = |at: Vec2| places.height_m(at);
         #[expect(
             clippy::cast_possible_truncation,
             reason = "heights are known to centimetres"
@@ -256,7 +256,9 @@ impl Terrain {
 
 /// Latitudes and longitudes of places of a frame: exact each half kilometre and linear between, which is within a centimetre up to a latitude of 60°.
 /// Each exact one takes as long as looking up ten heights.
-struct Places {
+struct Places<'a> {
+    /// What may know the ground there.
+    fields: Vec<&'a HeightField>,
     low_m: Vec2,
     columns: usize,
     /// Latitudes and longitudes, degrees, row by row.
@@ -265,8 +267,8 @@ struct Places {
     level_m: f64,
 }
 
-impl Places {
-    fn new(frame: &LocalFrame, low_m: Vec2, high_m: Vec2) -> Self {
+impl<'a> Places<'a> {
+    fn new(terrain: &'a Terrain, frame: &LocalFrame, low_m: Vec2, high_m: Vec2) -> Self {
         let count = ((high_m - low_m) / EXACT_M).floor() + 2.0;
         #[expect(
             clippy::cast_possible_truncation,
@@ -281,16 +283,29 @@ impl Places {
             let east_deg = libm::remainder(place.longitude_deg - origin.longitude_deg, 360.0);
             Vec2::new(place.latitude_deg, origin.longitude_deg + east_deg)
         });
+        let exact: Vec<Vec2> = exact.collect();
+        let low = exact.iter().copied().fold(Vec2::INFINITY, Vec2::min);
+        let high = exact.iter().copied().fold(Vec2::NEG_INFINITY, Vec2::max);
+        let is_near = |field: &&HeightField| {
+            let held = field.grid().area();
+            let is_beside = |turn_deg: f64| {
+                low.y <= held.east_deg + turn_deg && held.west_deg + turn_deg <= high.y
+            };
+            low.x <= held.north_deg
+                && held.south_deg <= high.x
+                && [-360.0, 0.0, 360.0].into_iter().any(is_beside)
+        };
         Self {
+            fields: terrain.fields().filter(is_near).collect(),
             low_m,
             columns,
-            exact: exact.collect(),
+            exact,
             level_m: origin.altitude_m,
         }
     }
 
     /// The height of the ground of files at a place, metres in the frame.
-    fn height_m(&self, terrain: &Terrain, at_m: Vec2) -> Option<f64> {
+    fn height_m(&self, at_m: Vec2) -> Option<f64> {
         let steps = (at_m - self.low_m) / EXACT_M;
         let low = steps.floor();
         #[expect(
@@ -305,6 +320,8 @@ impl Places {
             Some(west.lerp(*east, share.x))
         };
         let place = row(first)?.lerp(row(first + self.columns)?, share.y);
-        Some(terrain.height_m(place.x, place.y)? - self.level_m)
+        let fields = self.fields.iter();
+        let mut heights_m = fields.filter_map(|field| field.height_m(place.x, place.y));
+        Some(heights_m.next()? - self.level_m)
     }
 }

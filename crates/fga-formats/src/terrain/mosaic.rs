@@ -59,7 +59,12 @@ impl Terrain {
             );
             return Err(InputError::in_file(&other.path, message));
         }
-        let fields: Vec<&HeightField> = files.iter().flat_map(|file| &file.fields).collect();
+        // The blocks of one file overlap.
+        let alone = files.iter().filter_map(|file| match &file.fields[..] {
+            [field] => Some(field),
+            _ => None,
+        });
+        let fields: Vec<&HeightField> = alone.collect();
         let east = seams(&fields, true);
         let all: Vec<&HeightField> = fields.into_iter().chain(&east).collect();
         let north = seams(&all, false);

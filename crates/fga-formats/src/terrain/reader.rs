@@ -1,47 +1,22 @@
 //! Reads files of heights.
 
-use std::io::{BufReader, Cursor, Read, Seek as _};
+use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
-use super::file::{GIVEN, Given, MOST_BYTES, Parsed, Stated, TerrainFile};
+use flate2::read::MultiGzDecoder;
+
+use super::file::{Given, MOST_BYTES, Parsed, Stated, TerrainFile};
 use super::{ardupilot, dted, geotiff, hgt, name};
-use crate::error::{InputError, read_bytes};
-use crate::gzip;
+use crate::error::InputError;
+use crate::gzip::{fill, unread};
 
 /// Reads a file of heights.
 ///
 /// # Errors
 /// A file that is unreadable or of no known format; a part of it that cannot be right, with its place.
 pub fn read(path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
-    let unreadable = |error| InputError::unreadable(path, &error);
-    let size = std::fs::metadata(path).map_err(unreadable)?.len();
-    let mut file = std::fs::File::open(path).map_err(unreadable)?;
-    let mut begin = Vec::new();
-    file.by_ref()
-        .take(4)
-        .read_to_end(&mut begin)
-        .map_err(unreadable)?;
-    file.rewind().map_err(unreadable)?;
-    let name = name_of(path);
-    let is_packed = begin.starts_with(&[0x1f, 0x8b]);
-    // The large formats are never in memory twice.
-    let streamed = if geotiff::is_tiff(&begin) {
-        Some(geotiff::parse(BufReader::new(file), size, &name))
-    } else if name.to_ascii_lowercase().ends_with(".hgt") && !is_packed {
-        Some(srtm(file, size, &name))
-    } else {
-        None
-    };
-    if let Some(parsed) = streamed {
-        return parsed
-            .map(|parsed| finished(parsed, path, given))
-            .map_err(|message| InputError::in_file(path, message));
-    }
-    if size > MOST_BYTES {
-        let message = format!("has {size} bytes, expected at most {MOST_BYTES}");
-        return Err(InputError::in_file(path, message));
-    }
-    parse(&read_bytes(path)?, path, given)
+    let file = std::fs::File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
+    file_of(BufReader::new(file), path, given)
 }
 
 /// Reads heights from the bytes of a file; see [`read`].
@@ -49,38 +24,46 @@ pub fn read(path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
-    let bytes = gzip::unpacked_to(bytes, path, MOST_BYTES)?;
-    parsed(&bytes, &name_of(path))
+    file_of(Cursor::new(bytes), path, given)
+}
+
+fn file_of(input: impl Read + Seek, path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    parsed(input, &name)
         .map(|parsed| finished(parsed, path, given))
         .map_err(|message| InputError::in_file(path, message))
 }
 
-fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
-}
-
-fn srtm(input: impl Read, size: u64, file_name: &str) -> Result<Parsed, String> {
-    let field = hgt::parse(input, size, file_name)?;
-    Ok(Parsed {
-        error: Some(hgt::ERROR),
-        ..Parsed::one("SRTM", field, hgt::DATUM)
-    })
-}
-
-fn parsed(bytes: &[u8], file_name: &str) -> Result<Parsed, String> {
-    if geotiff::is_tiff(bytes) {
-        return geotiff::parse(Cursor::new(bytes), bytes.len() as u64, file_name);
+/// Only a compressed GeoTIFF is in memory beside its heights.
+fn parsed(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String> {
+    let mut begin = Vec::new();
+    fill(&mut input, &mut begin, 4)?;
+    input.rewind().map_err(|error| unread(&error))?;
+    if geotiff::is_tiff(&begin) {
+        return geotiff::parse(input, file_name);
     }
-    if bytes.starts_with(b"UHL") {
-        let (field, datum, error) = dted::parse(bytes)?;
+    if !begin.starts_with(&[0x1f, 0x8b]) {
+        return streamed(input, &begin, file_name);
+    }
+    let mut plain = BufReader::new(MultiGzDecoder::new(input));
+    fill(&mut plain, &mut begin, 4)?;
+    let mut plain = begin.chain(plain);
+    if geotiff::is_tiff(&begin) {
+        let mut bytes = Vec::new();
+        fill(&mut plain, &mut bytes, MOST_BYTES)?;
+        return geotiff::parse(Cursor::new(bytes), file_name);
+    }
+    streamed(plain, &begin, file_name)
+}
+
+/// Heights of an input with these first bytes.
+fn streamed(input: impl Read, begin: &[u8], file_name: &str) -> Result<Parsed, String> {
+    if begin.starts_with(b"UHL") {
+        let (field, datum, error) = dted::parse(input)?;
         name::agrees(file_name, &field.grid().area())?;
-        return Ok(Parsed {
-            error,
-            ..Parsed::one("DTED", field, datum)
-        });
+        return Ok(Parsed::one("DTED", field, datum, error));
     }
-    if bytes.starts_with(b"PK\x03\x04") {
+    if begin == b"PK\x03\x04" {
         return Err(
             "is a zip archive, expected the file in it: unzip it first, or compress with gzip"
                 .into(),
@@ -90,10 +73,11 @@ fn parsed(bytes: &[u8], file_name: &str) -> Result<Parsed, String> {
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
         "hgt" => {
-            srtm(bytes, bytes.len() as u64, file_name)
+            let field = hgt::parse(input, file_name)?;
+            Ok(Parsed::one("SRTM", field, hgt::DATUM, Some(hgt::ERROR)))
         }
         "dat" => {
-            let (fields, empty_blocks) = ardupilot::parse(bytes, file_name)?;
+            let (fields, empty_blocks) = ardupilot::parse(input, file_name)?;
             Ok(Parsed {
                 format: "ArduPilot's terrain",
                 fields,
@@ -114,20 +98,14 @@ fn finished(parsed: Parsed, path: &Path, given: &Given) -> TerrainFile {
         value: hgt::ERROR.value,
         source: "assumed, as of SRTM: the file does not say",
     };
-    let given_datum = given.datum.map(|value| Stated {
-        value,
-        source: GIVEN,
-    });
-    let given_error = given.vertical_error_m.map(|value| Stated {
-        value,
-        source: GIVEN,
-    });
     TerrainFile {
         path: path.to_owned(),
         format: parsed.format,
         fields: parsed.fields,
-        datum: given_datum.unwrap_or(parsed.datum),
-        vertical_error_m: given_error.or(parsed.error).unwrap_or(assumed),
+        datum: given.datum.map_or(parsed.datum, Stated::given),
+        vertical_error_m: given
+            .vertical_error_m
+            .map_or(parsed.error.unwrap_or(assumed), Stated::given),
         empty_blocks: parsed.empty_blocks,
     }
 }

@@ -372,6 +372,65 @@ fn zones_are_drawn_between_their_altitudes() {
     }
 }
 
+/// Known but for the fifth to the tenth second, 30 m above the datum where the flight is 150 m above it; the track alone knows each tenth.
+#[test]
+fn the_height_above_the_ground_is_drawn_where_the_ground_is_known() {
+    let mut flight = flight();
+    for sample in &mut flight.samples {
+        let is_known = !(4.95..10.05).contains(&sample.time_s);
+        sample.ground_m = is_known.then_some(-70.0);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.json");
+    flight.write(&path).unwrap();
+    assert_eq!(Flight::read(&path).unwrap(), flight);
+
+    let packets: Vec<Value> = serde_json::from_str(&czml::text(&flight)).unwrap();
+    let walls: Vec<&Value> = packets.iter().filter_map(|p| p.get("wall")).collect();
+    let counts = walls.iter().map(|wall| {
+        let places = wall["positions"]["cartographicDegrees"].as_array().unwrap();
+        let lowest = wall["minimumHeights"]["array"].as_array().unwrap();
+        assert_eq!(places.len(), 3 * lowest.len());
+        assert!((places[2].as_f64().unwrap() - 150.0).abs() < 1e-6);
+        assert!((lowest[0].as_f64().unwrap() - 30.0).abs() < 1e-6);
+        lowest.len()
+    });
+    assert_eq!(counts.collect::<Vec<_>>(), [5, 20]);
+
+    let text = kml::text(&flight);
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let curtains = document.descendants().filter(|node| {
+        node.has_tag_name("Placemark")
+            && node
+                .descendants()
+                .any(|n| n.text() == Some("Height above the ground"))
+    });
+    let faces =
+        curtains.map(|node| {
+            let faces = node.descendants().filter(|n| n.has_tag_name("coordinates"));
+            let faces: Vec<&str> = faces.filter_map(|face| face.text()).collect();
+            assert!(faces.iter().all(|face| face.matches(",30.00 ").count() == 3
+                && face.matches(",150.00 ").count() == 2));
+            faces.len()
+        });
+    assert_eq!(faces.collect::<Vec<_>>(), [4, 19]);
+
+    let map: Value = serde_json::from_str(&map::text(&flight)).unwrap();
+    let above_m = map["features"][0]["properties"]["above_ground_m"]
+        .as_array()
+        .unwrap();
+    let known: Vec<&Value> = above_m
+        .iter()
+        .filter(|above_m| !above_m.is_null())
+        .collect();
+    assert_eq!(
+        (above_m.len(), known.len(), known[0]),
+        (100, 50, &120.0.into())
+    );
+    flight.samples[0].ground_m = Some(f64::NAN);
+    assert!(flight.check().unwrap_err().contains("not finite"));
+}
+
 /// An outline that is open, too short or not finite is refused.
 #[test]
 fn a_flight_whose_zone_is_no_outline_is_refused() {

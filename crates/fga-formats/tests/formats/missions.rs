@@ -135,6 +135,15 @@ fn n8_fences_and_rally_points_of_mission_planner_are_read() {
     );
     let file = parse(&text, Path::new("fence.waypoints")).unwrap();
     assert_eq!(file.holds(), "0 waypoints, 2 fences, 1 rally point");
+    // Their heights do not count, in whatever frame.
+    let above_terrain = text.replace("\t0\t3\t5", "\t0\t10\t5");
+    let file = parse(&above_terrain, Path::new("fence.waypoints")).unwrap();
+    assert_eq!(file.holds(), "0 waypoints, 2 fences, 0 rally points");
+    assert!(
+        file.notes[0].ends_with("rally point above the terrain 1"),
+        "{:?}",
+        file.notes
+    );
     let unfinished = text.replace("3\t0\t3\t5001", "3\t0\t3\t5003");
     let error = parse(&unfinished, Path::new("f.waypoints")).unwrap_err();
     assert!(error.message.contains("2 of 3 corners"), "{error}");
@@ -169,6 +178,10 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
         (
             of_list("-35.359", "S35.359"),
             "a.waypoints, line 4: field 9 is \"S35.35900000\", expected a number",
+        ),
+        (
+            of_plan("\"inclusion\": true", "\"inclusion\": 1"),
+            "a.plan, line 5: is no plan of QGroundControl: found integer `1`, expected true or false",
         ),
         (
             of_plan("\"Plan\"", "\"Mission\""),
@@ -249,14 +262,14 @@ fn n8_an_unknown_version_or_order_is_refused() {
         ),
         (
             plan("\"params\": [15, 0", "\"params\": [\"15\", 0"),
-            "a.plan: item 1 cannot be read: invalid type: string \"15\"",
+            "a.plan: item 1 cannot be read: found string \"15\", expected a number",
         ),
         (
             plan(
                 "\"items\": [\n            {\"AMSL",
                 "\"items\": 3, \"x\": [\n            {\"AMSL",
             ),
-            "a.plan, line 11: is no plan of QGroundControl: invalid type: integer `3`",
+            "a.plan, line 11: is no plan of QGroundControl: found integer `3`",
         ),
         (
             list("2\t0\t3\t16", "3\t0\t3\t16"),

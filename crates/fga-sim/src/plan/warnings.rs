@@ -109,40 +109,50 @@ impl Plan {
         })
     }
 
-    /// The leg of the mission, or the start, that is lower than it takes to clear the ground, or over unknown ground.
-    fn low(&self) -> Option<String> {
-        let World {
-            mission_m,
-            start,
-            ground,
-            ..
-        } = &self.world;
-        let ground = ground.as_ref()?;
+    /// The lowest leg of the mission that is lower than it takes to clear the ground, and the first one over unknown ground; otherwise the
+    /// start, where it is too low.
+    fn low(&self) -> Vec<String> {
+        let Some(ground) = &self.world.ground else {
+            return Vec::new();
+        };
         let needed_m = ground.clearance_m() + ground.error_m();
         let asked = format!(
             "expected at least {needed_m:.1} m above it, {:.1} m of clearance and {:.1} m of vertical error",
             ground.clearance_m(),
             ground.error_m()
         );
-        let flown = "it is flown as it is given, and there a manoeuvre may be as low";
-        for (leg, number) in mission_m.windows(2).zip(1..) {
+        let (mut low, mut warnings) = (Vec::new(), Vec::new());
+        for (leg, number) in self.world.mission_m.windows(2).zip(1..) {
             let (above_m, is_known) = ground.along_m(leg[0], leg[1]);
             if above_m < needed_m {
-                return Some(format!(
-                    "leg {number} of the mission comes as low as {above_m:.1} m above the ground, {asked}: {flown}"
-                ));
+                low.push((above_m, number));
             }
-            if !is_known {
-                return Some(format!(
+            if !is_known && warnings.is_empty() {
+                warnings.push(format!(
                     "leg {number} of the mission is over unknown ground, expected files that know it: it is flown as it is given, and \
                      there unknown ground holds back no manoeuvre"
                 ));
             }
         }
-        let above_m = ground.above_m(start.position_m)?;
-        (above_m < needed_m).then(|| {
-            format!("the aircraft starts {above_m:.1} m above the ground, {asked}: it climbs first")
-        })
+        low.sort_by(|(one_m, _), (other_m, _): &(f64, usize)| one_m.total_cmp(other_m));
+        if let Some((above_m, number)) = low.first() {
+            let count = low.len();
+            let of = format!(", the lowest of {count} that are too low");
+            let of = if count > 1 { &of } else { "" };
+            warnings.push(format!(
+                "leg {number} of the mission comes as low as {above_m:.1} m above the ground{of}, {asked}: it is flown as it is given, and \
+                 there a manoeuvre may be as low"
+            ));
+        }
+        let above_m = ground.above_m(self.world.start.position_m);
+        if let Some(above_m) = above_m.filter(|above_m| *above_m < needed_m)
+            && warnings.is_empty()
+        {
+            warnings.push(format!(
+                "the aircraft starts {above_m:.1} m above the ground, {asked}: it climbs first"
+            ));
+        }
+        warnings
     }
 
     /// The zones that no flight comes near, as with the wrong hemisphere.

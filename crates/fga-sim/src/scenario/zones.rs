@@ -85,7 +85,7 @@ impl AreaFile<'_> {
             let (outline, holes) = self.outline(&name, &area.outline)?;
             let whole = WorldZone::new(name, false, outline, ALL_HEIGHTS_M);
             let whole = whole.map_err(|error| text.error_at(self.path, error.to_string()))?;
-            let is_near = self.keep_in || whole.margin_m(start_m) <= beyond_m;
+            let is_near = self.keeps_in(&area) || whole.margin_m(start_m) <= beyond_m;
             all.push((area, whole, holes, is_near));
         }
         // A file whose zones are all far away is for another place: it is read as a whole, and a warning says so.
@@ -112,6 +112,11 @@ impl AreaFile<'_> {
         Ok(notes.map(move |(count, what)| format!("{file}: {} {what}", counted(count, "zone"))))
     }
 
+    /// Whether an area is to stay in: what its file says counts before its table.
+    fn keeps_in(&self, area: &NamedArea) -> bool {
+        area.keep_in.unwrap_or(self.keep_in)
+    }
+
     /// The limits of an area; those above the ground as altitudes, if the ground is known in all of the box around it: above the lowest or
     /// the highest place there, so that no zone to keep out of is smaller than it is written, and none to stay in is larger.
     fn over_ground(&self, area: &NamedArea) -> [Option<AreaLimit>; 2] {
@@ -126,7 +131,7 @@ impl AreaFile<'_> {
         if limits.iter().flatten().any(is_above)
             && let Some([low_m, high_m]) = range_m()
         {
-            let [floor_m, ceiling_m] = if self.keep_in {
+            let [floor_m, ceiling_m] = if self.keeps_in(area) {
                 [high_m, low_m]
             } else {
                 [low_m, high_m]
@@ -179,14 +184,15 @@ impl AreaFile<'_> {
         holes: Vec<Vec<Vec2>>,
     ) -> Result<(), InputError> {
         let (text, name) = (&self.places.text, whole.name());
+        let keep_in = self.keeps_in(area);
         let limits = self.over_ground(area);
         let (heights_m, is_open) = heights_m(self.entry, name, limits, self.places)?;
         self.open += usize::from(is_open);
         let wrong = |error| text.error_at(self.path, format!("{name}: {error}"));
-        let mut outlines = vec![(name.to_owned(), self.keep_in, whole.outline().clone())];
+        let mut outlines = vec![(name.to_owned(), keep_in, whole.outline().clone())];
         if let WorldOutline::Polygon(outline) = whole.outline() {
             let joined = zones::with_holes(outline.clone(), holes.clone()).map_err(wrong)?;
-            if self.keep_in {
+            if keep_in {
                 let holes = holes.into_iter().zip(1..);
                 outlines.extend(holes.map(|(hole, number)| {
                     let name = format!("{name}, hole {number}");

@@ -276,6 +276,22 @@ fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
     fga_sim::scenario::read(&scenario, None).map_err(|error| error.to_string())
 }
 
+/// As Mission Planner saves it, in a file of its own.
+#[test]
+fn fences_of_a_mission_file_keep_in_and_out_as_they_say() {
+    let list = "QGC WPL 110\n0 1 0 16 0 0 0 0 47 8 400 1\n1 0 10 5001 3 0 0 0 46.9 7.9 0 1\n2 0 10 5001 3 0 0 0 46.9 8.3 0 1\n\
+        3 0 10 5001 3 0 0 0 47.3 8.0 0 1\n4 0 3 5004 80 0 0 0 47.002 8.01 0 1\n";
+    let zones = with_zones_of(list, "kind = 'keep-out'\nceiling_m = 120.0").unwrap();
+    let zones = zones.world.zones.iter();
+    let said = zones.map(|zone| (zone.name().to_owned(), zone.keep_in(), zone.heights_m().1));
+    let said: Vec<_> = said.collect();
+    let expected = [("fence 1", true), ("fence 2", false)];
+    assert_eq!(
+        said,
+        expected.map(|(name, keep_in)| (name.to_owned(), keep_in, 120.0))
+    );
+}
+
 /// A zone of ED-269 by its name, its restriction, its limits and its outline.
 fn ed269(name: &str, restriction: &str, limits: &str, outline: &str) -> String {
     format!(

@@ -25,6 +25,7 @@ pub(crate) fn flight() -> Flight {
                 } else {
                     "cruise".into()
                 },
+                ground_m: None,
             }
         })
         .collect();

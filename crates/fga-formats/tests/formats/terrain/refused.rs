@@ -1,10 +1,11 @@
 //! Files that cannot be right, and drawn changes of files.
 
-use fga_formats::terrain::{Area, Given, Terrain, parse};
+use fga_formats::InputError;
+use fga_formats::terrain::{Area, Given, Terrain, TerrainFile, parse};
 use proptest::prelude::*;
 use std::path::Path;
 
-use super::{FILES, SRTM, bytes, refusal, unpacked};
+use super::{FILES, SRTM, bytes, packed, refusal, unpacked};
 
 #[test]
 fn srtm_that_cannot_be_right_is_refused_in_one_sentence() {
@@ -26,6 +27,11 @@ fn srtm_that_cannot_be_right_is_refused_in_one_sentence() {
             &plain[1..],
             "S34W071.hgt",
             "has 2884801 bytes, expected 2884802 or 25934402",
+        ),
+        (
+            &vec![0; 30_000_000],
+            "S34W071.hgt",
+            "has at least 25936796 bytes, expected 2884802 or 25934402",
         ),
         (&plain[..], "ground.hgt", "has no place in its name"),
         (&plain[..], "N90E008.hgt", "place N90E008 in its name"),
@@ -62,7 +68,12 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (
             &dted[..dted.len() - 1],
             "a.dt0",
-            "expected 34162 for 121 lines of 121 heights",
+            "has 34161 bytes, expected 34162 for 121 lines of 121 heights",
+        ),
+        (
+            &[&dted[..], &[0]].concat(),
+            "a.dt0",
+            "has more than 34162 bytes, expected 34162",
         ),
         (&dted[..200], "a.dt0", "expected at least 3428"),
         (&changed(19, b"E"), "a.dt0", "as its origin"),
@@ -89,7 +100,7 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (
             &blocks[..4000],
             "N46E009.DAT",
-            "expected whole blocks of 2048 bytes",
+            "has 4000 bytes, expected whole blocks of 2048 bytes",
         ),
         (
             bytes("N46E009.DAT"),
@@ -174,7 +185,20 @@ proptest! {
         if let Some(keep) = keep {
             bytes.truncate(keep.index(bytes.len()));
         }
-        match parse(&bytes, Path::new(name), &Given::default()) {
+        let read = parse(&bytes, Path::new(name), &Given::default());
+        // The same when it is compressed, in two parts.
+        let (one, other) = bytes.split_at(bytes.len() / 2);
+        let packed = [packed(one), packed(other)].concat();
+        let told = |read: &Result<TerrainFile, InputError>| match read {
+            Ok(file) => {
+                let fields = file.fields.iter().map(|field| (field.grid(), field.summary()));
+                format!("{:?}", fields.collect::<Vec<_>>())
+            }
+            Err(error) => error.to_string(),
+        };
+        let unpacked = parse(&packed, Path::new(name), &Given::default());
+        prop_assert_eq!(told(&unpacked), told(&read));
+        match read {
             Ok(file) => {
                 let area = file.area().unwrap();
                 let (south, north) = (area.south_deg, area.north_deg);
