@@ -17,19 +17,13 @@ use mavlink::dialects::ardupilotmega::{
 /// A head-on intruder that meets the aircraft after a minute.
 fn head_on_in(config: &str, network: Network, seed: u64) -> World {
     let mut world = World::new(config, network, seed);
-    world.add(intruder());
+    world.add(Intruder::head_on());
     world.keep_sent = true;
     world
 }
 
 fn head_on() -> World {
     head_on_in("", GOOD, 3)
-}
-
-fn intruder() -> Intruder {
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    intruder
 }
 
 fn is_in_command(world: &World) -> bool {
