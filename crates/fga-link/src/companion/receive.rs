@@ -59,10 +59,7 @@ impl Companion {
         match session.hear(system, beat, voice) {
             News::Nothing => {}
             News::First => self.lists.begin(),
-            News::Overtaken => {
-                let actions = self.keeper.overtaken(beat, now_s);
-                self.perform(&actions, now_s);
-            }
+            News::Overtaken => self.keep(now_s, |keeper| keeper.overtaken(beat, now_s)),
             News::Next {
                 mode,
                 mode_was,
@@ -77,8 +74,7 @@ impl Companion {
                     self.keeper.excuse(silent_s);
                 }
                 // The mode first: whoever changed it wins, whatever else this message contains.
-                let actions = self.keeper.heartbeat(beat, now_s);
-                self.perform(&actions, now_s);
+                self.keep(now_s, |keeper| keeper.heartbeat(beat, now_s));
                 if mode == Mode::AUTO {
                     self.passing.mission_goes_on();
                 }
@@ -104,8 +100,7 @@ impl Companion {
             self.fault(Fault::Contradiction, now_s);
         } else {
             let row = reaction(Fault::Contradiction);
-            let actions = self.keeper.readiness(false, now_s);
-            self.perform(&actions, now_s);
+            self.keep(now_s, |keeper| keeper.readiness(false, now_s));
             self.voice.tell(row.severity, row.text);
         }
     }
@@ -200,8 +195,7 @@ impl Companion {
                     && data.target_component == OWN_COMPONENT
                 {
                     let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
-                    let actions = self.keeper.answered(sequence, accepted, now_s);
-                    self.perform(&actions, now_s);
+                    self.keep(now_s, |keeper| keeper.answered(sequence, accepted, now_s));
                 }
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
                 if for_us && let Some(outcome) = self.commands.acknowledge(data, now_s) {

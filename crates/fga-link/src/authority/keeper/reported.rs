@@ -96,10 +96,8 @@ impl Keeper {
         let changed = before.filter(|before| *before != mode);
         if let Some(before) = changed {
             let origin = self.requests.origin(mode, now_s);
-            if origin == ModeOrigin::Others
-                && let Authority::Released { late, .. } = &mut self.state
-            {
-                late.take_if(|late| late.asked == mode);
+            if origin == ModeOrigin::Others {
+                self.drop_late(|late| late.asked == mode);
             }
             let change = ModeChange {
                 from: before,
@@ -216,6 +214,13 @@ impl Keeper {
         late.asked == mode && now_s - since_s <= LATE_S
     }
 
+    /// Forgets the request that crossed the pilot's choice once it does not count any more.
+    fn drop_late(&mut self, is_over: impl FnOnce(&mut Late) -> bool) {
+        if let Authority::Released { late, .. } = &mut self.state {
+            late.take_if(is_over);
+        }
+    }
+
     /// What the reported mode means in the present state.
     fn advance(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         match self.state {
@@ -261,10 +266,7 @@ impl Keeper {
                 Vec::new()
             }
             Authority::Released {
-                since_s,
-                fault,
-                owed: Some(owed),
-                late,
+                owed: Some(owed), ..
             } => {
                 if mode == self.target && self.tries < MOST_TRIES {
                     self.tries += 1;
@@ -273,35 +275,23 @@ impl Keeper {
                 if mode == self.target {
                     return self.give_up(now_s);
                 }
-                self.state = Authority::Released {
-                    since_s,
-                    fault,
-                    owed: None,
-                    late,
-                };
+                if let Authority::Released { owed, .. } = &mut self.state {
+                    *owed = None;
+                }
                 vec![Action::CancelSetMode]
             }
             Authority::Released {
+                late: Some(late), ..
+            } if self.undoes(mode, now_s) => vec![Action::SetMode {
+                to: late.chosen,
+                from: late.asked,
+            }],
+            Authority::Released {
                 since_s,
-                fault,
-                owed: None,
-                late: Some(late),
+                late: Some(_),
+                ..
             } => {
-                let is_late = mode == late.asked && now_s - since_s <= LATE_S;
-                if is_late {
-                    return vec![Action::SetMode {
-                        to: late.chosen,
-                        from: late.asked,
-                    }];
-                }
-                if mode != late.chosen || now_s - since_s > LATE_S {
-                    self.state = Authority::Released {
-                        since_s,
-                        fault,
-                        owed: None,
-                        late: None,
-                    };
-                }
+                self.drop_late(|late| mode != late.chosen || now_s - since_s > LATE_S);
                 vec![Action::CancelSetMode]
             }
             _ => Vec::new(),
