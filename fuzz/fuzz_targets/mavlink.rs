@@ -212,7 +212,7 @@ fuzz_target!(|bytes: &[u8]| {
             let header = MavHeader { sequence, ..header };
             companion.receive(&header, &message, now_s);
             sequence = sequence.wrapping_add(1);
-            if companion.owed_mode().is_some() {
+            if companion.owed().is_some() {
                 // It was asked for GUIDED, and obeys.
                 let header = MavHeader { sequence, ..header };
                 companion.receive(&header, &heartbeat(15), now_s);

@@ -14,6 +14,8 @@
 
 #[path = "../tests/link/common/ground.rs"]
 mod ground;
+#[path = "../tests/link/common/kinds.rs"]
+mod kinds;
 #[path = "../tests/link/common/random.rs"]
 mod random;
 
@@ -30,6 +32,7 @@ use fga_link::player::{Played, PlayedState, adsb_message};
 use fga_link::wire::WireFrame;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use ground::{ALTITUDE_M, AUTO, GUIDED, Ground, listen};
+use kinds::{KINDS, Kind, velocity_mps};
 use mavlink::dialects::ardupilotmega::MavCmd;
 use random::Random;
 
@@ -65,32 +68,6 @@ const BANK_RAD: f64 = 65.0 * core::f64::consts::PI / 180.0;
 const TURN_RATE_FACTOR: f64 = 0.69;
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
 const DEAD_TIME_S: f64 = 0.2;
-
-/// One side or the other.
-fn side(random: &mut Random) -> f64 {
-    if random.uniform(0.0, 1.0) < 0.5 {
-        1.0
-    } else {
-        -1.0
-    }
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    HeadOn,
-    Crossing,
-    Overtaking,
-    Climbing,
-    Two,
-}
-
-const KINDS: [Kind; 5] = [
-    Kind::HeadOn,
-    Kind::Crossing,
-    Kind::Overtaking,
-    Kind::Climbing,
-    Kind::Two,
-];
 
 /// An intruder: its path, and what the example has seen of it.
 struct Intruder {
@@ -129,30 +106,6 @@ fn least_between(from: Vec3, to: Vec3) -> f64 {
     (from + step * part).length()
 }
 
-/// Velocity of an intruder, metres per second across the leg, along it, up.
-fn velocity(random: &mut Random, kind: Kind, own_mps: f64) -> Vec3 {
-    let (speed, track_deg) = match kind {
-        Kind::HeadOn => (
-            random.uniform(15.0, 40.0),
-            180.0 + random.uniform(-10.0, 10.0),
-        ),
-        Kind::Crossing | Kind::Climbing | Kind::Two => (
-            random.uniform(15.0, 40.0),
-            side(random) * random.uniform(60.0, 120.0),
-        ),
-        Kind::Overtaking => (
-            own_mps + random.uniform(13.0, 25.0),
-            random.uniform(-8.0, 8.0),
-        ),
-    };
-    let climb = match kind {
-        Kind::Climbing => side(random) * random.uniform(2.0, 5.0),
-        _ => 0.0,
-    };
-    let (sin, cos) = f64::to_radians(track_deg).sin_cos();
-    Vec3::new(speed * sin, speed * cos, climb)
-}
-
 /// Intruders that meet the aircraft, off by a few metres, a little after they are shown.
 fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Intruder> {
     let mut random = Random::new(u64::from(seed) * 7919 + 17);
@@ -170,7 +123,7 @@ fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Int
     let paths: Vec<(Vec3, f64)> = kinds
         .iter()
         .map(|kind| {
-            let velocity = velocity(&mut random, *kind, own.y);
+            let velocity = Vec3::from(velocity_mps(&mut random, *kind, own.y));
             (velocity, random.uniform(shown.0, shown.1))
         })
         .collect();

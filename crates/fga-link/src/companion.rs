@@ -282,12 +282,7 @@ impl Companion {
         self.session.system()
     }
 
-    /// Mode to restore if this program stops now; `None` without a manoeuvre.
-    pub fn owed_mode(&self) -> Option<Mode> {
-        self.keeper.owed()
-    }
-
-    /// The mode to restore, and the vehicle, if this program stops now.
+    /// The mode to restore, and the vehicle, if this program stops now; `None` without a manoeuvre.
     pub fn owed(&self) -> Option<Owed> {
         Some(Owed {
             system_id: self.session.commanded_system()?,
@@ -321,8 +316,7 @@ impl Companion {
     /// The operator's switch.
     pub fn set_enabled(&mut self, enabled: bool, now_s: f64) {
         self.voice.at(now_s);
-        let actions = self.keeper.set_enabled(enabled, now_s);
-        self.perform(&actions, now_s);
+        self.keep(now_s, |keeper| keeper.set_enabled(enabled, now_s));
     }
 
     /// The program is to end. A manoeuvre goes on until the mode can be restored without a collision, for
@@ -378,8 +372,7 @@ impl Companion {
         self.watch_link(now_s);
         self.take_held_reports(now_s);
         if !self.is_silent(now_s) {
-            let actions = self.keeper.tick(now_s);
-            self.perform(&actions, now_s);
+            self.keep(now_s, |keeper| keeper.tick(now_s));
         }
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
@@ -436,15 +429,14 @@ impl Companion {
     }
 
     fn fault(&mut self, fault: Fault, now_s: f64) {
-        let actions = self.keeper.fault(fault, now_s);
-        self.perform(&actions, now_s);
+        self.keep(now_s, |keeper| keeper.fault(fault, now_s));
     }
 
-    /// Carries out the actions of the keeper of authority.
-    fn perform(&mut self, actions: &[Action], now_s: f64) {
+    /// Lets the keeper of authority take an event, and carries out its actions.
+    fn keep(&mut self, now_s: f64, event: impl FnOnce(&mut Keeper) -> Vec<Action>) {
         use mavlink::dialects::ardupilotmega::MavCmd;
-        for action in actions {
-            match *action {
+        for action in event(&mut self.keeper) {
+            match action {
                 Action::SetMode { to, from } => {
                     self.ask_for_mode(to, from, now_s);
                     self.voice.note("set-mode", json!({ "mode": to.name() }));

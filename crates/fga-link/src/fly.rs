@@ -336,10 +336,7 @@ impl DecidingThread<'_> {
         } else {
             self.companion.shut_down(now_s);
         }
-        while self.turn(events)
-            && self.companion.owed_mode().is_some()
-            && since.elapsed() < LAST_WORDS
-        {
+        while self.turn(events) && self.companion.owed().is_some() && since.elapsed() < LAST_WORDS {
             watch(self.companion);
             if self.companion.flies() {
                 since = Instant::now();
@@ -441,13 +438,8 @@ impl DecidingThread<'_> {
             };
             let raw = encode(header, &outgoing.message, self.signing);
             self.recorder.frame(self.shared, now_s, raw.raw_bytes());
-            post(
-                self.parcels,
-                Parcel {
-                    raw,
-                    change: outgoing.change,
-                },
-            );
+            let change = outgoing.change;
+            post(self.parcels, Parcel { raw, change });
         }
         for line in self.companion.take_log() {
             self.recorder.line(self.shared, line.to_string());

@@ -16,7 +16,7 @@ use crate::mode::{Mode, ModeChange};
 use crate::outgoing::AUTOPILOT;
 
 /// A heartbeat with a lower sequence number this soon after another was overtaken by it, seconds.
-const OVERTAKEN_S: f64 = 0.45;
+pub(super) const OVERTAKEN_S: f64 = 0.45;
 /// Two apparently overtaken heartbeats that report the same other mode within this time contradict, seconds.
 const SUSPECT_S: f64 = 1.5;
 /// This many changes of the mode, or of the armed flag, within this time contradict, seconds: no switch
@@ -81,8 +81,8 @@ pub enum BeatOrder {
 #[derive(Debug, Clone)]
 pub struct Hearing {
     last: Option<(Beat, f64)>,
-    /// Whether the previous heartbeat was also disarmed.
-    disarmed_before: bool,
+    /// The heartbeat before the last one.
+    before: Option<Beat>,
     intervals_s: [f64; INTERVALS],
     mode_changes_s: [f64; CHANGES],
     armed_changes_s: [f64; CHANGES],
@@ -98,7 +98,7 @@ impl Default for Hearing {
     fn default() -> Self {
         Self {
             last: None,
-            disarmed_before: true,
+            before: None,
             intervals_s: [LONGEST_INTERVAL_S; INTERVALS],
             mode_changes_s: [f64::NEG_INFINITY; CHANGES],
             armed_changes_s: [f64::NEG_INFINITY; CHANGES],
@@ -120,7 +120,7 @@ impl Hearing {
         };
         let behind = last.sequence.wrapping_sub(beat.sequence);
         if now_s - last_s < OVERTAKEN_S && behind < 128 {
-            if last.reports_the_same(beat) {
+            if last.reports_the_same(beat) || self.was_passed(beat) {
                 return BeatOrder::Overtaken;
             }
             let again = self.suspect.is_some_and(|(suspect, since_s)| {
@@ -149,9 +149,20 @@ impl Hearing {
         }
     }
 
+    /// Whether the vehicle passed through the mode of an overtaken heartbeat between the last two, which report two other modes.
+    fn was_passed(&self, overtaken: Beat) -> bool {
+        let (Some(before), Some((last, _))) = (self.before, self.last) else {
+            return false;
+        };
+        ![last, overtaken]
+            .iter()
+            .any(|beat| before.reports_the_same(*beat))
+            && overtaken.sequence.wrapping_sub(before.sequence) < 128
+    }
+
     fn accept(&mut self, beat: Beat, now_s: f64) {
         if let Some((last, last_s)) = self.last {
-            self.disarmed_before = !last.armed;
+            self.before = Some(last);
             self.intervals_s.rotate_left(1);
             if let Some(newest_s) = self.intervals_s.last_mut() {
                 *newest_s = now_s - last_s;
@@ -182,8 +193,8 @@ impl Hearing {
 
     /// Whether the vehicle is armed: a single heartbeat that says otherwise does not count.
     pub fn is_armed(&self) -> bool {
-        self.last
-            .is_some_and(|(beat, _)| beat.armed || !self.disarmed_before)
+        let was_armed = self.before.is_some_and(|before| before.armed);
+        self.last.is_some_and(|(beat, _)| beat.armed || was_armed)
     }
 
     /// Time of the last heartbeat, seconds.
@@ -413,6 +424,21 @@ mod tests {
         let mut hearing = Hearing::default();
         hearing.hear(disarmed(0), 0.0);
         assert!(!hearing.is_armed());
+    }
+
+    /// The vehicle passes through a mode, and the network delivers the next one first.
+    #[test]
+    fn a_mode_that_was_passed_contradicts_only_where_the_mode_did_not_change() {
+        for (mode, verdict) in [
+            (Mode::AUTO, BeatOrder::Overtaken),
+            (Mode::GUIDED, BeatOrder::Contradicts),
+        ] {
+            let mut hearing = steady(Mode::GUIDED);
+            hearing.hear(beat(100, mode), 2.25);
+            assert_eq!(hearing.hear(beat(85, Mode::RTL), 2.3), BeatOrder::Overtaken);
+            assert_eq!(hearing.hear(beat(90, Mode::RTL), 2.35), verdict);
+            assert_eq!(hearing.permits(mode, 2.35), verdict == BeatOrder::Overtaken);
+        }
     }
 
     /// Now and then a frame under an old number says something else: only two soon after each other contradict.

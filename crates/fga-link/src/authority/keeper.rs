@@ -67,15 +67,22 @@ impl Keeper {
         self.target
     }
 
-    /// The mode to restore if the program stops now.
-    pub const fn owed(&self) -> Option<Mode> {
+    /// The mode to go back to, while the companion has the flight mode or has requested it.
+    const fn previous(&self) -> Option<Mode> {
         match self.state {
             Authority::Taking { previous, .. }
             | Authority::InCommand { previous, .. }
             | Authority::Returning { previous, .. }
             | Authority::Resuming { previous, .. } => Some(previous),
+            _ => None,
+        }
+    }
+
+    /// The mode to restore if the program stops now.
+    pub const fn owed(&self) -> Option<Mode> {
+        match self.state {
             Authority::Released { owed, .. } => owed,
-            Authority::Waiting | Authority::Ready => None,
+            _ => self.previous(),
         }
     }
 
@@ -124,13 +131,7 @@ impl Keeper {
 
     /// Whether the companion has the flight mode, or has requested it.
     pub const fn is_engaged(&self) -> bool {
-        matches!(
-            self.state,
-            Authority::Taking { .. }
-                | Authority::InCommand { .. }
-                | Authority::Returning { .. }
-                | Authority::Resuming { .. }
-        )
+        self.previous().is_some()
     }
 
     /// The operator's switch.
@@ -267,49 +268,41 @@ impl Keeper {
     /// Something went wrong.
     pub fn fault(&mut self, fault: Fault, now_s: f64) -> Vec<Action> {
         let row = reaction(fault);
-        let previous = match self.state {
-            Authority::Taking { previous, .. }
-            | Authority::InCommand { previous, .. }
-            | Authority::Returning { previous, .. }
-            | Authority::Resuming { previous, .. } => previous,
-            Authority::Ready | Authority::Waiting => {
-                // No manoeuvre: only readiness matters, which decides whether it may act.
-                let is_told = matches!(fault, Fault::OperatorOff | Fault::Contradiction);
-                if row.rearm == Rearm::Operator && !is_told {
-                    return Vec::new();
-                }
-                self.state = Authority::Waiting;
-                return if is_told {
-                    vec![Action::Tell(row.severity, row.text)]
-                } else {
-                    Vec::new()
-                };
+        if let Authority::Released {
+            fault: before,
+            owed,
+            late,
+            ..
+        } = self.state
+        {
+            // A lost link or missing telemetry changes nothing more; a fault that only the operator can clear
+            // does.
+            if row.rearm == Rearm::Automatic || reaction(before).rearm == Rearm::Operator {
+                return Vec::new();
             }
-            Authority::Released {
-                fault: before,
-                owed,
+            self.enabled = false;
+            let restores = row.hand_back != HandBack::LeaveAlone;
+            self.state = Authority::Released {
+                since_s: now_s,
+                fault,
+                owed: owed.filter(|_| restores),
                 late,
-                ..
-            } => {
-                // A lost link or missing telemetry changes nothing more; a fault that only the operator can clear
-                // does.
-                if row.rearm == Rearm::Automatic || reaction(before).rearm == Rearm::Operator {
-                    return Vec::new();
-                }
-                self.enabled = false;
-                let restores = row.hand_back != HandBack::LeaveAlone;
-                self.state = Authority::Released {
-                    since_s: now_s,
-                    fault,
-                    owed: owed.filter(|_| restores),
-                    late,
-                };
-                let mut actions = vec![Action::Tell(row.severity, row.text)];
-                if !restores {
-                    actions.push(Action::CancelSetMode);
-                }
-                return actions;
+            };
+            let mut actions = vec![Action::Tell(row.severity, row.text)];
+            if !restores {
+                actions.push(Action::CancelSetMode);
             }
+            return actions;
+        }
+        let Some(previous) = self.previous() else {
+            // No manoeuvre: only readiness matters, which decides whether it may act.
+            let is_told = matches!(fault, Fault::OperatorOff | Fault::Contradiction);
+            if row.rearm == Rearm::Operator && !is_told {
+                return Vec::new();
+            }
+            self.state = Authority::Waiting;
+            let words = is_told.then_some(Action::Tell(row.severity, row.text));
+            return words.into_iter().collect();
         };
         let mut actions = Vec::new();
         let owed = match row.hand_back {

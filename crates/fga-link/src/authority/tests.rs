@@ -78,24 +78,44 @@ impl Bench {
             self.commands += 1;
             self.keeper.asked(ModeChange { from, to }, self.now_s);
             if self.obeys {
-                self.keeper.answered(true, self.now_s);
+                self.answers();
                 self.vehicle = to;
             }
         }
     }
 
+    /// The vehicle accepts a request.
+    fn answers(&mut self) {
+        self.sequence = self.sequence.wrapping_add(1);
+        let actions = self.keeper.answered(self.sequence, true, self.now_s);
+        self.perform(&actions);
+    }
+
+    /// The vehicle's next heartbeat.
+    fn next_beat(&mut self, mode: Mode, armed: bool) -> Beat {
+        self.sequence = self.sequence.wrapping_add(9);
+        Beat {
+            sequence: self.sequence,
+            mode,
+            armed,
+        }
+    }
+
+    fn hears(&mut self, beat: Beat) {
+        let is_overtaken = self.hearing.hear(beat, self.now_s) == BeatOrder::Overtaken;
+        let actions = if is_overtaken {
+            self.keeper.overtaken(beat, self.now_s)
+        } else {
+            self.keeper.heartbeat(beat, self.now_s)
+        };
+        self.perform(&actions);
+    }
+
     /// A quarter of a second passes, and a heartbeat comes.
     fn beat(&mut self) {
         self.now_s += 0.25;
-        self.sequence = self.sequence.wrapping_add(9);
-        let beat = Beat {
-            sequence: self.sequence,
-            mode: self.vehicle,
-            armed: true,
-        };
-        self.hearing.hear(beat, self.now_s);
-        let actions = self.keeper.heartbeat(self.vehicle, true, self.now_s);
-        self.perform(&actions);
+        let beat = self.next_beat(self.vehicle, true);
+        self.hears(beat);
         let actions = self.keeper.tick(self.now_s);
         self.perform(&actions);
         let actions = self.keeper.readiness(true, self.now_s);
@@ -310,10 +330,9 @@ fn the_owed_mode_is_requested_a_limited_number_of_times() {
 fn a_vehicle_that_was_disarmed_for_a_moment_gets_its_mode_back() {
     let disarmed = |bench: &mut Bench, by_s: f64| {
         bench.now_s += by_s;
-        bench
-            .keeper
-            .heartbeat(Mode::GUIDED, false, bench.now_s)
-            .contains(&RESTORE)
+        let beat = bench.next_beat(Mode::GUIDED, false);
+        let actions = bench.keeper.heartbeat(beat, bench.now_s);
+        actions.contains(&RESTORE)
     };
     let mut bench = in_command();
     bench.fault(Fault::Disarmed);
@@ -368,7 +387,8 @@ fn a_manoeuvre_is_gone_on_with_when_the_link_comes_back_soon() {
     assert_eq!((bench.vehicle, bench.commands), (Mode::GUIDED, commands));
     // Heard, but not ready: the mode is restored after 5 s.
     let mut bench = lost_for(2.0);
-    let actions = bench.keeper.heartbeat(Mode::GUIDED, true, bench.now_s);
+    let beat = bench.next_beat(Mode::GUIDED, true);
+    let actions = bench.keeper.heartbeat(beat, bench.now_s);
     assert!(actions.is_empty());
     assert!(bench.keeper.tick(bench.now_s + 4.9).is_empty());
     assert!(bench.keeper.tick(bench.now_s + 5.1).contains(&RESTORE));

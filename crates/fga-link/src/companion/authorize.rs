@@ -42,8 +42,7 @@ impl Companion {
                 .tell(Severity::Critical, "fga: refused too often, switched off");
             return false;
         }
-        let actions = self.keeper.take_over(mode, now_s);
-        self.perform(&actions, now_s);
+        self.keep(now_s, |keeper| keeper.take_over(mode, now_s));
         true
     }
 
@@ -67,8 +66,7 @@ impl Companion {
             self.fault(Fault::ProgramEnds, now_s);
         } else {
             self.fly_straight(now_s);
-            let actions = self.keeper.hand_back(now_s);
-            self.perform(&actions, now_s);
+            self.keep(now_s, |keeper| keeper.hand_back(now_s));
         }
     }
 

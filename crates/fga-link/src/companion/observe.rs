@@ -38,8 +38,7 @@ impl Companion {
         };
         let lacking = self.lacking(now_s, state.as_ref().filter(|_| fresh));
         let before = self.keeper.state();
-        let actions = self.keeper.readiness(lacking.is_none(), now_s);
-        self.perform(&actions, now_s);
+        self.keep(now_s, |keeper| keeper.readiness(lacking.is_none(), now_s));
         self.tell_readiness(lacking);
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();

@@ -44,7 +44,7 @@ impl Companion {
         let from_vehicle =
             self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
         if from_vehicle {
-            self.take_telemetry(message, now_s);
+            self.take_telemetry(header.sequence, message, now_s);
             self.take_held_reports(now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
@@ -59,6 +59,7 @@ impl Companion {
         match session.hear(system, beat, voice) {
             News::Nothing => {}
             News::First => self.lists.begin(),
+            News::Overtaken => self.keep(now_s, |keeper| keeper.overtaken(beat, now_s)),
             News::Next {
                 mode,
                 mode_was,
@@ -73,8 +74,7 @@ impl Companion {
                     self.keeper.excuse(silent_s);
                 }
                 // The mode first: whoever changed it wins, whatever else this message contains.
-                let actions = self.keeper.heartbeat(mode, beat.armed, now_s);
-                self.perform(&actions, now_s);
+                self.keep(now_s, |keeper| keeper.heartbeat(beat, now_s));
                 if mode == Mode::AUTO {
                     self.passing.mission_goes_on();
                 }
@@ -100,8 +100,7 @@ impl Companion {
             self.fault(Fault::Contradiction, now_s);
         } else {
             let row = reaction(Fault::Contradiction);
-            let actions = self.keeper.readiness(false, now_s);
-            self.perform(&actions, now_s);
+            self.keep(now_s, |keeper| keeper.readiness(false, now_s));
             self.voice.tell(row.severity, row.text);
         }
     }
@@ -123,7 +122,7 @@ impl Companion {
         }
     }
 
-    fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
+    fn take_telemetry(&mut self, sequence: u8, message: &MavMessage, now_s: f64) {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
@@ -196,7 +195,7 @@ impl Companion {
                     && data.target_component == OWN_COMPONENT
                 {
                     let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
-                    self.keeper.answered(accepted, now_s);
+                    self.keep(now_s, |keeper| keeper.answered(sequence, accepted, now_s));
                 }
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
                 if for_us && let Some(outcome) = self.commands.acknowledge(data, now_s) {

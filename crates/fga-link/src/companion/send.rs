@@ -83,8 +83,7 @@ impl Companion {
         );
         match command.command {
             MavCmd::MAV_CMD_DO_SET_MODE => {
-                let actions = self.keeper.mode_refused(now_s);
-                self.perform(&actions, now_s);
+                self.keep(now_s, |keeper| keeper.mode_refused(now_s));
             }
             MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.keeper.commands() => {
                 self.fault(Fault::NotFollowing, now_s);

@@ -26,8 +26,10 @@ pub(super) const SILENT_S: f64 = 1.2;
 /// The news of a plane's heartbeat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum News {
-    /// None: another vehicle's, or an overtaken one.
+    /// None: another vehicle's.
     Nothing,
+    /// A newer heartbeat of the vehicle came before it.
+    Overtaken,
     /// From here on this is the vehicle.
     First,
     /// The vehicle goes on.
@@ -201,7 +203,7 @@ impl Session {
         let silent_s = self.silent_s(now_s).unwrap_or(0.0);
         let verdict = self.hearing.hear(beat, now_s);
         if verdict == BeatOrder::Overtaken {
-            return News::Nothing;
+            return News::Overtaken;
         }
         self.leave_notes(system, mode, voice);
         if mode != mode_was {

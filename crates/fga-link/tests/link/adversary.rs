@@ -17,19 +17,13 @@ use mavlink::dialects::ardupilotmega::{
 /// A head-on intruder that meets the aircraft after a minute.
 fn head_on_in(config: &str, network: Network, seed: u64) -> World {
     let mut world = World::new(config, network, seed);
-    world.add(intruder());
+    world.add(Intruder::head_on());
     world.keep_sent = true;
     world
 }
 
 fn head_on() -> World {
     head_on_in("", GOOD, 3)
-}
-
-fn intruder() -> Intruder {
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    intruder
 }
 
 fn is_in_command(world: &World) -> bool {
@@ -404,18 +398,40 @@ fn keeps_rtl(world: &mut World, what: &str) {
     );
 }
 
-/// The fence sends the vehicle home while the companion gives the mode back.
+/// The companion gives the mode back; a draw of the network, and of the moment within half a second after that.
+fn gives_back(network: Network, draw: u64) -> World {
+    let mut world = head_on_in("", network, 3 + draw);
+    world.run_while(120.0, "the return", |w| {
+        !matches!(w.companion.authority(), Authority::Returning { .. })
+    });
+    world.run_until(world.time_s + 0.02 * (draw % 25) as f64);
+    world
+}
+
+/// The fence sends the vehicle home while the companion gives the mode back. In the later draws, found among 5,000, a request for
+/// AUTO arrives after that, and the companion hears of both in another order, or of the answer last.
 #[test]
 fn a_fence_breach_that_races_with_the_return_keeps_its_mode() {
     for network in [GOOD, BAD] {
-        for step in 0..25 {
-            let mut world = head_on_in("", network, 3 + step);
-            world.run_while(120.0, "the return", |w| {
-                !matches!(w.companion.authority(), Authority::Returning { .. })
-            });
-            world.run_until(world.time_s + 0.02 * step as f64);
-            keeps_rtl(&mut world, &format!("{step}, {network:?}"));
+        for draw in (0..25).chain([77, 174, 275, 580, 650, 808, 949, 1102]) {
+            let mut world = gives_back(network, draw);
+            keeps_rtl(&mut world, &format!("{draw}, {network:?}"));
         }
+    }
+}
+
+/// The request for AUTO arrived before the fence acted. An earlier version took the pilot's AUTO for that request in these draws.
+#[test]
+fn the_pilots_auto_soon_after_a_fence_breach_is_not_undone() {
+    for (draw, after_s) in [(105, 1.0), (109, 1.0), (132, 1.5), (133, 1.5), (411, 2.0)] {
+        let mut world = gives_back(BAD, draw);
+        world.emulator.pilot_mode(Mode::Rtl);
+        world.run_until(world.time_s + after_s);
+        world.emulator.pilot_mode(Mode::Auto);
+        let changes = own_changes(&world);
+        world.run_until(world.time_s + 20.0);
+        assert_eq!(own_changes(&world), changes, "{draw}");
+        assert_eq!(world.mode(), Mode::Auto, "{draw}");
     }
 }
 

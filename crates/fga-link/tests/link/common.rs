@@ -11,6 +11,7 @@
 pub mod beat;
 pub mod ground;
 mod intruder;
+pub mod kinds;
 pub mod live;
 mod network;
 pub mod random;
@@ -29,7 +30,7 @@ use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavCmd,
-    MavFrame, MavMessage, MavMissionType,
+    MavFrame, MavMessage, MavMissionType, MavParamType, PARAM_SET_DATA,
 };
 
 /// A file of the third-party data; without it the test skips, or fails in CI.
@@ -166,6 +167,17 @@ pub const GROUND: MavHeader = MavHeader {
     component_id: 190,
     sequence: 0,
 };
+
+/// The message that sets a parameter of a component of the vehicle.
+pub fn parameter_set(component: u8, name: &str, value: f32) -> MavMessage {
+    MavMessage::PARAM_SET(PARAM_SET_DATA {
+        param_value: value,
+        target_system: 1,
+        target_component: component,
+        param_id: name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    })
+}
 
 /// A ground station on the second link uploads a list, and sets the vehicle's item.
 pub fn upload(
@@ -384,6 +396,12 @@ impl World {
     /// The number of the vehicle's next frame.
     pub fn vehicle_sequence(&self) -> u8 {
         self.sequences[0]
+    }
+
+    /// The ground station sets a parameter of the vehicle.
+    pub fn set_parameter(&mut self, name: &str, value: f32) {
+        self.emulator
+            .receive(&GROUND, &parameter_set(1, name, value));
     }
 
     /// Sends a message to the companion as a ground station.

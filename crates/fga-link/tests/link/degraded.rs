@@ -11,7 +11,7 @@ use crate::common::{GOOD, Intruder, Network, Random, World, seeds};
 use fga_emulator::Mode;
 use fga_link::authority::Authority;
 use fga_link::signing::Signing;
-use mavlink::dialects::ardupilotmega::{MavMessage, MavParamType, PARAM_SET_DATA};
+use mavlink::dialects::ardupilotmega::MavMessage;
 
 /// Protected by default, metres.
 const PROTECTED_M: f64 = 60.0;
@@ -21,21 +21,8 @@ const YEARS_S: i64 = 2_000_000_000;
 /// A head-on intruder that meets the aircraft after a minute.
 fn head_on(config: &str) -> World {
     let mut world = World::new(config, GOOD, 3);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
-}
-
-pub(crate) fn set_parameter(world: &mut World, name: &str, value: f32) {
-    let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-        param_value: value,
-        target_system: 1,
-        target_component: 1,
-        param_id: name.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    });
-    world.emulator.receive(&crate::common::GROUND, &set);
 }
 
 fn times_told(world: &World, text: &str) -> usize {
@@ -130,8 +117,8 @@ fn l10_the_round_trip_is_part_of_readiness_and_of_the_plan() {
 fn l11_the_vehicles_own_avoidance_is_named_once() {
     for action in [2.0, 3.0, 4.0, 5.0, 6.0] {
         let mut world = head_on("");
-        set_parameter(&mut world, "AVD_ENABLE", 1.0);
-        set_parameter(&mut world, "AVD_F_ACTION", action);
+        world.set_parameter("AVD_ENABLE", 1.0);
+        world.set_parameter("AVD_F_ACTION", action);
         world.run_until(90.0);
         assert_eq!(times_told(&world, "AVD_F_ACTION avoids by itself"), 1);
         assert_eq!(times_told(&world, "fga: not ready"), 1, "{action}");
@@ -140,7 +127,7 @@ fn l11_the_vehicles_own_avoidance_is_named_once() {
     }
     // It only reports.
     let mut world = head_on("");
-    set_parameter(&mut world, "AVD_ENABLE", 1.0);
+    world.set_parameter("AVD_ENABLE", 1.0);
     world.run_until(110.0);
     assert_kept(&world, "AVD_F_ACTION 1");
 }
@@ -151,7 +138,7 @@ fn l13_a_bank_limit_of_nine_degrees_is_avoided_with() {
         let mut world = head_on(&format!("[vehicle]\nvertical = {vertical}\n"));
         // Seen as far ahead as ADS-B is.
         world.intruders[0].shown_m = f64::INFINITY;
-        set_parameter(&mut world, "ROLL_LIMIT_DEG", limit);
+        world.set_parameter("ROLL_LIMIT_DEG", limit);
         world.run_until(160.0);
         let (least_m, _) = world.least_m[0];
         eprintln!("limit {limit}, vertical {vertical}: least {least_m:.1} m");
@@ -192,7 +179,7 @@ impl NobodyFlies {
             }
         }
         // A mode that is owed is asked for until the vehicle reports it, or the pilot reads that it does not.
-        let cares = world.companion.owed_mode().is_some();
+        let cares = world.companion.owed().is_some();
         if world.mode() != Mode::Guided || cares {
             self.since_s = None;
             return None;
@@ -263,12 +250,12 @@ fn fails(seed: u64) -> Option<String> {
             let (begins, ends) = (crosses(from_s), crosses(to_s));
             match fault {
                 Fault::Avoidance(action) if begins => {
-                    set_parameter(&mut world, "AVD_ENABLE", 1.0);
-                    set_parameter(&mut world, "AVD_F_ACTION", action);
+                    world.set_parameter("AVD_ENABLE", 1.0);
+                    world.set_parameter("AVD_F_ACTION", action);
                 }
-                Fault::Avoidance(_) if ends => set_parameter(&mut world, "AVD_F_ACTION", 1.0),
-                Fault::Bank(limit) if begins => set_parameter(&mut world, "ROLL_LIMIT_DEG", limit),
-                Fault::Bank(_) if ends => set_parameter(&mut world, "ROLL_LIMIT_DEG", 45.0),
+                Fault::Avoidance(_) if ends => world.set_parameter("AVD_F_ACTION", 1.0),
+                Fault::Bank(limit) if begins => world.set_parameter("ROLL_LIMIT_DEG", limit),
+                Fault::Bank(_) if ends => world.set_parameter("ROLL_LIMIT_DEG", 45.0),
                 Fault::Queue(queue_s) if begins => world.uplink_queue_s = queue_s,
                 Fault::Queue(_) if ends => world.uplink_queue_s = 0.0,
                 _ => {}

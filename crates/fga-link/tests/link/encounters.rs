@@ -1,7 +1,7 @@
 //! Fifty seeded encounters in scaled time over a bad network: 5 % of the packets lost, up to
 //! 200 ms late and out of order, some twice.
 
-use crate::common::{BAD, GROUND, Intruder, Random, World, mission, upload};
+use crate::common::{BAD, Intruder, Random, World, mission, upload};
 use crate::new_leg::come_back;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
@@ -9,7 +9,7 @@ use fga_emulator::{Mode, PlantSettings};
 use fga_sim::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
-use mavlink::dialects::ardupilotmega::{MavMessage, MavMissionType, MavParamType, PARAM_SET_DATA};
+use mavlink::dialects::ardupilotmega::MavMissionType;
 
 /// Speed of the aircraft and the time at which the paths meet, 30 s after the start.
 const OWN_MPS: f64 = 25.0;
@@ -167,7 +167,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
     let shown_m = random.uniform(shown.0, shown.1);
     let mut world = World::new("", BAD, u64::from(seed));
     if limit_deg != NORMAL_LIMIT_DEG {
-        set_roll_limit(&mut world, limit_deg);
+        world.set_parameter("ROLL_LIMIT_DEG", limit_deg);
     }
     world.add(intruder(&mut random, kind, 0x0010_0000 + seed, shown_m));
     if matches!(kind, Kind::Two) {
@@ -235,17 +235,6 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
         flew: world.companion.counts().maneuvers > 0,
         in_need,
     }
-}
-
-fn set_roll_limit(world: &mut World, limit_deg: f32) {
-    let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-        param_value: limit_deg,
-        target_system: 1,
-        target_component: 1,
-        param_id: "ROLL_LIMIT_DEG".into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    });
-    world.emulator.receive(&GROUND, &set);
 }
 
 fn run(count: u32, shown: (f64, f64), limit_deg: f32) -> Vec<Result> {

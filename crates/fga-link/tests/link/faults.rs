@@ -3,22 +3,18 @@
 //! tests of the command line.
 
 use crate::common::beat::heartbeat;
-use crate::common::{GOOD, Intruder, World};
+use crate::common::{GOOD, Intruder, World, parameter_set};
 use fga_emulator::Mode;
 use fga_link::authority::{Authority, Fault, reaction};
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    COMMAND_LONG_DATA, MavCmd, MavMessage, MavParamType, PARAM_SET_DATA,
-};
+use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
 
 /// A head-on intruder that meets the aircraft after a minute.
 fn head_on() -> World {
     let mut world = World::new("", GOOD, 3);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world.keep_sent = true;
     world
 }
@@ -145,27 +141,10 @@ fn forged_heartbeats_of_manual_while_ready_are_reported() {
     assert_eq!(world.companion.authority(), Authority::Ready);
 }
 
-/// The ground station sets a parameter of the vehicle.
-fn set_parameter(world: &mut World, name: &str, value: f32) {
-    let header = MavHeader {
-        system_id: 255,
-        component_id: 190,
-        sequence: 0,
-    };
-    let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-        param_value: value,
-        target_system: 1,
-        target_component: 1,
-        param_id: name.into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    });
-    world.emulator.receive(&header, &set);
-}
-
 #[test]
 fn roll_limit_deg_5_set_in_command() {
     let mut world = in_command();
-    set_parameter(&mut world, "ROLL_LIMIT_DEG", 5.0);
+    world.set_parameter("ROLL_LIMIT_DEG", 5.0);
     world.run_while(1.5, "AUTO", |w| w.mode() != Mode::Auto);
     world.run_until(world.time_s + 0.5);
     let since_s = world.time_s;
@@ -179,7 +158,7 @@ fn roll_limit_deg_5_set_in_command() {
         "{states:?}"
     );
     // A flyable limit again: it is ready again by itself.
-    set_parameter(&mut world, "ROLL_LIMIT_DEG", 55.0);
+    world.set_parameter("ROLL_LIMIT_DEG", 55.0);
     world.run_while(6.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
     });
@@ -191,7 +170,7 @@ fn roll_limit_deg_4_set_in_cruise() {
     world.run_while(40.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
     });
-    set_parameter(&mut world, "ROLL_LIMIT_DEG", 4.0);
+    world.set_parameter("ROLL_LIMIT_DEG", 4.0);
     world.run_until(world.time_s + 1.5);
     let since_s = world.time_s;
     assert!(was_told(
@@ -211,13 +190,7 @@ fn roll_limit_deg_4_set_in_cruise() {
 fn fga_enable_0_from_any_system() {
     let mut world = in_command();
     let switch_off = [
-        MavMessage::PARAM_SET(PARAM_SET_DATA {
-            param_value: 0.0,
-            target_system: 1,
-            target_component: 196,
-            param_id: "FGA_ENABLE".into(),
-            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-        }),
+        parameter_set(196, "FGA_ENABLE", 0.0),
         MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
             command: MavCmd::MAV_CMD_USER_1,
             param1: 0.0,

@@ -48,9 +48,7 @@ fn round(center_m: [f64; 2], radius_m: f64, count: u32) -> Vec<[f64; 2]> {
 /// A head-on intruder meets the vehicle after a minute.
 fn head_on() -> World {
     let mut world = World::new("", GOOD, 8);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 

@@ -10,9 +10,7 @@ const HALF_HEIGHT_M: f64 = 30.0;
 
 /// A head-on intruder that meets the aircraft after a minute, a little to one side.
 fn head_on(mut world: World) -> World {
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 

@@ -75,9 +75,7 @@ fn fly(gap: Gap, when: When, gap_s: f64) -> Vec<String> {
     let name = format!("{gap:?} of {gap_s} s in {when:?}");
     let mut wrong = Vec::new();
     let mut world = World::new("", GOOD, 3);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world.run_while(140.0, &name, |w| !is_at(w, when));
     set(&mut world, gap, true);
     world.run_until(world.time_s + gap_s);
@@ -86,8 +84,7 @@ fn fly(gap: Gap, when: When, gap_s: f64) -> Vec<String> {
     let able = |world: &World| {
         let authority = world.companion.authority();
         authority == Authority::Ready
-            || world.companion.owed_mode().is_some()
-                && !matches!(authority, Authority::Released { .. })
+            || world.companion.owed().is_some() && !matches!(authority, Authority::Released { .. })
     };
     while world.time_s < end_s && !able(&world) {
         world.step();
@@ -158,9 +155,7 @@ fn a_cut_link_is_flown_through() {
 fn reports_that_waited_in_a_stalled_link_show_no_false_velocity() {
     for begins_s in [0.0, 0.1] {
         let mut world = World::new("", GOOD, 3);
-        let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-        intruder.shown_m = 1200.0;
-        world.add(intruder);
+        world.add(Intruder::head_on());
         world.run_while(140.0, "the turn", |w| !is_at(w, When::Turning));
         world.run_until(world.time_s + begins_s);
         let open_s = world.time_s + 3.0;

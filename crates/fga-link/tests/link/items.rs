@@ -31,9 +31,7 @@ fn world(items: &[Row]) -> World {
     let mut mission = crate::common::mission(&world.emulator, &[]);
     mission.extend(items.iter().map(item));
     world.emulator.set_mission(mission, 2);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 

@@ -84,9 +84,7 @@ fn while_nobody_may_read_the_list_the_way_leads_to_the_vehicles_own_target() {
 #[test]
 fn after_an_upload_in_a_manoeuvre_it_comes_back_to_the_new_leg() {
     let mut world = World::new("", GOOD, 1);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world.run_while(90.0, "command", |w| {
         !matches!(w.companion.authority(), Authority::InCommand { .. })
     });

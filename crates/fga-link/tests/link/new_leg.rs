@@ -1,6 +1,7 @@
 //! Encounters on a leg of a mission that a ground station uploads on another link, as flown with a real
 //! ArduPlane (`examples/encounters.rs`): head-on, crossing, overtaking, climbing, and two intruders at once.
 
+use crate::common::kinds::{KINDS, Kind, velocity_mps};
 use crate::common::{BAD, Intruder, Random, World, mission, upload};
 use fga_emulator::Mode;
 use mavlink::dialects::ardupilotmega::MavMissionType;
@@ -20,23 +21,6 @@ const AHEAD_M: f64 = 600.0;
 /// Present item of a new mission: its second waypoint is the beginning of the leg.
 const BEGINNING: u16 = 2;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    HeadOn,
-    Crossing,
-    Overtaking,
-    Climbing,
-    Two,
-}
-
-const KINDS: [Kind; 5] = [
-    Kind::HeadOn,
-    Kind::Crossing,
-    Kind::Overtaking,
-    Kind::Climbing,
-    Kind::Two,
-];
-
 /// The moment of the first sight of the intruders.
 #[derive(Debug, Clone, Copy)]
 enum Shown {
@@ -44,39 +28,6 @@ enum Shown {
     Settled(f64, f64),
     /// The vehicle passes the beginning of the new leg about as the manoeuvre begins.
     AtTheBeginning,
-}
-
-fn side(random: &mut Random) -> f64 {
-    if random.uniform(0.0, 1.0) < 0.5 {
-        1.0
-    } else {
-        -1.0
-    }
-}
-
-/// Velocity of an intruder across the leg (to the right), along it, and up, metres per second.
-fn velocity_mps(random: &mut Random, kind: Kind, own_mps: f64) -> [f64; 3] {
-    let (speed_mps, track_deg) = match kind {
-        Kind::HeadOn => (
-            random.uniform(15.0, 40.0),
-            180.0 + random.uniform(-10.0, 10.0),
-        ),
-        Kind::Crossing | Kind::Climbing | Kind::Two => (
-            random.uniform(15.0, 40.0),
-            side(random) * random.uniform(60.0, 120.0),
-        ),
-        Kind::Overtaking => (
-            own_mps + random.uniform(13.0, 25.0),
-            random.uniform(-8.0, 8.0),
-        ),
-    };
-    let up_mps = if kind == Kind::Climbing {
-        side(random) * random.uniform(2.0, 5.0)
-    } else {
-        0.0
-    };
-    let (sin, cos) = f64::to_radians(track_deg).sin_cos();
-    [speed_mps * sin, speed_mps * cos, up_mps]
 }
 
 /// A straight part of the mission: a point on it, and its course clockwise from north.

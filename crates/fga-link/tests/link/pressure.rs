@@ -16,9 +16,7 @@ fn flown(config: &str, sea_level_hpa: f64, told: bool, home_m: f64) -> World {
     settings.home.altitude_m = home_m;
     let mut world = World::with(settings, config, GOOD, 3);
     world.sea_level_hpa = Some(sea_level_hpa);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world.run_until(110.0);
     let (least_m, _) = world.least_m[0];
     eprintln!("{sea_level_hpa} hPa, told: {told}, home at {home_m} m: least {least_m:.1} m");

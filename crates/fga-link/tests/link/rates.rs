@@ -126,9 +126,7 @@ fn a_slow_rate_that_can_be_flown_by_is_flown_by() {
         ..Settings::default()
     };
     let mut world = World::with(settings, "", GOOD, 1);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world.run_until(110.0);
     assert_eq!(
         texts(&world, "fga: ready"),

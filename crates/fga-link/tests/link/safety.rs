@@ -1,18 +1,14 @@
 //! Every fault against the emulator: the vehicle's behaviour, and the operator's messages.
 
-use crate::common::{BAD, GOOD, GROUND, Intruder, Network, World};
+use crate::common::{BAD, GOOD, Intruder, Network, World, parameter_set};
 use fga_emulator::{Mode, Settings};
 use fga_link::authority::{Authority, Fault, reaction};
-use mavlink::dialects::ardupilotmega::{
-    COMMAND_LONG_DATA, MavCmd, MavMessage, MavParamType, PARAM_SET_DATA,
-};
+use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
 
 /// A head-on intruder that meets the aircraft after a minute.
 fn head_on(config: &str, network: Network, seed: u64) -> World {
     let mut world = World::new(config, network, seed);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 
@@ -20,6 +16,12 @@ fn until_in_command(world: &mut World) {
     world.run_while(90.0, "command", |w| {
         !matches!(w.companion.authority(), Authority::InCommand { .. })
     });
+}
+
+fn in_command() -> World {
+    let mut world = head_on("", GOOD, 3);
+    until_in_command(&mut world);
+    world
 }
 
 fn is_released(world: &World, fault: Fault) -> bool {
@@ -55,7 +57,7 @@ fn the_pilot_takes_over_in_every_state() {
             let changes = own_changes(&world);
             // The heartbeat that reports the mode takes one delay of the network.
             world.run_until(world.time_s + 0.1);
-            assert!(world.companion.owed_mode().is_none(), "{state} {mode:?}");
+            assert!(world.companion.owed().is_none(), "{state} {mode:?}");
             assert!(is_released(&world, Fault::ModeChanged), "{state} {mode:?}");
             let sent = world.sent.len();
             world.run_until(world.time_s + 10.0);
@@ -82,21 +84,14 @@ fn the_pilot_takes_over_in_every_state() {
 
 #[test]
 fn after_the_pilot_only_the_operator_arms_it_again() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.emulator.pilot_mode(Mode::Loiter);
     world.intruders.clear();
     world.run_until(world.time_s + 25.0);
     world.emulator.pilot_mode(Mode::Auto);
     world.run_until(world.time_s + 15.0);
     assert!(is_released(&world, Fault::ModeChanged));
-    world.say_from_ground(&MavMessage::PARAM_SET(PARAM_SET_DATA {
-        param_value: 1.0,
-        target_system: 1,
-        target_component: 196,
-        param_id: "FGA_ENABLE".into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    }));
+    world.say_from_ground(&parameter_set(196, "FGA_ENABLE", 1.0));
     world.run_until(world.time_s + 1.0);
     assert_eq!(world.companion.authority(), Authority::Ready);
     // And the command switches it off.
@@ -113,8 +108,7 @@ fn after_the_pilot_only_the_operator_arms_it_again() {
 
 #[test]
 fn killed_in_mid_manoeuvre_the_autopilot_resolves_it() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.run_while(20.0, "a turn", |w| {
         w.emulator.plant().bank_rad().abs() < 0.12
     });
@@ -152,8 +146,7 @@ fn killed_with_the_sticks_held_the_overrides_fall_away() {
 
 #[test]
 fn a_lost_link_is_reported_and_the_mode_restored() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.cut = true;
     // Longer than any manoeuvre flies on without telemetry.
     world.run_until(world.time_s + 9.0);
@@ -172,8 +165,7 @@ fn a_lost_link_is_reported_and_the_mode_restored() {
 /// It flies on as long as the manoeuvre is proven, and at most eight seconds.
 #[test]
 fn stale_telemetry_restores_the_mode() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     // The intruder keeps pace: the way back is never free.
     world.intruders[0].velocity_mps = [0.0, 25.0, 0.0];
     world.intruders[0].position_m[1] = world.emulator.plant().position_m()[1] + 300.0;
@@ -234,8 +226,7 @@ fn after_three_refusals_only_the_operator_arms_it_again() {
 
 #[test]
 fn below_the_floor_in_a_manoeuvre_the_mode_is_restored() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     // A sink of 85 m, to 15 m: the floor is at 30 m.
     world.emulator.displace([0.0, 0.0, -85.0]);
     world.run_while(5.0, "release", |w| !is_released(w, Fault::BelowFloor));
@@ -246,15 +237,8 @@ fn below_the_floor_in_a_manoeuvre_the_mode_is_restored() {
 
 #[test]
 fn the_operator_switches_it_off_in_a_manoeuvre() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
-    world.say_from_ground(&MavMessage::PARAM_SET(PARAM_SET_DATA {
-        param_value: 0.0,
-        target_system: 1,
-        target_component: 196,
-        param_id: "FGA_ENABLE".into(),
-        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-    }));
+    let mut world = in_command();
+    world.say_from_ground(&parameter_set(196, "FGA_ENABLE", 0.0));
     world.run_while(2.0, "release", |w| !is_released(w, Fault::OperatorOff));
     world.run_until(world.time_s + 10.0);
     assert_eq!(world.mode(), Mode::Auto);
@@ -264,8 +248,7 @@ fn the_operator_switches_it_off_in_a_manoeuvre() {
 
 #[test]
 fn a_refused_return_is_reported_and_left_to_the_pilot() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.emulator.refuse_commands(true);
     world.run_while(90.0, "release", |w| !is_released(w, Fault::ReturnRefused));
     world.run_until(world.time_s + 0.2);
@@ -274,8 +257,7 @@ fn a_refused_return_is_reported_and_left_to_the_pilot() {
 
 #[test]
 fn a_vehicle_that_does_not_follow_is_given_back() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.emulator.ignore_targets(true);
     world.run_while(20.0, "release", |w| !is_released(w, Fault::NotFollowing));
     world.run_until(world.time_s + 1.0);
@@ -285,8 +267,7 @@ fn a_vehicle_that_does_not_follow_is_given_back() {
 
 #[test]
 fn a_restarted_autopilot_is_left_alone() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.emulator.reboot();
     world.run_until(world.time_s + 8.0);
     assert!(was_told(&world, Fault::AutopilotRestarted));
@@ -295,8 +276,7 @@ fn a_restarted_autopilot_is_left_alone() {
 
 #[test]
 fn a_disarmed_vehicle_is_left_alone() {
-    let mut world = head_on("", GOOD, 3);
-    until_in_command(&mut world);
+    let mut world = in_command();
     world.emulator.set_armed(false);
     world.run_until(world.time_s + 1.0);
     assert!(is_released(&world, Fault::Disarmed));
@@ -535,14 +515,7 @@ fn a_vehicle_that_hovers_is_not_taken_over() {
     settings.plant.airspeed_mps = 7.0;
     let mut world = World::with(settings, "", GOOD, 1);
     for (name, value) in [("AIRSPEED_CRUISE", 25.0), ("AIRSPEED_MIN", 12.0)] {
-        let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-            param_value: value,
-            target_system: 1,
-            target_component: 1,
-            param_id: name.into(),
-            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-        });
-        world.emulator.receive(&GROUND, &set);
+        world.set_parameter(name, value);
     }
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 900.0, 100.0], [0.0, -25.0, 0.0]);
     intruder.shown_m = 800.0;

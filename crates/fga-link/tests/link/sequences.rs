@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::random::Random;
-use crate::common::seeds;
+use crate::common::{GROUND, parameter_set, seeds};
 use fga_emulator::{Emulator, Item, STEP_S, Settings};
 use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::VehicleCommand;
@@ -258,20 +258,8 @@ impl Rig {
 
     /// Sets a parameter of the vehicle.
     fn set(&mut self, name: &str, value: f32) {
-        use mavlink::dialects::ardupilotmega::{MavParamType, PARAM_SET_DATA};
-        let header = MavHeader {
-            system_id: 255,
-            component_id: 190,
-            sequence: 0,
-        };
-        let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-            param_value: value,
-            target_system: 1,
-            target_component: 1,
-            param_id: name.into(),
-            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-        });
-        self.emulator.receive(&header, &set);
+        self.emulator
+            .receive(&GROUND, &parameter_set(1, name, value));
     }
 
     /// A service manager starts the program again, with the note that it left.
@@ -374,7 +362,7 @@ impl Rig {
         }
         self.companion.take_log();
         if let Some(since_s) = self.ends_s {
-            let done = self.companion.owed_mode().is_none() || self.time_s - since_s >= 5.0;
+            let done = self.companion.owed().is_none() || self.time_s - since_s >= 5.0;
             if self.companion.flies() {
                 self.ends_s = Some(self.time_s);
             } else if done {

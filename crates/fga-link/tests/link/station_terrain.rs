@@ -25,9 +25,7 @@ fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
 fn asked_with(settings: Settings, says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
     let config = "[terrain]\nsource = \"ground-station\"\nclearance_m = 30.0\n";
     let mut world = World::with(settings, config, GOOD, 8);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     let mut station = Station {
         says,
         request: None,

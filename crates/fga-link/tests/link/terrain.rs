@@ -58,9 +58,7 @@ pub(crate) fn head_on(settings: Settings, terrain: Option<&Arc<Terrain>>) -> Wor
     let config = if terrain.is_some() { CONFIG } else { "" };
     let mut world = World::with(settings, config, GOOD, 8);
     world.companion.set_terrain(terrain.cloned());
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 

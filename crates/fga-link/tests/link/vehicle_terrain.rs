@@ -6,7 +6,6 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use fga_emulator::{Mode, Settings};
 
 use crate::common::{GOOD, Intruder, Network, World};
-use crate::degraded::set_parameter;
 use crate::station_terrain::pieces;
 use crate::terrain::{Flown, PROTECTED_M, choice, fly_beside, is_told};
 
@@ -26,9 +25,7 @@ fn vehicle(
             let east_m = (longitude_deg - home.longitude_deg) * 88_300.0;
             height_m(east_m, north_m)
         });
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
+    world.add(Intruder::head_on());
     world
 }
 
@@ -112,7 +109,7 @@ fn a_vehicle_with_its_terrain_off_is_told_within_seconds_and_asked_once_it_is_on
     assert!(told_s.is_some_and(|told_s| told_s < 5.0), "{told_s:?}");
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
-    set_parameter(&mut world, "TERRAIN_ENABLE", 1.0);
+    world.set_parameter("TERRAIN_ENABLE", 1.0);
     fly_beside(&mut world, None, 150.0, |_| {});
     let picture = world.companion.picture().expect("a decision");
     assert!(

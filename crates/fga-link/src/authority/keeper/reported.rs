@@ -3,6 +3,7 @@
 use super::super::stray::ModeOrigin;
 use super::super::{Action, Authority, Fault, Late, Severity, reaction};
 use super::Keeper;
+use crate::authority::Beat;
 use crate::mode::{Mode, ModeChange};
 
 /// A request that was on its way when the pilot changed the mode arrives within this time, seconds. If it
@@ -26,8 +27,10 @@ const NOBODY_AGAIN_S: f64 = 5.0;
 impl Keeper {
     /// A heartbeat reported the mode and whether the vehicle is armed. The keeper restores an owed mode only
     /// on an armed vehicle: on the ground the mode is the pilot's business.
-    pub fn heartbeat(&mut self, mode: Mode, armed: bool, now_s: f64) -> Vec<Action> {
-        if armed {
+    pub fn heartbeat(&mut self, beat: Beat, now_s: f64) -> Vec<Action> {
+        let mode = beat.mode;
+        self.requests.heard(beat.sequence, Some(mode), now_s);
+        if beat.armed {
             self.disarmed_s = None;
             return self.mode(mode, now_s);
         }
@@ -47,13 +50,32 @@ impl Keeper {
     pub fn asked(&mut self, change: ModeChange, now_s: f64) {
         // What undoes a late request is not undone.
         if change.to == self.target || change.from == self.target {
-            self.requests.asked(change, now_s);
+            self.requests.asked(change.to, now_s);
         }
     }
 
-    /// The vehicle answered a request of ours for a mode.
-    pub fn answered(&mut self, accepted: bool, now_s: f64) {
-        self.requests.answered(accepted, now_s);
+    /// The vehicle answered a request of ours for a mode, in the frame of this number.
+    pub fn answered(&mut self, number: u8, accepted: bool, now_s: f64) -> Vec<Action> {
+        let shows = self.requests.answered(number, accepted, now_s);
+        self.reconsider(shows, now_s)
+    }
+
+    /// A newer heartbeat came before this one.
+    pub fn overtaken(&mut self, beat: Beat, now_s: f64) -> Vec<Action> {
+        let number = beat.sequence;
+        let shows = self.requests.heard(number, Some(beat.mode), now_s);
+        self.reconsider(shows, now_s)
+    }
+
+    /// A late frame may show which mode the vehicle left for the present one, or that it did so for a request of ours.
+    fn reconsider(&mut self, shows: bool, now_s: f64) -> Vec<Action> {
+        match self.requests.last_change() {
+            Some((change, _)) if shows && self.told == Some(change.to) => {
+                let origin = self.requests.origin(change.to, now_s);
+                self.stray(origin, change, now_s).unwrap_or_default()
+            }
+            _ => Vec::new(),
+        }
     }
 
     /// Whether a request for a mode may be on its way that the vehicle has not answered.
@@ -74,9 +96,14 @@ impl Keeper {
         let changed = before.filter(|before| *before != mode);
         if let Some(before) = changed {
             let origin = self.requests.origin(mode, now_s);
-            // Back from the owned mode is where it was to go.
-            let unwanted = !self.is_engaged() && self.owed().is_none() && before != self.target;
-            if unwanted && let Some(actions) = self.stray(origin, mode, before, now_s) {
+            if origin == ModeOrigin::Others {
+                self.drop_late(|late| late.asked == mode);
+            }
+            let change = ModeChange {
+                from: before,
+                to: mode,
+            };
+            if let Some(actions) = self.stray(origin, change, now_s) {
                 return actions;
             }
             if mode == self.target && self.was_displaced() && !self.undoes(mode, now_s) {
@@ -94,16 +121,33 @@ impl Keeper {
         self.advance(mode, now_s)
     }
 
-    /// The vehicle changed the mode, and nothing is waited for.
-    fn stray(
-        &mut self,
-        origin: ModeOrigin,
-        mode: Mode,
-        before: Mode,
-        now_s: f64,
-    ) -> Option<Vec<Action>> {
+    /// Reacts to a change of the mode that nobody waited for; `None` where it was waited for, or is somebody else's.
+    ///
+    /// RTL stands for any mode that the pilot, the fence or another failsafe chose, AUTO for the mode that a request of ours leads to.
+    ///
+    /// | the vehicle's order | who chose AUTO | reaction |
+    /// |---|---|---|
+    /// | RTL, request accepted, AUTO | we did | RTL is restored |
+    /// | RTL, AUTO, and a request without an answer | unknown | the operator is asked; RTL is restored if an answer in between comes later |
+    /// | request accepted, AUTO, RTL, AUTO | the pilot | none |
+    /// | RTL, AUTO, request accepted | the pilot; the request changes nothing | none |
+    /// | RTL, request refused, AUTO | the pilot | none |
+    /// | RTL, request accepted, AUTO, which the pilot selects as well | both | RTL is restored: the pilot selects AUTO once more |
+    /// | RTL, AUTO that no heartbeat reports yet, request accepted, AUTO | the pilot | RTL is restored: the pilot selects AUTO once more |
+    /// | RTL that no heartbeat reports, request accepted, AUTO | we did | none: nobody heard of RTL |
+    ///
+    /// `ArduPlane` reports each change of its mode at once, so that the last but one case lasts for a moment, or until the next heartbeat
+    /// where the network loses the first. It refuses a request while it recovers from a breach of its fence, unless bit 0 of
+    /// `FENCE_OPTIONS` is cleared. Vehicles other than `ArduPlane` are not taken over.
+    fn stray(&mut self, origin: ModeOrigin, change: ModeChange, now_s: f64) -> Option<Vec<Action>> {
+        let ModeChange {
+            from: before,
+            to: mode,
+        } = change;
         match origin {
             ModeOrigin::Others => None,
+            // Back from the owned mode is where it was to go.
+            _ if self.is_engaged() || self.owed().is_some() || before == self.target => None,
             // The request crossed the pilot's choice: that is undone without another fault.
             _ if self.undoes(mode, now_s) => None,
             ModeOrigin::Ours if mode == self.target => {
@@ -170,6 +214,13 @@ impl Keeper {
         late.asked == mode && now_s - since_s <= LATE_S
     }
 
+    /// Forgets the request that crossed the pilot's choice once it does not count any more.
+    fn drop_late(&mut self, is_over: impl FnOnce(&mut Late) -> bool) {
+        if let Authority::Released { late, .. } = &mut self.state {
+            late.take_if(is_over);
+        }
+    }
+
     /// What the reported mode means in the present state.
     fn advance(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         match self.state {
@@ -215,10 +266,7 @@ impl Keeper {
                 Vec::new()
             }
             Authority::Released {
-                since_s,
-                fault,
-                owed: Some(owed),
-                late,
+                owed: Some(owed), ..
             } => {
                 if mode == self.target && self.tries < MOST_TRIES {
                     self.tries += 1;
@@ -227,35 +275,23 @@ impl Keeper {
                 if mode == self.target {
                     return self.give_up(now_s);
                 }
-                self.state = Authority::Released {
-                    since_s,
-                    fault,
-                    owed: None,
-                    late,
-                };
+                if let Authority::Released { owed, .. } = &mut self.state {
+                    *owed = None;
+                }
                 vec![Action::CancelSetMode]
             }
             Authority::Released {
+                late: Some(late), ..
+            } if self.undoes(mode, now_s) => vec![Action::SetMode {
+                to: late.chosen,
+                from: late.asked,
+            }],
+            Authority::Released {
                 since_s,
-                fault,
-                owed: None,
-                late: Some(late),
+                late: Some(_),
+                ..
             } => {
-                let is_late = mode == late.asked && now_s - since_s <= LATE_S;
-                if is_late {
-                    return vec![Action::SetMode {
-                        to: late.chosen,
-                        from: late.asked,
-                    }];
-                }
-                if mode != late.chosen || now_s - since_s > LATE_S {
-                    self.state = Authority::Released {
-                        since_s,
-                        fault,
-                        owed: None,
-                        late: None,
-                    };
-                }
+                self.drop_late(|late| mode != late.chosen || now_s - since_s > LATE_S);
                 vec![Action::CancelSetMode]
             }
             _ => Vec::new(),

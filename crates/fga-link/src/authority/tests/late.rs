@@ -4,7 +4,7 @@ use super::*;
 
 /// A request that was on its way now reaches the vehicle, and its answer comes.
 pub(super) fn arrives(bench: &mut Bench, mode: Mode) {
-    bench.keeper.answered(true, bench.now_s);
+    bench.answers();
     bench.vehicle = mode;
     bench.obeys = true;
     bench.beat();
@@ -118,6 +118,61 @@ fn a_request_that_arrives_seconds_after_the_pilots_choice_is_undone() {
         bench.beats(4);
         assert_eq!(bench.vehicle, MANUAL, "the operator has to arm it again");
     }
+}
+
+/// The fence sets RTL, and the vehicle then accepts a return that was on its way: RTL, the answer and AUTO come in some order.
+#[test]
+fn a_failsafe_that_a_late_return_undoes_is_restored_in_every_order() {
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        let mut bench = in_command();
+        bench.obeys = false;
+        let actions = bench.keeper.hand_back(bench.now_s);
+        bench.perform(&actions);
+        let rtl = bench.next_beat(Mode::RTL, true);
+        let answer = bench.next_beat(Mode::AUTO, true).sequence;
+        let auto = bench.next_beat(Mode::AUTO, true);
+        bench.vehicle = Mode::AUTO;
+        bench.obeys = true;
+        for frame in order {
+            bench.now_s += 0.05;
+            match frame {
+                0 => bench.hears(rtl),
+                1 => {
+                    let actions = bench.keeper.answered(answer, true, bench.now_s);
+                    bench.perform(&actions);
+                }
+                _ => bench.hears(auto),
+            }
+        }
+        bench.beats(8);
+        assert_eq!(bench.vehicle, Mode::RTL, "{order:?}: {:?}", bench.told);
+        assert_ne!(bench.keeper.state(), Authority::Ready, "{order:?}");
+        // The pilot's AUTO is the pilot's.
+        bench.pilot(Mode::AUTO);
+        bench.beats(8);
+        assert_eq!(bench.vehicle, Mode::AUTO, "{order:?}");
+    }
+}
+
+/// The vehicle returned for our request, then the fence acted: AUTO after that is the pilot's, however soon.
+#[test]
+fn the_pilots_auto_after_a_failsafe_stays() {
+    let mut bench = in_command();
+    let actions = bench.keeper.hand_back(bench.now_s);
+    bench.perform(&actions);
+    bench.beat();
+    bench.pilot(Mode::RTL);
+    let commands = bench.commands;
+    bench.pilot(Mode::AUTO);
+    bench.beats(8);
+    assert_eq!((bench.vehicle, bench.commands), (Mode::AUTO, commands));
 }
 
 #[test]

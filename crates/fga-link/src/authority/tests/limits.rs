@@ -96,7 +96,8 @@ fn a_disarmed_vehicle_in_another_mode_is_owed_nothing() {
     bench.obeys = false;
     bench.fault(Fault::Disarmed);
     assert_eq!(bench.keeper.owed(), Some(Mode::AUTO));
-    bench.keeper.heartbeat(MANUAL, false, bench.now_s + 0.25);
+    let beat = bench.next_beat(MANUAL, false);
+    bench.keeper.heartbeat(beat, bench.now_s + 0.25);
     assert_eq!(bench.keeper.owed(), None);
 }
 

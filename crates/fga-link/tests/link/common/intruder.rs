@@ -28,6 +28,14 @@ impl Intruder {
         }
     }
 
+    /// It meets a vehicle of these tests after a minute, a little to one side, and is shown late.
+    pub fn head_on() -> Self {
+        Self {
+            shown_m: 1200.0,
+            ..Self::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0])
+        }
+    }
+
     pub(super) fn step(&mut self, time_s: f64, by_s: f64) {
         if time_s >= self.turn_s[0] && time_s < self.turn_s[1] {
             let (sin, cos) = (self.turn_rate_radps * by_s).sin_cos();

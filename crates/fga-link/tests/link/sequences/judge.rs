@@ -100,7 +100,7 @@ impl Rig {
         let is_forged = |row: &Planned| matches!(row.fault, Fault::Forged(..));
         let owns = owns
             || self.ends_s.is_some()
-                && (self.companion.owed_mode().is_some()
+                && (self.companion.owed().is_some()
                     // A forged heartbeat said that the mode was restored.
                     || self.planned.iter().any(is_forged));
         // Tasks given to the operator remain the operator's.
