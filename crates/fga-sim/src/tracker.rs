@@ -2,8 +2,8 @@
 //!
 //! Each look measures position and velocity with the same σ on every axis, so the three axes share one
 //! covariance. A small white acceleration keeps the filter open to change. When an obstacle turns, its
-//! looks no longer fit the track, and the track starts again. Its σ holds for obstacles that keep their
-//! velocity.
+//! looks no longer fit the track: what does not fit gets the variance that the look shows. Its σ holds for
+//! obstacles that keep their velocity.
 
 use fga::Vec3;
 use fga::situation::Uncertainty;
@@ -11,12 +11,12 @@ use fga::situation::Uncertainty;
 /// Density of the assumed acceleration of an obstacle, m²/s³: 0.1 m/s after ten seconds.
 const ACCELERATION_DENSITY: f64 = 1e-3;
 
-/// Share of the newest look in the running mean of the misfit.
-const MISFIT_SHARE: f64 = 0.2;
+/// A look does not fit where its squared distance from the track is above this many variances: of tracks that fit, three
+/// axes exceed it once in 1,000 looks.
+const MISFIT_LIMIT: f64 = 16.3;
 
-/// The track starts again above this mean misfit. A track that fits has mean 6 (three positions
-/// and three velocities, in σ²) and a standard deviation of 1.2.
-const MISFIT_LIMIT: f64 = 14.0;
+/// A track ends after this time without a look, seconds.
+const ENDS_AFTER_S: f64 = 5.0;
 
 /// σ of one look along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,6 @@ pub struct TrackEstimate {
     covariance: f64,
     /// Variance of the velocity along an axis, m²/s².
     velocity_variance: f64,
-    misfit: f64,
     time_s: f64,
 }
 
@@ -53,7 +52,6 @@ impl TrackEstimate {
             position_variance: noise.position_m * noise.position_m,
             covariance: 0.0,
             velocity_variance: noise.velocity_mps * noise.velocity_mps,
-            misfit: 6.0,
             time_s,
         }
     }
@@ -87,32 +85,36 @@ impl TrackEstimate {
         let position = (&mut self.position_m, &mut self.position_variance);
         let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
         let seen = (position_m, noise.position_m * noise.position_m);
-        let misfit = take(position, velocity, &mut self.covariance, seen);
+        take(position, velocity, &mut self.covariance, seen);
         let position = (&mut self.position_m, &mut self.position_variance);
         let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
         let seen = (velocity_mps, noise.velocity_mps * noise.velocity_mps);
-        let misfit = misfit + take(velocity, position, &mut self.covariance, seen);
-        self.misfit += MISFIT_SHARE * (misfit - self.misfit);
-        if self.misfit > MISFIT_LIMIT {
-            *self = Self::new(time_s, position_m, velocity_mps, noise);
-        }
+        take(velocity, position, &mut self.covariance, seen);
+    }
+
+    /// Whether its last look is too long ago.
+    pub fn has_ended(&self, time_s: f64) -> bool {
+        time_s - self.time_s > ENDS_AFTER_S
     }
 }
 
-/// Takes what is seen of a vector, with its variance, into its estimate and that of another vector, each with its variance;
-/// returns the squared misfit over its variance.
+/// Takes what is seen of a vector, with its variance, into its estimate and that of another vector, each with its variance.
 fn take(
     (own, own_variance): (&mut Vec3, &mut f64),
     (other, other_variance): (&mut Vec3, &mut f64),
     covariance: &mut f64,
     (seen, variance): (Vec3, f64),
-) -> f64 {
+) {
+    let off = seen - *own;
+    let square = off.length_squared();
+    if square > MISFIT_LIMIT * (*own_variance + variance) {
+        *own_variance = square / 3.0 - variance;
+    }
     let total = *own_variance + variance;
     if total <= 0.0 {
         *own = seen;
-        return 0.0;
+        return;
     }
-    let off = seen - *own;
     let gain = *own_variance / total;
     let cross_gain = *covariance / total;
     *own += off * gain;
@@ -120,5 +122,4 @@ fn take(
     *other_variance -= cross_gain * *covariance;
     *own_variance *= 1.0 - gain;
     *covariance *= 1.0 - gain;
-    off.length_squared() / total
 }
