@@ -2,8 +2,8 @@
 //!
 //! Each look measures position and velocity with the same σ on every axis, so the three axes share one
 //! covariance. A small white acceleration keeps the filter open to change. When an obstacle turns, its
-//! looks no longer fit the track: what does not fit gets the variance that the look shows. Its σ holds for
-//! obstacles that keep their velocity.
+//! looks no longer fit the track, and the track starts again. Its σ holds for obstacles that keep their
+//! velocity.
 
 use fga::Vec3;
 use fga::situation::Uncertainty;
@@ -11,8 +11,8 @@ use fga::situation::Uncertainty;
 /// Density of the assumed acceleration of an obstacle, m²/s³: 0.1 m/s after ten seconds.
 const ACCELERATION_DENSITY: f64 = 1e-3;
 
-/// A look does not fit where its squared distance from the track is above this many variances: of tracks that fit, three
-/// axes exceed it once in 1,000 looks.
+/// The track starts again where the squared distance of a look, in position or velocity, is above this many variances: of tracks
+/// that fit, three axes exceed it once in 1,000 looks.
 const MISFIT_LIMIT: f64 = 16.3;
 
 /// A track ends after this time without a look, seconds.
@@ -82,6 +82,19 @@ impl TrackEstimate {
     /// Updates the track with a look.
     pub fn look(&mut self, time_s: f64, position_m: Vec3, velocity_mps: Vec3, noise: &LookNoise) {
         self.predict(time_s);
+        let fits = |off: Vec3, variance: f64, sigma: f64| {
+            off.length_squared() <= MISFIT_LIMIT * (variance + sigma * sigma)
+        };
+        let [off_m, off_mps] = [
+            position_m - self.position_m,
+            velocity_mps - self.velocity_mps,
+        ];
+        if !fits(off_m, self.position_variance, noise.position_m)
+            || !fits(off_mps, self.velocity_variance, noise.velocity_mps)
+        {
+            *self = Self::new(time_s, position_m, velocity_mps, noise);
+            return;
+        }
         let position = (&mut self.position_m, &mut self.position_variance);
         let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
         let seen = (position_m, noise.position_m * noise.position_m);
@@ -105,16 +118,12 @@ fn take(
     covariance: &mut f64,
     (seen, variance): (Vec3, f64),
 ) {
-    let off = seen - *own;
-    let square = off.length_squared();
-    if square > MISFIT_LIMIT * (*own_variance + variance) {
-        *own_variance = square / 3.0 - variance;
-    }
     let total = *own_variance + variance;
     if total <= 0.0 {
         *own = seen;
         return;
     }
+    let off = seen - *own;
     let gain = *own_variance / total;
     let cross_gain = *covariance / total;
     *own += off * gain;
