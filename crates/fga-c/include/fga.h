@@ -56,7 +56,7 @@
 #define FGA_GROUND_POSTS_MOST 32768
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 55296
+#define FGA_AVOIDER_FIXED_BYTES 51200
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_OBSTACLE_BYTES 152
@@ -96,7 +96,7 @@
 #define FGA_HAS_RESILIENCE 32
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 46592
+#define FGA_PROVER_BYTES 41984
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

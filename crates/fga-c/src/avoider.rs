@@ -22,7 +22,7 @@ use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, li
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-pub const FGA_AVOIDER_FIXED_BYTES: usize = 55_296;
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 51_200;
 
 /// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 152;

@@ -20,7 +20,7 @@ use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, size
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 46_592;
+pub const FGA_PROVER_BYTES: usize = 41_984;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;

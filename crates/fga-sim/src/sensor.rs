@@ -307,4 +307,44 @@ mod tests {
         assert!(track.velocity_mps.distance(across) < 0.1);
         assert!(track.position_m.distance(at_m) < 0.5);
     }
+
+    /// An aircraft that turns at the standard rate is seen once a second: the velocity of the track is never far behind.
+    #[test]
+    fn a_track_follows_a_turn_at_the_standard_rate() {
+        let noise = LookNoise {
+            position_m: 15.0,
+            velocity_mps: 1.0,
+        };
+        let moment = |time_s: f64| {
+            let course = 0.052 * (time_s - 60.0).max(0.0);
+            let turned_m = Vec3::new(course.sin(), 1.0 - course.cos(), 0.0) * (75.0 / 0.052);
+            let at_m = turned_m + Vec3::X * 75.0 * time_s.min(60.0);
+            (at_m, Vec3::new(course.cos(), course.sin(), 0.0) * 75.0)
+        };
+        let (at_m, velocity_mps) = moment(0.0);
+        let mut track = TrackEstimate::new(0.0, at_m, velocity_mps, &noise);
+        for second in 1..90 {
+            let time_s = f64::from(second);
+            let (at_m, velocity_mps) = moment(time_s);
+            track.look(time_s, at_m, velocity_mps, &noise);
+            let off_mps = track.velocity_mps.distance(velocity_mps);
+            assert!(off_mps < 5.0, "{time_s} s: {off_mps} m/s");
+        }
+    }
+
+    /// It knows its velocity better after a gap of some seconds than after one look, and ends after a longer one.
+    #[test]
+    fn a_missed_look_does_not_end_a_track() {
+        let noise = LookNoise {
+            position_m: 15.0,
+            velocity_mps: 1.0,
+        };
+        let mut track = TrackEstimate::new(0.0, Vec3::ZERO, Vec3::ZERO, &noise);
+        for second in 1..20 {
+            track.look(f64::from(second), Vec3::ZERO, Vec3::ZERO, &noise);
+        }
+        assert!(!track.has_ended(23.0) && track.has_ended(25.0));
+        track.look(23.0, Vec3::ZERO, Vec3::ZERO, &noise);
+        assert!(track.uncertainty().velocity_mps < 0.4);
+    }
 }

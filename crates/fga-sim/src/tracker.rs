@@ -11,12 +11,12 @@ use fga::situation::Uncertainty;
 /// Density of the assumed acceleration of an obstacle, m²/s³: 0.1 m/s after ten seconds.
 const ACCELERATION_DENSITY: f64 = 1e-3;
 
-/// Share of the newest look in the running mean of the misfit.
-const MISFIT_SHARE: f64 = 0.2;
+/// The track starts again where the squared distance of a look, in position or velocity, is above this many variances: of tracks
+/// that fit, three axes exceed it once in 1,000 looks.
+const MISFIT_LIMIT: f64 = 16.3;
 
-/// The track starts again above this mean misfit. A track that fits has mean 6 (three positions
-/// and three velocities, in σ²) and a standard deviation of 1.2.
-const MISFIT_LIMIT: f64 = 14.0;
+/// A track ends after this time without a look, seconds.
+const ENDS_AFTER_S: f64 = 5.0;
 
 /// σ of one look along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,6 @@ pub struct TrackEstimate {
     covariance: f64,
     /// Variance of the velocity along an axis, m²/s².
     velocity_variance: f64,
-    misfit: f64,
     time_s: f64,
 }
 
@@ -53,7 +52,6 @@ impl TrackEstimate {
             position_variance: noise.position_m * noise.position_m,
             covariance: 0.0,
             velocity_variance: noise.velocity_mps * noise.velocity_mps,
-            misfit: 6.0,
             time_s,
         }
     }
@@ -84,33 +82,46 @@ impl TrackEstimate {
     /// Updates the track with a look.
     pub fn look(&mut self, time_s: f64, position_m: Vec3, velocity_mps: Vec3, noise: &LookNoise) {
         self.predict(time_s);
+        let fits = |off: Vec3, variance: f64, sigma: f64| {
+            off.length_squared() <= MISFIT_LIMIT * (variance + sigma * sigma)
+        };
+        let [off_m, off_mps] = [
+            position_m - self.position_m,
+            velocity_mps - self.velocity_mps,
+        ];
+        if !fits(off_m, self.position_variance, noise.position_m)
+            || !fits(off_mps, self.velocity_variance, noise.velocity_mps)
+        {
+            *self = Self::new(time_s, position_m, velocity_mps, noise);
+            return;
+        }
         let position = (&mut self.position_m, &mut self.position_variance);
         let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
         let seen = (position_m, noise.position_m * noise.position_m);
-        let misfit = take(position, velocity, &mut self.covariance, seen);
+        take(position, velocity, &mut self.covariance, seen);
         let position = (&mut self.position_m, &mut self.position_variance);
         let velocity = (&mut self.velocity_mps, &mut self.velocity_variance);
         let seen = (velocity_mps, noise.velocity_mps * noise.velocity_mps);
-        let misfit = misfit + take(velocity, position, &mut self.covariance, seen);
-        self.misfit += MISFIT_SHARE * (misfit - self.misfit);
-        if self.misfit > MISFIT_LIMIT {
-            *self = Self::new(time_s, position_m, velocity_mps, noise);
-        }
+        take(velocity, position, &mut self.covariance, seen);
+    }
+
+    /// Whether its last look is too long ago.
+    pub fn has_ended(&self, time_s: f64) -> bool {
+        time_s - self.time_s > ENDS_AFTER_S
     }
 }
 
-/// Takes what is seen of a vector, with its variance, into its estimate and that of another vector, each with its variance;
-/// returns the squared misfit over its variance.
+/// Takes what is seen of a vector, with its variance, into its estimate and that of another vector, each with its variance.
 fn take(
     (own, own_variance): (&mut Vec3, &mut f64),
     (other, other_variance): (&mut Vec3, &mut f64),
     covariance: &mut f64,
     (seen, variance): (Vec3, f64),
-) -> f64 {
+) {
     let total = *own_variance + variance;
     if total <= 0.0 {
         *own = seen;
-        return 0.0;
+        return;
     }
     let off = seen - *own;
     let gain = *own_variance / total;
@@ -120,5 +131,4 @@ fn take(
     *other_variance -= cross_gain * *covariance;
     *own_variance *= 1.0 - gain;
     *covariance *= 1.0 - gain;
-    off.length_squared() / total
 }

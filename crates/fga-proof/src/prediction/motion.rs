@@ -12,7 +12,6 @@ use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
-use crate::prediction::roll::{Roll, Rolls};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 use crate::{Vec2, Vec3};
@@ -28,9 +27,6 @@ const LEVEL_BANK_RAD: f64 = 1e-3;
 
 /// Most turns of a [`Bend`] that end while the aircraft rolls in. A longer roll-in counts as over after them.
 pub(super) const ENDS: usize = 22;
-
-/// Rolls whose first pieces are kept.
-const BEGUN: usize = 5;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,11 +201,6 @@ pub struct Flyer {
     full_roll_out_rad: f64,
     /// Stretches the pieces of a roll.
     pace: f64,
-    /// Rolls from the largest bank to that of the other side, and to level.
-    rolling_over: Rolls,
-    rolling_out: Rolls,
-    /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
-    begun: [Roll; BEGUN],
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Bend; 3],
 }
@@ -235,9 +226,6 @@ impl Flyer {
         full_bank_rad: 0.0,
         full_roll_out_rad: 0.0,
         pace: 0.0,
-        rolling_over: Rolls::NONE,
-        rolling_out: Rolls::NONE,
-        begun: [Roll::NONE; BEGUN],
         bends: [Bend::NONE, Bend::NONE, Bend::NONE],
     };
 
@@ -253,7 +241,6 @@ impl Flyer {
         self.turn_rate_factor = response.turn_rate_factor;
         self.gain_radps = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps;
         (self.full_bank_rad, self.full_roll_out_rad) = (0.0, 0.0);
-        self.begun = [Roll::NONE; BEGUN];
         self.bends.iter_mut().for_each(Bend::clear);
         if !self.is_ideal() {
             self.prepare_rolls();

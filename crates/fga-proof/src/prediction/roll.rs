@@ -36,12 +36,6 @@ const SHORTEST_GROWTH: f64 = 1e-9;
 /// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
 
-/// Most pieces of a roll that is kept.
-const KEPT_ROLLS: usize = 24;
-
-/// A first piece of a roll to a kept bank is at least this long, time constants.
-const SHORTEST: f64 = 0.02;
-
 /// A piece of a roll, with time in units of the time constant and course in units of the turn at a bank of
 /// 45° in one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -240,75 +234,6 @@ pub(super) fn roll_out(bank_rad: f64) -> f64 {
         .fold(0.0, |sum, coefficient| sum * square + coefficient);
     let twice = 2.0 * bank_rad;
     FRAC_2_PI * libm::log((PI + twice) / (PI - twice)) + bank_rad * series
-}
-
-/// The pieces of a common roll.
-///
-/// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rolls {
-    pieces: [Roll; KEPT_ROLLS],
-    len: usize,
-}
-
-impl Rolls {
-    pub(super) const NONE: Self = Self {
-        pieces: [Roll::NONE; KEPT_ROLLS],
-        len: 0,
-    };
-
-    /// Becomes the pieces of a roll from one bank to another.
-    pub(super) fn set(&mut self, from_rad: f64, to_rad: f64, pace: f64) {
-        let mut bank_rad = from_rad;
-        self.len = 0;
-        for slot in &mut self.pieces {
-            if bank_rad == to_rad {
-                break;
-            }
-            *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
-            bank_rad = slot.to_rad;
-            self.len += 1;
-        }
-    }
-
-    /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
-    /// outside of the roll.
-    pub(super) fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
-        let first = self.pieces.first()?;
-        let command_rad = first.command_rad;
-        let off_rad = bank_rad - command_rad;
-        if off_rad * (first.from_rad - command_rad) <= 0.0 {
-            return None;
-        }
-        let off_rad = off_rad.abs();
-        // How far its bank at the beginning is from the command, radians.
-        let kept_rad = |piece: &Roll| (piece.from_rad - command_rad).abs();
-        let kept = self.pieces.get(..self.len)?;
-        let next = kept.iter().position(|piece| kept_rad(piece) <= off_rad)?;
-        let piece = kept.get(next)?;
-        if piece.from_rad == bank_rad {
-            return Some(if piece.lasts <= most {
-                *piece
-            } else {
-                Roll::part(bank_rad, command_rad, most)
-            });
-        }
-        if next == 0 {
-            return None;
-        }
-        let (to_rad, lasts) = kept.get(next..)?.iter().find_map(|to| {
-            let lasts = libm::log(off_rad / kept_rad(to));
-            (lasts >= SHORTEST).then_some((to.from_rad, lasts))
-        })?;
-        Some(if lasts <= most {
-            Roll {
-                to_rad,
-                ..Roll::part(bank_rad, command_rad, lasts)
-            }
-        } else {
-            Roll::part(bank_rad, command_rad, most)
-        })
-    }
 }
 
 #[cfg(test)]

@@ -135,11 +135,7 @@ impl SensorSource {
                 Some((last_s, last)) if time_s - last_s <= coast_s => {
                     self.seen.push(carried(&last, time_s - last_s));
                 }
-                // A track ends with a look that misses its obstacle.
-                _ => {
-                    known.track = None;
-                    known.last = None;
-                }
+                _ => known.last = None,
             }
         }
         self.last_look_s = time_s;
@@ -264,7 +260,7 @@ fn with_noise(
         let track = known
             .track
             .take()
-            .filter(|_| settings.tracked)
+            .filter(|track| settings.tracked && !track.has_ended(time_s))
             .map_or(first, |mut track| {
                 track.look(time_s, position_m, velocity_mps, &sigmas);
                 track

@@ -64,6 +64,8 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
+    /// The same share; its turns begin at the report, or so many seconds after now, once the aircraft answers what it decides.
+    Later(f64, f64),
     /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
     Brief,
     /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
@@ -149,43 +151,82 @@ impl Trend {
     }
 }
 
-/// Straight on, on along the present turn, and a turn to either side.
-pub(super) const MOTIONS: usize = 4;
+/// Straight on, on along the present turn, and a turn to either side at once.
+pub(super) const AT_ONCE: usize = 4;
 
-/// The turn rates of an aircraft's motions, radians per second, and how long it turns, seconds.
+/// The same, and a turn to either side later.
+pub(super) const MOTIONS: usize = AT_ONCE + 2;
+
+/// A turn of an aircraft, or none.
+#[derive(Clone, Copy)]
+struct Turn {
+    /// Turn rate, radians per second, left positive.
+    rate_radps: f64,
+    /// How long it turns, seconds.
+    for_s: f64,
+    /// How long it flies straight before, seconds.
+    later_s: f64,
+}
+
+impl Turn {
+    /// Number of its chords.
+    fn chords(&self) -> usize {
+        if self.rate_radps == 0.0 {
+            return 0;
+        }
+        whole((self.rate_radps * self.for_s).abs() / CHORD_RAD, 5)
+    }
+}
+
+/// The turns of an aircraft's motions.
 fn turns(
     freedom: Freedom,
     (obstacle, trend): (&Obstacle, Trend),
     bounds: &MovementBounds,
-) -> [Option<(f64, f64)>; MOTIONS] {
+) -> [Option<Turn>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
-        Freedom::Share(share) => (share, bounds.turn_rate_radps),
+        Freedom::Share(share) | Freedom::Later(share, _) => (share, bounds.turn_rate_radps),
         Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
-    let expected = (expected_radps != 0.0).then_some((expected_radps, TURNS_ON_S));
+    let turn = |rate_radps, for_s, later_s| Turn {
+        rate_radps,
+        for_s,
+        later_s,
+    };
+    let expected = (expected_radps != 0.0).then_some(turn(expected_radps, TURNS_ON_S, 0.0));
     let for_s = share * bounds.turn_rad / rate_radps;
-    let to = |rate_radps| (share > 0.0 && rate_radps != 0.0).then_some((rate_radps, for_s));
-    [Some((0.0, 0.0)), expected, to(rate_radps), to(-rate_radps)]
+    let turns = share > 0.0 && rate_radps != 0.0;
+    let to = |rate_radps, later_s| turns.then_some(turn(rate_radps, for_s, later_s));
+    let later_s = match freedom {
+        Freedom::Later(_, answers_s) => obstacle.age_s.max(0.0) + answers_s,
+        _ => 0.0,
+    };
+    let later = |rate_radps| to(rate_radps, later_s).filter(|_| later_s > 0.0);
+    [
+        Some(turn(0.0, 0.0, 0.0)),
+        expected,
+        to(rate_radps, 0.0),
+        to(-rate_radps, 0.0),
+        later(rate_radps),
+        later(-rate_radps),
+    ]
 }
 
-/// Number of chords of a turn at a rate, radians per second, for a time, seconds.
-fn chords((rate_radps, for_s): (f64, f64)) -> usize {
-    if rate_radps == 0.0 {
-        return 0;
-    }
-    whole((rate_radps * for_s).abs() / CHORD_RAD, 5)
-}
-
-/// The number of hazards of all motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
-pub(super) fn most_hazards(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
+/// The number of hazards of the first motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
+pub(super) fn most_hazards(
+    freedom: Freedom,
+    (obstacle, trend): (&Obstacle, Trend),
+    motions: usize,
+) -> usize {
     let Some(bounds) = obstacle.movement.bounds() else {
         return 1;
     };
-    let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
+    let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
     let legs = 2 + usize::from(freedom == Freedom::Brief);
-    motions.flatten().map(|turn| chords(turn) + legs).sum()
+    let legs_of = |turn: Turn| turn.chords() + legs + usize::from(turn.later_s > 0.0);
+    all.take(motions).flatten().map(legs_of).sum()
 }
 
 /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
@@ -209,7 +250,9 @@ pub(super) fn add_aircraft(
     let always = f64::INFINITY;
     let (climbs, changes, at_once_m, speeds_m, until_s) = match freedom {
         Freedom::Expected => (1.0, 1.0, 0.0, 0.0, always),
-        Freedom::Share(share) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always),
+        Freedom::Share(share) | Freedom::Later(share, _) => {
+            (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always)
+        }
         Freedom::Brief => (1.0, 1.0, 0.0, speeds_m, turn_s),
         Freedom::Wide => (1.0, 1.0, speeds_m, 0.0, turn_s),
     };
@@ -232,23 +275,27 @@ pub(super) fn add_aircraft(
         return add(hazard);
     }
     let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
-    for (rate_radps, for_s) in all.flatten().take(motions) {
-        add_motion(add, &hazard, &since, (rate_radps, for_s));
+    for turn in all.take(motions).flatten() {
+        add_motion(add, &hazard, &since, &turn);
     }
 }
 
-/// A turn for a time, then straight on, of a hazard that stretches.
-fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: (f64, f64)) {
+/// A turn, then straight on, of a hazard that stretches.
+fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: &Turn) {
     let mut hazard = *hazard;
     let mut at = since.report(&hazard);
     let begins_s = at.at_s;
     hazard.stretch_m = since.first_m();
-    let chords = chords(turn);
-    let (rate_radps, for_s) = turn;
+    if turn.later_s > 0.0 {
+        let next = at.turned(0.0, turn.later_s);
+        add_leg(add, &hazard, &at, &next, 0.0);
+        at = next;
+    }
+    let chords = turn.chords();
     for _ in 0..chords {
-        let next = at.turned(rate_radps, for_s / chords as f64);
+        let next = at.turned(turn.rate_radps, turn.for_s / chords as f64);
         let faster = since.faster(&hazard, next.at_s);
-        add_leg(add, &faster, &at, &next, rate_radps);
+        add_leg(add, &faster, &at, &next, turn.rate_radps);
         at = next;
     }
     let left_s = begins_s + SPEED_CHANGES_S - at.at_s;
@@ -559,6 +606,41 @@ mod tests {
         assert_eq!(growth_m(3.0, 4.0, 0.0), 0.0);
     }
 
+    /// An aircraft that flies on for some seconds and turns then is where a motion has it.
+    #[test]
+    fn a_share_of_the_turns_begins_at_once_or_later() {
+        let obstacle = Obstacle {
+            volume: ProtectedVolume::Sphere { radius_m: 30.0 },
+            ..intruder()
+        };
+        let bounds = obstacle.movement.bounds().unwrap();
+        let after = |later_s: f64, time_s: f64| {
+            let at = Moment {
+                at_s: 0.0,
+                position_m: obstacle.position_m,
+                velocity_mps: obstacle.velocity_mps,
+            };
+            let for_s = 0.5 * bounds.turn_rad / bounds.turn_rate_radps;
+            let turned = at
+                .turned(0.0, later_s)
+                .turned(bounds.turn_rate_radps, for_s);
+            turned.turned(0.0, time_s - turned.at_s).position_m
+        };
+        let is_met = |at_m: Vec3, motions| {
+            let motions = motions_of(&obstacle, Freedom::Later(0.5, 3.0), motions);
+            let mut rows = motions.rows().iter();
+            let at_s = 30.0;
+            rows.any(|row| {
+                let is_now = (row.window_s.0..row.window_s.1).contains(&at_s);
+                is_now && row.margin_m(at_m, at_s) < 0.0
+            })
+        };
+        for (later_s, met) in [(0.0, [true; 2]), (3.0, [false, true])] {
+            let at_m = after(later_s, 30.0);
+            assert_eq!([AT_ONCE, MOTIONS].map(|most| is_met(at_m, most)), met);
+        }
+    }
+
     #[test]
     fn a_climb_that_becomes_steeper_is_expected_to_go_on() {
         let climbing = |climb_mps: f64| Obstacle {
@@ -620,7 +702,7 @@ mod tests {
                     .into_iter()
                     .chain([Freedom::Expected, Freedom::Brief, Freedom::Wide])
             {
-                let most = super::most_hazards(freedom, (&obstacle, trend));
+                let most = super::most_hazards(freedom, (&obstacle, trend), MOTIONS);
                 let taken = motions(freedom, trend).rows().len();
                 assert!(
                     (taken..=taken + 4).contains(&most),

@@ -10,7 +10,9 @@ pub use self::places::{AllPlaces, LIMITS, Lent, MAX_TRACKED, Places};
 use self::relaxed::{LEAVING_SHARE, relaxed};
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards};
+use crate::avoider::intruders::{
+    AT_ONCE, Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards,
+};
 use crate::certificate::{Around, Hazard, MAX_HAZARDS, Zones};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
@@ -66,6 +68,18 @@ pub struct Tracks<P: ?Sized = AllPlaces> {
     pub changed: bool,
     /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet; the hazards.
     places: P,
+}
+
+/// The aircraft that have room for their motions, the nearest ones.
+struct Turning {
+    /// The number of motions of each, at most.
+    motions: usize,
+    /// Their number.
+    aircraft: usize,
+    /// Distance and place of the last one, metres.
+    last: (f64, usize),
+    /// The hazards left beside one for each other obstacle.
+    left: usize,
 }
 
 /// What an obstacle is seen from.
@@ -217,40 +231,57 @@ impl<P: Places + ?Sized> Tracks<P> {
     /// The number of aircraft without room for their turns of a share of the bounds: they count as flying straight on.
     pub(super) fn straight_aircraft(&self, share: f64, meter: &Meter) -> u32 {
         let turning = self.turning(&|_| Freedom::Share(share), meter);
-        let turning = turning.map_or(0, |(turning, ..)| turning);
+        let turning = turning.map_or(0, |turning| turning.aircraft);
         u32::try_from(self.aircraft - turning).unwrap_or(u32::MAX)
     }
 
-    /// The aircraft with room for all their motions, the nearest ones: their number, the distance and place of the last, and the
-    /// hazards left beside one for each other obstacle. `None` if the meter refuses work.
-    fn turning(
+    /// The nearest aircraft, with room for all their motions where every aircraft has it, otherwise for those that begin at once. `None` if
+    /// the meter refuses work.
+    fn turning(&self, freedom: &dyn Fn(&Hazard) -> Freedom, meter: &Meter) -> Option<Turning> {
+        let all = self.turning_by(MOTIONS, freedom, meter)?;
+        if all.aircraft == self.aircraft {
+            return Some(all);
+        }
+        self.turning_by(AT_ONCE, freedom, meter)
+    }
+
+    /// The nearest aircraft with room for some motions.
+    fn turning_by(
         &self,
+        motions: usize,
         freedom: &dyn Fn(&Hazard) -> Freedom,
         meter: &Meter,
-    ) -> Option<(usize, (f64, usize), usize)> {
-        let mut left = self.places.all().1.len().saturating_sub(self.count);
-        let mut last = (f64::NEG_INFINITY, 0);
-        for turning in 0..self.aircraft {
+    ) -> Option<Turning> {
+        let mut turning = Turning {
+            motions,
+            aircraft: 0,
+            last: (f64::NEG_INFINITY, 0),
+            left: self.places.all().1.len().saturating_sub(self.count),
+        };
+        while turning.aircraft < self.aircraft {
             meter.take(self.count / 2).then_some(())?;
             let mut next = (f64::INFINITY, usize::MAX);
             for (place, known) in self.known().iter().enumerate() {
                 let here = (known.distance_m, place);
                 let may_turn = known.obstacle.movement.bounds().is_some();
-                if may_turn && here > last && here < next {
+                if may_turn && here > turning.last && here < next {
                     next = here;
                 }
             }
             let Some(known) = self.obstacle(next.1) else {
-                return Some((turning, last, left));
+                break;
             };
             let hazard = (self.seen_from).hazard(next.1, &known.obstacle, known.until_s);
-            let more = most_hazards(freedom(&hazard), (&known.obstacle, known.trend)) - 1;
-            if more > left {
-                return Some((turning, last, left));
+            let of = (&known.obstacle, known.trend);
+            let more = most_hazards(freedom(&hazard), of, motions) - 1;
+            if more > turning.left {
+                break;
             }
-            (last, left) = (next, left - more);
+            turning.aircraft += 1;
+            turning.last = next;
+            turning.left -= more;
         }
-        Some((self.aircraft, last, left))
+        Some(turning)
     }
 
     /// Whether every aircraft of some moves away from ours.
@@ -278,18 +309,18 @@ impl<P: Places + ?Sized> Tracks<P> {
         if !meter.take(self.count) {
             return;
         }
-        let Some((turning, last, left)) = self.turning(freedom, meter) else {
+        let Some(turning) = self.turning(freedom, meter) else {
             return;
         };
-        let straight = usize::from(left >= self.count - turning);
+        let straight = usize::from(turning.left >= self.count - turning.aircraft);
         let own_m = self.seen_from.own_m;
         for place in 0..self.count {
             let Some(tracked) = self.obstacle(place) else {
                 return;
             };
             let (known, trend) = (tracked.obstacle, tracked.trend);
-            let may_turn = turning > 0 && (tracked.distance_m, place) <= last;
-            let motions = if may_turn { MOTIONS } else { straight };
+            let may_turn = turning.aircraft > 0 && (tracked.distance_m, place) <= turning.last;
+            let motions = if may_turn { turning.motions } else { straight };
             let mut hazard = (self.seen_from).hazard(place, &known, tracked.until_s);
             let asked = (freedom(&hazard), clearance);
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {

@@ -344,12 +344,12 @@ impl Avoider<dyn Places + '_> {
         (self.tracks).all_pass(now.position_m, ours_mps, is_avoided)
     }
 
-    /// Keeps the rolls from the bank of now, from which many predictions are about to begin.
+    /// Keeps the turns from the bank of now, from which many predictions are about to begin.
     #[inline(never)]
-    fn keep_rolls(&mut self, now: &MotionState) {
-        let is_kept = self.flyer.keeps_rolls_from(now.bank_rad);
+    fn keep_bends(&mut self, now: &MotionState) {
+        let is_kept = self.flyer.bend_from(now.bank_rad).is_some();
         if !is_kept && self.meter.take(2 * BEND) {
-            self.flyer.keep_rolls_from(now.bank_rad);
+            self.flyer.keep_bends_from(now.bank_rad);
         }
     }
 
@@ -382,7 +382,7 @@ impl Avoider<dyn Places + '_> {
         look: &mut dyn FnMut(&mut Search<'_>),
     ) -> bool {
         self.within_limits(demand, |avoider| {
-            avoider.keep_rolls(now);
+            avoider.keep_bends(now);
             let is_whole = avoider.plan.is_none() || !avoider.flyer.is_ideal();
             let most = if is_whole { u32::MAX } else { GRID_WORK };
             let scene = Scene {

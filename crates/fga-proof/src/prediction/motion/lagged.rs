@@ -30,9 +30,6 @@ impl Flyer {
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
         self.pace = libm::exp(0.2 * libm::log(USUAL_SCALE_M / scale_m)).limited(0.3, 1.0);
-        self.rolling_over.set(-full_rad, full_rad, self.pace);
-        self.rolling_out.set(full_rad, 0.0, self.pace);
-        self.begin_rolls_from(0.0);
     }
 
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
@@ -81,7 +78,7 @@ impl Flyer {
                 let turn_s = (turn_left - self.rollout_rad(command)) / rate;
                 return Piece::steady(climb_s.min(turn_s), rate, climb_rate, command);
             }
-            let roll = self.roll(state.bank_rad, command, most);
+            let roll = Roll::new(state.bank_rad, command, most, self.pace);
             let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
             let roll = if left * beyond > 0.0 {
                 roll
@@ -91,7 +88,7 @@ impl Flyer {
             return self.piece_of(&roll, climb_rate);
         }
         if state.bank_rad.abs() > ROLLED_OUT_RAD {
-            let mut roll = self.roll(state.bank_rad, 0.0, most);
+            let mut roll = Roll::new(state.bank_rad, 0.0, most, self.pace);
             if roll.to_rad == 0.0 && full > 0.0 {
                 // Rounding leaves a rest: it ends on its course.
                 let turn = turn_left / (self.gain_radps * tau);
@@ -106,16 +103,8 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
-    /// Whether it keeps the rolls from a bank.
-    pub fn keeps_rolls_from(&self, bank_rad: f64) -> bool {
-        self.is_ideal()
-            || bank_rad == 0.0
-            || self.begun.iter().any(|roll| roll.from_rad == bank_rad)
-    }
-
-    /// Keeps the rolls from a bank at which many predictions are about to begin.
-    pub fn keep_rolls_from(&mut self, bank_rad: f64) {
-        self.begin_rolls_from(bank_rad);
+    /// Keeps the turns from a bank at which many predictions are about to begin.
+    pub fn keep_bends_from(&mut self, bank_rad: f64) {
         self.keep_bend(1, bank_rad);
         self.keep_bend(2, -bank_rad);
     }
@@ -129,24 +118,6 @@ impl Flyer {
         }
     }
 
-    /// Keeps the first pieces of the rolls from a bank, and from level flight.
-    fn begin_rolls_from(&mut self, bank_rad: f64) {
-        let full_rad = self.full_bank_rad;
-        let rolls = [
-            (0.0, full_rad),
-            (0.0, -full_rad),
-            (bank_rad, full_rad),
-            (bank_rad, -full_rad),
-            (bank_rad, 0.0),
-        ];
-        for (place, (from_rad, to_rad)) in rolls.into_iter().enumerate() {
-            let roll = self.roll(from_rad, to_rad, f64::INFINITY);
-            if let Some(slot) = self.begun.get_mut(place) {
-                *slot = roll;
-            }
-        }
-    }
-
     /// Turns from a bank that is positive towards their side, if they are kept.
     #[inline]
     pub fn bend_from(&self, bank_rad: f64) -> Option<&Bend> {
@@ -156,35 +127,6 @@ impl Flyer {
     /// The bank of the largest course rate, radians.
     pub const fn full_bank_rad(&self) -> f64 {
         self.full_bank_rad
-    }
-
-    /// The next piece of a roll, at most `most` time constants long.
-    fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
-        let is_begun = |roll: &&Roll| roll.from_rad == from_rad && roll.command_rad == command_rad;
-        let mut begun = self.begun.iter();
-        if let Some(roll) = begun.find(is_begun).filter(|roll| roll.lasts <= most) {
-            return *roll;
-        }
-        let (kept, side) = if command_rad == 0.0 {
-            (&self.rolling_out, from_rad)
-        } else {
-            (&self.rolling_over, command_rad)
-        };
-        let sign = libm::copysign(1.0, side);
-        let is_kept = command_rad == 0.0 || command_rad.abs() == self.full_bank_rad;
-        match kept.from(sign * from_rad, most).filter(|_| is_kept) {
-            Some(roll) => Roll {
-                from_rad,
-                command_rad,
-                turn: sign * roll.turn,
-                rate: sign * roll.rate,
-                growth: sign * roll.growth,
-                curve: sign * roll.curve,
-                to_rad: sign * roll.to_rad,
-                ..roll
-            },
-            None => Roll::new(from_rad, command_rad, most, self.pace),
-        }
     }
 
     /// The remaining turn after a piece of a roll, radians.

@@ -1,19 +1,18 @@
-//! On the way back: it is kept, replaced by one that joins the mission sooner, or leads to the next encounter.
+//! On the way back: it is kept, replaced by one that joins the mission sooner, given up for a new manoeuvre, or leads to the next encounter.
 //!
 //! A way back is a list of turns at planned moments. An aircraft that flies faster than planned meets the mission before the last
 //! turn and flies past it; and the first way that is certified is often shallow, because the obstacle is still near. So another
-//! look begins where the aircraft has come to.
+//! look begins where the aircraft has come to. A way back withstands the turns that aircraft may begin when it is chosen; a turn that they
+//! begin later may reach it.
 
+use crate::avoider::demand::WANTED;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::maneuver::Maneuver;
 use crate::situation::Situation;
 
-use super::LOOK_EVERY;
 use super::holding::KEEP_SHARE;
-
-/// Parts of a step's work: one for the manoeuvre that is known.
-const HALVES: u32 = 2;
+use super::{Answer, LOOK_EVERY};
 
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
@@ -31,6 +30,15 @@ impl Avoider<dyn Places + '_> {
         self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
     }
 
+    /// A manoeuvre that withstands a share of the turns of aircraft, where the way back withstands none any more and no large turn is in reserve.
+    fn safer(&mut self, plan: &Plan, back: &Maneuver, now: &Now<'_>) -> Option<Answer> {
+        let mut kept = *plan;
+        let is_bare = self.tracks.has_aircraft()
+            && (self.kept_rung(&mut kept, back, now)).is_none_or(|rung| rung > WANTED + 1)
+            && !self.has_reserve(back, now);
+        (is_bare.then(|| self.highest_beside(0..WANTED + 2, now))).flatten()
+    }
+
     /// On the way back.
     #[inline(never)]
     pub(super) fn come_back(
@@ -42,7 +50,13 @@ impl Avoider<dyn Places + '_> {
         let time_s = situation.time_s;
         if let Some(plan) = &self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                return self.meet_next(start_s, (situation, now), decision);
+                self.plan = Some(Plan {
+                    start_s,
+                    next_start_s: None,
+                    ..*plan
+                });
+                self.state = State::Threatened;
+                return self.watch(situation, now, decision);
             }
             // Beyond the mission's end there is nothing to return to.
             let is_back = time_s >= plan.joined_s || self.progress.is_complete();
@@ -77,6 +91,17 @@ impl Avoider<dyn Places + '_> {
         if !self.keeps_back(&mut plan, back, now) {
             return false;
         }
+        if let Some(answer) = self.safer(&plan, back, now) {
+            let plan = Plan {
+                start_s: situation.time_s,
+                ..plan.with(&answer, situation.time_s)
+            };
+            core::mem::swap(&mut self.flown, &mut self.tables.answer);
+            self.plan = Some(plan);
+            self.state = State::Avoiding;
+            self.report(decision, &plan, situation.time_s, Reason::ManeuverReplaced);
+            return true;
+        }
         let mut reason = Reason::RejoinKept;
         if self.sooner_back(situation, now, &mut plan, back) {
             self.flown = *back;
@@ -85,42 +110,6 @@ impl Avoider<dyn Places + '_> {
         self.plan = Some(plan);
         self.report(decision, &plan, situation.time_s, reason);
         true
-    }
-
-    /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
-    /// the manoeuvre of the way back is flown.
-    #[inline(never)]
-    fn meet_next(
-        &mut self,
-        start_s: f64,
-        (situation, now): (&Situation<'_>, &Now<'_>),
-        decision: &mut Decision,
-    ) {
-        let Some(plan) = self.plan else {
-            return;
-        };
-        let came = self.returned.as_ref().zip(plan.threat);
-        let is_again = came.is_some_and(|(came, threat)| came.against.contains(threat.id));
-        if !is_again {
-            self.plan = None;
-            self.state = State::Cruise;
-            self.meter.reserve(HALVES);
-            self.watch(situation, now, decision);
-            self.meter.extend(HALVES);
-            if !decision.record.reason.is_unproven() {
-                return;
-            }
-            if self.plan.is_some() {
-                core::mem::swap(&mut self.flown, &mut self.tables.answer);
-            }
-        }
-        self.plan = Some(Plan {
-            start_s,
-            next_start_s: None,
-            ..plan
-        });
-        self.state = State::Threatened;
-        self.watch(situation, now, decision);
     }
 
     /// Changes a plan to a certified way back that joins the mission sooner than this one, if there is one now.
@@ -159,5 +148,24 @@ mod tests {
         assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));
         assert!(keeps(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
         assert!(!keeps(aircraft(1, (150.0, 0.0), (-20.0, 0.0))));
+    }
+
+    /// An earlier version flew its way back on past an aircraft that it no longer withstood, and that turned.
+    #[test]
+    fn a_way_back_is_given_up_where_a_turn_could_reach_it_and_another_manoeuvre_withstands_it() {
+        let gives_up = |row: Obstacle| {
+            among(&[row], |avoider, situation, now| {
+                let mut plan = plan(avoider, situation, (0.0, WANTED));
+                let back = avoider.flown;
+                assert!(avoider.keeps_back(&mut plan, &back, now));
+                let safer = avoider.safer(&plan, &back, now);
+                safer.map(|answer| answer.rung)
+            })
+        };
+        // It passes near; far enough; far enough ahead that a turn remains; or it has passed.
+        let places_m = [(120.0, 35.0), (120.0, 100.0), (400.0, 35.0), (-120.0, 35.0)];
+        let rungs = places_m.map(|at_m| gives_up(aircraft(1, at_m, (-20.0, 0.0))));
+        assert!(rungs[0].is_some_and(|rung| rung <= WANTED + 1), "{rungs:?}");
+        assert_eq!(rungs[1..], [None; 3]);
     }
 }
