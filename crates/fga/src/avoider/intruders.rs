@@ -159,7 +159,7 @@ pub(super) const MOTIONS: usize = AT_ONCE + 2;
 
 /// A turn of an aircraft, or none.
 #[derive(Clone, Copy)]
-struct Turn {
+struct IntruderTurn {
     /// Turn rate, radians per second, left positive.
     rate_radps: f64,
     /// How long it turns, seconds.
@@ -168,7 +168,7 @@ struct Turn {
     later_s: f64,
 }
 
-impl Turn {
+impl IntruderTurn {
     /// Number of its chords.
     fn chords(&self) -> usize {
         if self.rate_radps == 0.0 {
@@ -183,14 +183,14 @@ fn turns(
     freedom: Freedom,
     (obstacle, trend): (&Obstacle, Trend),
     bounds: &MovementBounds,
-) -> [Option<Turn>; MOTIONS] {
+) -> [Option<IntruderTurn>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share) | Freedom::Later(share, _) => (share, bounds.turn_rate_radps),
         Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
-    let turn = |rate_radps, for_s, later_s| Turn {
+    let turn = |rate_radps, for_s, later_s| IntruderTurn {
         rate_radps,
         for_s,
         later_s,
@@ -225,7 +225,7 @@ pub(super) fn most_hazards(
     };
     let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
     let legs = 2 + usize::from(freedom == Freedom::Brief);
-    let legs_of = |turn: Turn| turn.chords() + legs + usize::from(turn.later_s > 0.0);
+    let legs_of = |turn: IntruderTurn| turn.chords() + legs + usize::from(turn.later_s > 0.0);
     all.take(motions).flatten().map(legs_of).sum()
 }
 
@@ -281,7 +281,7 @@ pub(super) fn add_aircraft(
 }
 
 /// A turn, then straight on, of a hazard that stretches.
-fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: &Turn) {
+fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: &IntruderTurn) {
     let mut hazard = *hazard;
     let mut at = since.report(&hazard);
     let begins_s = at.at_s;
