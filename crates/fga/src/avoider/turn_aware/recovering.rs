@@ -14,6 +14,9 @@ use crate::situation::Situation;
 use super::holding::KEEP_SHARE;
 use super::{Answer, LOOK_EVERY};
 
+/// Parts of a step's work: one for the manoeuvre that is known.
+const HALVES: u32 = 2;
+
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
 
@@ -50,13 +53,7 @@ impl Avoider<dyn Places + '_> {
         let time_s = situation.time_s;
         if let Some(plan) = &self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                self.plan = Some(Plan {
-                    start_s,
-                    next_start_s: None,
-                    ..*plan
-                });
-                self.state = State::Threatened;
-                return self.watch(situation, now, decision);
+                return self.meet_next(start_s, (situation, now), decision);
             }
             // Beyond the mission's end there is nothing to return to.
             let is_back = time_s >= plan.joined_s || self.progress.is_complete();
@@ -110,6 +107,42 @@ impl Avoider<dyn Places + '_> {
         self.plan = Some(plan);
         self.report(decision, &plan, situation.time_s, reason);
         true
+    }
+
+    /// Meets the next encounter with a new manoeuvre. Where the new one is not certified, or the way back avoided the same obstacle,
+    /// the manoeuvre of the way back is flown.
+    #[inline(never)]
+    fn meet_next(
+        &mut self,
+        start_s: f64,
+        (situation, now): (&Situation<'_>, &Now<'_>),
+        decision: &mut Decision,
+    ) {
+        let Some(plan) = self.plan else {
+            return;
+        };
+        let came = self.returned.as_ref().zip(plan.threat);
+        let is_again = came.is_some_and(|(came, threat)| came.against.contains(threat.id));
+        if !is_again {
+            self.plan = None;
+            self.state = State::Cruise;
+            self.meter.reserve(HALVES);
+            self.watch(situation, now, decision);
+            self.meter.extend(HALVES);
+            if !decision.record.reason.is_unproven() {
+                return;
+            }
+            if self.plan.is_some() {
+                core::mem::swap(&mut self.flown, &mut self.tables.answer);
+            }
+        }
+        self.plan = Some(Plan {
+            start_s,
+            next_start_s: None,
+            ..plan
+        });
+        self.state = State::Threatened;
+        self.watch(situation, now, decision);
     }
 
     /// Changes a plan to a certified way back that joins the mission sooner than this one, if there is one now.

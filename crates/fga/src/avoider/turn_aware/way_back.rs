@@ -199,7 +199,7 @@ impl Avoider<dyn Places + '_> {
             progress.round_corners(route, far.horizon_s, maneuver, joined)
         });
         self.predict(maneuver, now, far.horizon_s);
-        let ahead = self.way_ahead(plan, joined.joined_s, situation, &far);
+        let ahead = self.way_ahead(plan, joined, (situation, now), &far);
         *plan = Plan {
             decided_s: situation.time_s,
             start_s: situation.time_s,
@@ -280,10 +280,17 @@ impl Avoider<dyn Places + '_> {
     fn way_ahead(
         &self,
         plan: &Plan,
-        joined_s: f64,
-        situation: &Situation<'_>,
+        joined: &Join,
+        (situation, now): (&Situation<'_>, &Now<'_>),
         demand: &Demand,
     ) -> WayAhead {
+        let leg = self.progress.leg(now);
+        let joined_s = joined.joined_s;
+        let gained_m = if joined.index == self.progress.index() {
+            joined.along_m - leg.position(now.position_m, now.time_s).along_m
+        } else {
+            f64::INFINITY
+        };
         let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
@@ -307,9 +314,13 @@ impl Avoider<dyn Places + '_> {
                 return WayAhead::Blocked;
             }
             if plan.against.contains(hazard.id) {
-                // Before the obstacle has passed it would be the same encounter again.
+                // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
                 let passes_s = passes_s(hazard, situation);
-                if is_again || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                let ground_mps = hazard.velocity_mps + situation.wind_mps;
+                let (sin, cos) = libm::sincos(leg.course_rad);
+                let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
+                let falls_back = gained_m - its_m < -2.0 * self.flyer.turn_radius_m();
+                if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
                     return WayAhead::Blocked;
                 }
             }
