@@ -64,7 +64,7 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
     Share(f64),
-    /// The same share; its turns begin at the report, or so many seconds after now, once the aircraft answers what it decides.
+    /// The same share. Turns begin at the report, or this many seconds after now, when our aircraft answers what it decides now.
     Later(f64, f64),
     /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
     Brief,

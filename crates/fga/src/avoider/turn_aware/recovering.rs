@@ -11,8 +11,8 @@ use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::maneuver::Maneuver;
 use crate::situation::Situation;
 
+use super::LOOK_EVERY;
 use super::holding::KEEP_SHARE;
-use super::{Answer, LOOK_EVERY};
 
 /// Parts of a step's work: one for the manoeuvre that is known.
 const HALVES: u32 = 2;
@@ -21,25 +21,21 @@ const HALVES: u32 = 2;
 const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
-    /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
-    fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
+    /// Whether a way back keeps clear: without aircraft with its certificate, otherwise of their expected motion.
+    fn is_clear_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
             return self.kept_rung(plan, back, now) == Some(plan.rung);
         }
-        let demand = self.demand_of(plan.rung);
-        let keep_m = KEEP_SHARE * demand.margin_m;
+        let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
+        self.margin_of(back, now, asked) >= keep_m
     }
 
-    /// A manoeuvre that withstands a share of the turns of aircraft, where the way back withstands none any more and no large turn is in reserve.
-    fn safer(&mut self, plan: &Plan, back: &Maneuver, now: &Now<'_>) -> Option<Answer> {
-        let mut kept = *plan;
-        let is_bare = self.tracks.has_aircraft()
-            && (self.kept_rung(&mut kept, back, now)).is_none_or(|rung| rung > WANTED + 1)
-            && !self.has_reserve(back, now);
-        (is_bare.then(|| self.highest_beside(0..WANTED + 2, now))).flatten()
+    /// Whether a way back withstands no share of the turns of aircraft.
+    fn is_bare_back(&mut self, mut plan: Plan, back: &Maneuver, now: &Now<'_>) -> bool {
+        let kept = (self.tracks.has_aircraft()).then(|| self.kept_rung(&mut plan, back, now));
+        kept.is_some_and(|kept| kept.is_none_or(|rung| rung > WANTED + 1))
     }
 
     /// On the way back.
@@ -72,7 +68,8 @@ impl Avoider<dyn Places + '_> {
         self.watch(situation, now, decision);
     }
 
-    /// Whether it flies the way back on, or a sooner one; then the decision to do so.
+    /// Whether the way back, a sooner one or a manoeuvre in its place is flown; then the decision to do so. The way back goes on while it is clear and
+    /// withstands a share of the turns, or a large turn is in reserve; one that is clear goes on where no manoeuvre withstands more.
     #[inline(never)]
     fn flies_back(
         &mut self,
@@ -85,10 +82,13 @@ impl Avoider<dyn Places + '_> {
         };
         let back = &mut decision.command;
         self.go_on(&plan, situation.time_s, back);
-        if !self.keeps_back(&mut plan, back, now) {
+        let is_clear = self.is_clear_back(&mut plan, back, now);
+        let is_kept = is_clear && !self.is_bare_back(plan, back, now)
+            || self.tracks.has_aircraft() && self.has_reserve(back, now);
+        if !is_kept && !is_clear {
             return false;
         }
-        if let Some(answer) = self.safer(&plan, back, now) {
+        if !is_kept && let Some(answer) = self.highest_beside(0..WANTED + 2, now) {
             let plan = Plan {
                 start_s: situation.time_s,
                 ..plan.with(&answer, situation.time_s)
@@ -165,40 +165,41 @@ impl Avoider<dyn Places + '_> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{aircraft, among, plan};
-    use crate::avoider::demand::WANTED;
-    use crate::situation::Obstacle;
+    use super::*;
+
+    /// Whether the aircraft flies on among another one, on its way back or with a manoeuvre of a rung.
+    fn flies(place_m: (f64, f64)) -> (bool, State, Option<usize>) {
+        among(
+            &[aircraft(1, place_m, (-20.0, 0.0))],
+            |avoider, situation, now| {
+                plan(avoider, situation, (0.0, WANTED));
+                avoider.state = State::Recovering;
+                let decision = &mut Decision::default();
+                let flies = avoider.flies_back(situation, now, decision);
+                (flies, avoider.state, avoider.plan.map(|plan| plan.rung))
+            },
+        )
+    }
 
     /// Among aircraft a way back is kept where it is clear of what is expected, or a turn still suffices.
     #[test]
     fn a_way_back_is_kept_while_it_is_clear_or_a_turn_remains() {
-        let keeps = |row: Obstacle| {
-            among(&[row], |avoider, situation, now| {
-                let mut plan = plan(avoider, situation, (0.0, WANTED));
-                let back = avoider.flown;
-                avoider.keeps_back(&mut plan, &back, now)
-            })
-        };
-        assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));
-        assert!(keeps(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
-        assert!(!keeps(aircraft(1, (150.0, 0.0), (-20.0, 0.0))));
+        let keeps = |place_m| flies(place_m).0;
+        assert!(keeps((150.0, 60.0)));
+        assert!(keeps((900.0, 0.0)));
+        assert!(!keeps((150.0, 0.0)));
     }
 
     /// An earlier version flew its way back on past an aircraft that it no longer withstood, and that turned.
     #[test]
     fn a_way_back_is_given_up_where_a_turn_could_reach_it_and_another_manoeuvre_withstands_it() {
-        let gives_up = |row: Obstacle| {
-            among(&[row], |avoider, situation, now| {
-                let mut plan = plan(avoider, situation, (0.0, WANTED));
-                let back = avoider.flown;
-                assert!(avoider.keeps_back(&mut plan, &back, now));
-                let safer = avoider.safer(&plan, &back, now);
-                safer.map(|answer| answer.rung)
-            })
-        };
-        // It passes near; far enough; far enough ahead that a turn remains; or it has passed.
-        let places_m = [(120.0, 35.0), (120.0, 100.0), (400.0, 35.0), (-120.0, 35.0)];
-        let rungs = places_m.map(|at_m| gives_up(aircraft(1, at_m, (-20.0, 0.0))));
-        assert!(rungs[0].is_some_and(|rung| rung <= WANTED + 1), "{rungs:?}");
-        assert_eq!(rungs[1..], [None; 3]);
+        let (_, state, rung) = flies((120.0, 35.0));
+        assert_eq!(state, State::Avoiding);
+        assert!(rung.is_some_and(|rung| rung <= WANTED + 1), "{rung:?}");
+        // Far enough beside, far enough ahead that a turn remains, or past it.
+        for place_m in [(120.0, 100.0), (400.0, 35.0), (-120.0, 35.0)] {
+            let (flies, state, _) = flies(place_m);
+            assert!(flies && state == State::Recovering, "{place_m:?}");
+        }
     }
 }
