@@ -102,7 +102,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
     pub(super) fn ask(&mut self, demand: &Demand, beyond_m: f64) {
-        let freedom = Freedom::Later(demand.share, self.vehicle.response.bank_time_constant_s);
+        let freedom = Freedom::Share(demand.share, self.vehicle.response.bank_time_constant_s);
         self.withstand(&|_| freedom, (beyond_m, demand.margin_m));
     }
 

@@ -62,11 +62,11 @@ const NOISE_SIGMAS: f64 = 3.0;
 pub(super) enum Freedom {
     /// The expected motion; climbs may change.
     Expected,
-    /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb.
-    Share(f64),
-    /// The same share. Turns begin at the report, or this many seconds after now, when our aircraft answers what it decides now.
-    Later(f64, f64),
-    /// All turns at the brief rate, all changes of climb and of speed, for the time of a turn: a way back withstands these.
+    /// Also this share of turns, from 0 to 1, with [`CLIMB_SHARE`] times that of the change of climb. Turns begin at the report, or
+    /// this many seconds after now, when our aircraft answers what it decides now.
+    Share(f64, f64),
+    /// All turns at the brief rate that begin at the report or now, all changes of climb and of speed, for the time of a turn: a way back
+    /// withstands these.
     Brief,
     /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
     Wide,
@@ -186,7 +186,7 @@ fn turns(
 ) -> [Option<IntruderTurn>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
-        Freedom::Share(share) | Freedom::Later(share, _) => (share, bounds.turn_rate_radps),
+        Freedom::Share(share, _) => (share, bounds.turn_rate_radps),
         Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
@@ -199,10 +199,11 @@ fn turns(
     let for_s = share * bounds.turn_rad / rate_radps;
     let turns = share > 0.0 && rate_radps != 0.0;
     let to = |rate_radps, later_s| turns.then_some(turn(rate_radps, for_s, later_s));
-    let later_s = match freedom {
-        Freedom::Later(_, answers_s) => obstacle.age_s.max(0.0) + answers_s,
+    let answers_s = match freedom {
+        Freedom::Share(_, answers_s) => answers_s,
         _ => 0.0,
     };
+    let later_s = obstacle.age_s.max(0.0) + answers_s;
     let later = |rate_radps| to(rate_radps, later_s).filter(|_| later_s > 0.0);
     [
         Some(turn(0.0, 0.0, 0.0)),
@@ -250,9 +251,7 @@ pub(super) fn add_aircraft(
     let always = f64::INFINITY;
     let (climbs, changes, at_once_m, speeds_m, until_s) = match freedom {
         Freedom::Expected => (1.0, 1.0, 0.0, 0.0, always),
-        Freedom::Share(share) | Freedom::Later(share, _) => {
-            (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always)
-        }
+        Freedom::Share(share, _) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always),
         Freedom::Brief => (1.0, 1.0, 0.0, speeds_m, turn_s),
         Freedom::Wide => (1.0, 1.0, speeds_m, 0.0, turn_s),
     };
@@ -546,8 +545,8 @@ mod tests {
             ..intruder()
         };
         for freedom in [
-            Freedom::Share(0.0),
-            Freedom::Share(0.5),
+            Freedom::Share(0.0, 0.0),
+            Freedom::Share(0.5, 0.0),
             Freedom::Brief,
             Freedom::Wide,
         ] {
@@ -556,7 +555,7 @@ mod tests {
                 let (now_m, more_mps) = row.stretch_m;
                 (row.volume.half_height_m() + now_m, more_mps)
             });
-            let share = f64::from(freedom != Freedom::Share(0.0));
+            let share = f64::from(freedom != Freedom::Share(0.0, 0.0));
             let most_m = obstacle.volume.half_height_m() + TRACKING_M * share + 1e-9;
             for (height_m, more_mps) in heights_m {
                 assert!(
@@ -586,7 +585,7 @@ mod tests {
                     "{freedom:?}"
                 );
             }
-            assert_eq!(ends_s(Freedom::Share(0.5), MOTIONS), f64::INFINITY);
+            assert_eq!(ends_s(Freedom::Share(0.5, 0.0), MOTIONS), f64::INFINITY);
         }
     }
 
@@ -627,7 +626,7 @@ mod tests {
             turned.turned(0.0, time_s - turned.at_s).position_m
         };
         let is_met = |at_m: Vec3, motions| {
-            let motions = motions_of(&obstacle, Freedom::Later(0.5, 3.0), motions);
+            let motions = motions_of(&obstacle, Freedom::Share(0.5, 3.0), motions);
             let mut rows = motions.rows().iter();
             let at_s = 30.0;
             rows.any(|row| {
@@ -670,7 +669,7 @@ mod tests {
     #[test]
     fn a_turn_and_a_climb_within_the_share_stay_within_the_hazards() {
         for share in [0.25, 0.5, 1.0] {
-            let motions = motions(Freedom::Share(share), Trend::STRAIGHT);
+            let motions = motions(Freedom::Share(share, 0.0), Trend::STRAIGHT);
             let for_s = share * BOUNDS.turn_rad / BOUNDS.turn_rate_radps;
             for side in [-1.0, 1.0] {
                 for climb in [-1.0, 0.0, 0.7, 1.0] {
@@ -696,7 +695,7 @@ mod tests {
         let mut turning = Trend::STRAIGHT;
         turning.rate_radps = 0.05;
         for trend in [Trend::STRAIGHT, turning] {
-            let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(Freedom::Share);
+            let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| Freedom::Share(share, 0.0));
             for freedom in
                 shares
                     .into_iter()
@@ -719,7 +718,7 @@ mod tests {
             ..intruder()
         };
         for (turns, share) in [(MOTIONS, 1.0), (0, 1.0), (MOTIONS, 0.5)] {
-            let motions = motions_of(&climbing, Freedom::Share(share), turns);
+            let motions = motions_of(&climbing, Freedom::Share(share, 0.0), turns);
             for ends_s in [0.0, 4.0, 19.0, 31.0] {
                 for at_s in [0.0, 3.0, 12.0, 20.0, 45.0] {
                     let kept_mps = (1.0 - share) * climbing.velocity_mps.z;
@@ -747,7 +746,7 @@ mod tests {
                 age_s,
                 ..reported
             };
-            let motions = motions_of(&seen, Freedom::Share(1.0), MOTIONS);
+            let motions = motions_of(&seen, Freedom::Share(1.0, 0.0), MOTIONS);
             let for_s = BOUNDS.turn_rad / BOUNDS.turn_rate_radps;
             for side in [-1.0, 1.0] {
                 for at_s in [0.0, 4.0, 7.7, 19.9, 33.0] {
@@ -792,7 +791,7 @@ mod tests {
 
     #[test]
     fn a_larger_turn_leaves_the_hazards_of_a_smaller_share() {
-        let motions = motions(Freedom::Share(0.25), Trend::STRAIGHT);
+        let motions = motions(Freedom::Share(0.25, 0.0), Trend::STRAIGHT);
         let place_m = flown(BOUNDS.turn_rate_radps, 20.0, 0.0, 30.0);
         assert!(!is_within(&motions, place_m, 30.0));
     }

@@ -230,7 +230,7 @@ impl<P: Places + ?Sized> Tracks<P> {
 
     /// The number of aircraft without room for their turns of a share of the bounds: they count as flying straight on.
     pub(super) fn straight_aircraft(&self, share: f64, meter: &Meter) -> u32 {
-        let turning = self.turning(&|_| Freedom::Share(share), meter);
+        let turning = self.turning(&|_| Freedom::Share(share, 0.0), meter);
         let turning = turning.map_or(0, |turning| turning.aircraft);
         u32::try_from(self.aircraft - turning).unwrap_or(u32::MAX)
     }
@@ -635,7 +635,7 @@ mod tests {
                 is_unproven: false,
             };
             let meter = Meter::unlimited();
-            tracks.withstand(&|_| Freedom::Share(1.0), exact, &meter);
+            tracks.withstand(&|_| Freedom::Share(1.0, 0.0), exact, &meter);
             for id in 0..count {
                 let has = tracks.rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

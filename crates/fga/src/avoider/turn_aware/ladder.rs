@@ -206,7 +206,7 @@ impl Avoider<dyn Places + '_> {
             is_unproven: true,
         };
         self.tracks
-            .withstand(&|_| Freedom::Share(0.0), clearance, &self.meter);
+            .withstand(&|_| Freedom::Share(0.0, 0.0), clearance, &self.meter);
     }
 }
 

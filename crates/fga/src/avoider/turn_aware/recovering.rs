@@ -1,11 +1,9 @@
-//! On the way back: it is kept, replaced by one that joins the mission sooner, given up for a new manoeuvre, or leads to the next encounter.
+//! On the way back: it is kept, replaced by one that joins the mission sooner, or leads to the next encounter.
 //!
 //! A way back is a list of turns at planned moments. An aircraft that flies faster than planned meets the mission before the last
 //! turn and flies past it; and the first way that is certified is often shallow, because the obstacle is still near. So another
-//! look begins where the aircraft has come to. A way back withstands the turns that aircraft may begin when it is chosen; a turn that they
-//! begin later may reach it.
+//! look begins where the aircraft has come to.
 
-use crate::avoider::demand::WANTED;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::maneuver::Maneuver;
@@ -30,12 +28,6 @@ impl Avoider<dyn Places + '_> {
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
         self.margin_of(back, now, asked) >= keep_m
-    }
-
-    /// Whether a way back withstands no share of the turns of aircraft.
-    fn is_bare_back(&mut self, mut plan: Plan, back: &Maneuver, now: &Now<'_>) -> bool {
-        let kept = (self.tracks.has_aircraft()).then(|| self.kept_rung(&mut plan, back, now));
-        kept.is_some_and(|kept| kept.is_none_or(|rung| rung > WANTED + 1))
     }
 
     /// On the way back.
@@ -68,8 +60,7 @@ impl Avoider<dyn Places + '_> {
         self.watch(situation, now, decision);
     }
 
-    /// Whether the way back, a sooner one or a manoeuvre in its place is flown; then the decision to do so. The way back goes on while it is clear and
-    /// withstands a share of the turns, or a large turn is in reserve; one that is clear goes on where no manoeuvre withstands more.
+    /// Whether the way back or a sooner one is flown; then the decision to do so. It goes on while it is clear, or a large turn is in reserve.
     #[inline(never)]
     fn flies_back(
         &mut self,
@@ -82,22 +73,10 @@ impl Avoider<dyn Places + '_> {
         };
         let back = &mut decision.command;
         self.go_on(&plan, situation.time_s, back);
-        let is_clear = self.is_clear_back(&mut plan, back, now);
-        let is_kept = is_clear && !self.is_bare_back(plan, back, now)
+        let is_kept = self.is_clear_back(&mut plan, back, now)
             || self.tracks.has_aircraft() && self.has_reserve(back, now);
-        if !is_kept && !is_clear {
+        if !is_kept {
             return false;
-        }
-        if !is_kept && let Some(answer) = self.highest_beside(0..WANTED + 2, now) {
-            let plan = Plan {
-                start_s: situation.time_s,
-                ..plan.with(&answer, situation.time_s)
-            };
-            core::mem::swap(&mut self.flown, &mut self.tables.answer);
-            self.plan = Some(plan);
-            self.state = State::Avoiding;
-            self.report(decision, &plan, situation.time_s, Reason::ManeuverReplaced);
-            return true;
         }
         let mut reason = Reason::RejoinKept;
         if self.sooner_back(situation, now, &mut plan, back) {
@@ -166,40 +145,21 @@ impl Avoider<dyn Places + '_> {
 mod tests {
     use super::super::tests::{aircraft, among, plan};
     use super::*;
-
-    /// Whether the aircraft flies on among another one, on its way back or with a manoeuvre of a rung.
-    fn flies(place_m: (f64, f64)) -> (bool, State, Option<usize>) {
-        among(
-            &[aircraft(1, place_m, (-20.0, 0.0))],
-            |avoider, situation, now| {
-                plan(avoider, situation, (0.0, WANTED));
-                avoider.state = State::Recovering;
-                let decision = &mut Decision::default();
-                let flies = avoider.flies_back(situation, now, decision);
-                (flies, avoider.state, avoider.plan.map(|plan| plan.rung))
-            },
-        )
-    }
+    use crate::avoider::demand::WANTED;
 
     /// Among aircraft a way back is kept where it is clear of what is expected, or a turn still suffices.
     #[test]
     fn a_way_back_is_kept_while_it_is_clear_or_a_turn_remains() {
-        let keeps = |place_m| flies(place_m).0;
+        let keeps = |place_m| {
+            let row = aircraft(1, place_m, (-20.0, 0.0));
+            among(&[row], |avoider, situation, now| {
+                plan(avoider, situation, (0.0, WANTED));
+                avoider.state = State::Recovering;
+                avoider.flies_back(situation, now, &mut Decision::default())
+            })
+        };
         assert!(keeps((150.0, 60.0)));
         assert!(keeps((900.0, 0.0)));
         assert!(!keeps((150.0, 0.0)));
-    }
-
-    /// An earlier version flew its way back on past an aircraft that it no longer withstood, and that turned.
-    #[test]
-    fn a_way_back_is_given_up_where_a_turn_could_reach_it_and_another_manoeuvre_withstands_it() {
-        let (_, state, rung) = flies((120.0, 35.0));
-        assert_eq!(state, State::Avoiding);
-        assert!(rung.is_some_and(|rung| rung <= WANTED + 1), "{rung:?}");
-        // Far enough beside, far enough ahead that a turn remains, or past it.
-        for place_m in [(120.0, 100.0), (400.0, 35.0), (-120.0, 35.0)] {
-            let (flies, state, _) = flies(place_m);
-            assert!(flies && state == State::Recovering, "{place_m:?}");
-        }
     }
 }
