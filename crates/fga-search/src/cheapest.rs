@@ -52,16 +52,13 @@ impl Search<'_> {
 
     /// Looks for something in an empty lattice; finds none if the meter refuses it.
     fn in_lattice<T: Default>(&mut self, look: impl FnOnce(&mut Self, &mut Lattice) -> T) -> T {
-        let is_given = self.meter.take(LATTICE_WORK);
-        let Some(board) = self.board.take().filter(|_| is_given) else {
-            return T::default();
-        };
-        let answer = board.lattice().map(|lattice| {
+        self.on_board(LATTICE_WORK, |search, board| {
+            let Some(lattice) = board.lattice() else {
+                return T::default();
+            };
             lattice.clear();
-            look(self, lattice)
-        });
-        self.board = Some(board);
-        answer.unwrap_or_default()
+            look(search, lattice)
+        })
     }
 
     /// Whether a certified single turn of at most `max_turn_rad` exists after a wait, at the original climb angle or at the
@@ -311,7 +308,7 @@ impl Search<'_> {
     #[inline(never)]
     fn fly(&mut self, prefix: &Prefix, row: &mut Row, prefix_fails: &mut bool) -> Option<Found> {
         let target_m = self.scene.target_m;
-        let turns = prefix.turns(&row.way, row.at_rad);
+        let turns = prefix.turns(row);
         let certificate = self.certify(&turns, prefix.from_rad, target_m);
         let margin_m = certificate.proven_m();
         if margin_m >= target_m {
@@ -354,7 +351,7 @@ impl Search<'_> {
         if row.cost == f64::INFINITY {
             return row.cost;
         }
-        self.paper_cost(&prefix.turns(&row.way, row.at_rad), prefix.from_rad)
+        self.paper_cost(&prefix.turns(row), prefix.from_rad)
     }
 
     /// The cost of the member of a row that ends on a line.

@@ -148,20 +148,20 @@ impl Board {
         if matches!(self, Self::Climbs(_)) {
             *self = Self::Lattice(Lattice::NONE);
         }
-        match self {
-            Self::Lattice(lattice) => Some(lattice),
-            Self::Climbs(_) => None,
-        }
+        let Self::Lattice(lattice) = self else {
+            return None;
+        };
+        Some(lattice)
     }
 
     fn climbs(&mut self) -> Option<&mut Climbs> {
         if matches!(self, Self::Lattice(_)) {
             *self = Self::Climbs(Climbs::NONE);
         }
-        match self {
-            Self::Climbs(climbs) => Some(climbs),
-            Self::Lattice(_) => None,
-        }
+        let Self::Climbs(climbs) = self else {
+            return None;
+        };
+        Some(climbs)
     }
 }
 
@@ -272,6 +272,21 @@ impl<'a> Search<'a> {
         self.meter.is_met()
     }
 
+    /// Looks for something on the board, whose filling takes some work; finds none if the meter refuses that.
+    fn on_board<T: Default>(
+        &mut self,
+        work: usize,
+        look: impl FnOnce(&mut Self, &mut Board) -> T,
+    ) -> T {
+        let is_given = self.meter.take(work);
+        let Some(board) = self.board.take().filter(|_| is_given) else {
+            return T::default();
+        };
+        let answer = look(self, board);
+        self.board = Some(board);
+        answer
+    }
+
     /// Releases the reserve of work for the answer.
     fn answer(&mut self) {
         if !self.answering {
@@ -364,8 +379,7 @@ impl<'a> Search<'a> {
     pub fn cost(&mut self, turns: &Turns, from_rad: f64) -> f64 {
         match self.scene.objective {
             Objective::PaperCost => self.paper_cost(turns, from_rad),
-            Objective::LeastDeviation => self.departure_of(turns).aside_m,
-            Objective::ShortestPath => self.departure_of(turns).extra_path_m(),
+            objective => self.departure_of(turns).length_m(objective),
         }
     }
 
