@@ -10,7 +10,9 @@ use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
 use super::lattice::{Lattice, Prefix, ROWS, Row};
 use super::line::Tangent;
-use super::tuned::{ASIDE_RAD, BEYOND_RAD, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
+use super::tuned::{
+    ASIDE_RAD, BEYOND_RAD, CLIMBS_A_SIDE, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH,
+};
 use super::{Departure, Found, MAX_TURN_RAD, Objective, Search};
 
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
@@ -42,8 +44,7 @@ impl Search<'_> {
     /// The cheapest certified single turn to one of some sides.
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         self.in_lattice(|search, lattice| {
-            let (climbs, count) = search.scene.climbs();
-            let climbs = &mut climbs.iter().take(count).copied();
+            let climbs = &mut search.scene.climbs(CLIMBS_A_SIDE);
             search.turns_after(lattice, wait_s, sides, climbs, MAX_TURN_RAD);
             let [found, other] = search.best_first(lattice, Aim::Cheapest);
             found.or(other)
@@ -97,9 +98,8 @@ impl Search<'_> {
     /// less: two opposite turns let crossing traffic pass, a climb or descent that levels off leads above or below.
     pub fn least_departure(&mut self, entry_s: f64) -> [Option<Found>; 2] {
         self.in_lattice(|search, lattice| {
-            let (climbs, count) = search.scene.climbs();
             for share in STARTS {
-                let climbs = &mut climbs.iter().take(count).copied();
+                let climbs = &mut search.scene.climbs(CLIMBS_A_SIDE);
                 let wait_s = share * entry_s;
                 search.turns_after(lattice, wait_s, &Side::BOTH, climbs, MAX_TURN_RAD);
             }
