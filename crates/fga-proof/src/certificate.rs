@@ -219,7 +219,7 @@ fn bounded_from<H: HazardSet + ?Sized>(
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
     let mut worst = Certificate::clear(enough_m);
     // First the long straight line at the end: what comes close there rules out most chords.
-    let above = end_line(path, asked.horizon_s).is_none_or(|line| {
+    let above = path.end_line(asked.horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
             || hazards.each(meter, |hazard| {
                 if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
@@ -287,7 +287,7 @@ pub fn mark_close(
     let goes_on = each_near(scene, path, clear, &mut |_, hazard, _, _| {
         mark(hazard);
     });
-    if goes_on && let Some(mut line) = end_line(path, horizon_s) {
+    if goes_on && let Some(mut line) = path.end_line(horizon_s) {
         line.duration_s = line.duration_s.max(0.0);
         hazards.each(meter, |hazard| {
             hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
@@ -310,25 +310,8 @@ struct Chord<'a> {
 }
 
 impl<'a> Chord<'a> {
-    /// From a node to a later moment on its piece; `None` without a duration.
-    #[inline]
-    fn new(node: &'a Node, end_m: Vec3, end_s: f64) -> Option<Self> {
-        let duration_s = end_s - node.state.time_s;
-        (duration_s > 0.0).then(|| Self {
-            node,
-            end_m,
-            line: Line {
-                from_m: node.state.position_m,
-                velocity_mps: (end_m - node.state.position_m) / duration_s,
-                at_s: node.state.time_s,
-                duration_s,
-            },
-            bow_m: node.acceleration_mps2 * duration_s * duration_s / 8.0,
-        })
-    }
-
-    /// From the first of some nodes to the last one; if that is after `horizon_s`, there is only one between two, cut there.
-    /// The bow from one over several nodes covers the shorter chords' own.
+    /// From the first of some nodes to the last one, `None` without a duration; if that is after `horizon_s`, there is only one
+    /// between two, cut there. The bow from one over several nodes covers the shorter chords' own.
     #[inline]
     fn over(flyer: &Flyer, nodes: &'a [Node], horizon_s: f64) -> Option<Self> {
         let [node, within @ .., last] = nodes else {
@@ -342,14 +325,20 @@ impl<'a> Chord<'a> {
             end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
             end.time_s = horizon_s;
         }
-        let mut chord = Self::new(node, end.position_m, end.time_s)?;
-        if !within.is_empty() {
-            let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
-                .fold(node.acceleration_mps2, f64::max);
-            let bow_m = fastest_mps2 * chord.line.duration_s * chord.line.duration_s / 8.0;
-            chord.bow_m = bow_m + CHORD_BOW_M;
-        }
-        Some(chord)
+        let duration_s = end.time_s - node.state.time_s;
+        let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
+            .fold(node.acceleration_mps2, f64::max);
+        let own_m = if within.is_empty() { 0.0 } else { CHORD_BOW_M };
+        (duration_s > 0.0).then(|| Self {
+            node,
+            end_m: end.position_m,
+            line: Line::over(
+                (node.state.position_m, end.position_m),
+                node.state.time_s,
+                duration_s,
+            ),
+            bow_m: fastest_mps2 * duration_s * duration_s / 8.0 + own_m,
+        })
     }
 
     /// Lowers `worst` to a bound over the shorter chords between exact points in between, as short as it takes to decide
@@ -413,12 +402,7 @@ impl<'a> Chord<'a> {
             } else {
                 flyer.advance(&self.node.state, &piece, f64::from(part) * step_s)
             };
-            let line = Line {
-                from_m: from.position_m,
-                velocity_mps: (to.position_m - from.position_m) / step_s,
-                at_s: from.time_s,
-                duration_s: step_s,
-            };
+            let line = Line::over((from.position_m, to.position_m), from.time_s, step_s);
             let below_m = worst.margin_m + bow_m;
             if let Some((margin, at_s)) = hazard.least_on_line(&line, below_m, meter) {
                 lower(worst, margin - bow_m, at_s, hazard);
@@ -429,16 +413,18 @@ impl<'a> Chord<'a> {
     }
 }
 
-/// The straight line from the last node of a path to `horizon_s`; its duration is negative where the path ends later.
-#[inline]
-fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
-    let last = path.nodes().last()?.state;
-    Some(Line {
-        from_m: last.position_m,
-        velocity_mps: path.end_velocity_mps(),
-        at_s: last.time_s,
-        duration_s: horizon_s - last.time_s,
-    })
+impl FlightPath {
+    /// The straight line from the last node to `horizon_s`; its duration is negative where the path ends later.
+    #[inline]
+    pub fn end_line(&self, horizon_s: f64) -> Option<Line> {
+        let last = self.nodes().last()?.state;
+        Some(Line {
+            from_m: last.position_m,
+            velocity_mps: self.end_velocity_mps(),
+            at_s: last.time_s,
+            duration_s: horizon_s - last.time_s,
+        })
+    }
 }
 
 /// Looks at a hazard near a chord, with its least margin there and when.

@@ -1,7 +1,7 @@
 //! A list of fixed capacity.
 
 /// At most `N` items in order: a slice of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct List<T, const N: usize> {
     all: [T; N],
     len: usize,
@@ -33,6 +33,12 @@ impl<T: Copy, const N: usize> List<T, N> {
     pub fn push(&mut self, item: T) -> Option<usize> {
         let place = self.len;
         self.put(place, item).then_some(place)
+    }
+}
+
+impl<T: PartialEq, const N: usize> PartialEq for List<T, N> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
     }
 }
 

@@ -1,6 +1,7 @@
 //! The content of a command: a [`Maneuver`], a list of [`Stage`]s.
 
 use crate::limit::Limit as _;
+use crate::list::List;
 
 /// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
 /// with their climbs after them. A recorded path that turns has a corner each 0.7 s; what is not predicted of it counts as
@@ -51,10 +52,9 @@ pub fn later(stages: &[Stage], elapsed_s: f64) -> impl Iterator<Item = Stage> {
 pub type Maneuver = StageList<MAX_STAGES>;
 
 /// At most `N` stages, first to last.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct StageList<const N: usize> {
-    list: [Stage; N],
-    len: usize,
+    list: List<Stage, N>,
     /// Whether a pushed stage was refused.
     is_cut: bool,
 }
@@ -65,12 +65,6 @@ impl<const N: usize> core::fmt::Debug for StageList<N> {
             .field("stages", &self.stages())
             .field("whole", &self.is_whole())
             .finish_non_exhaustive()
-    }
-}
-
-impl<const N: usize> PartialEq for StageList<N> {
-    fn eq(&self, other: &Self) -> bool {
-        (self.stages(), self.is_cut) == (other.stages(), other.is_cut)
     }
 }
 
@@ -94,8 +88,7 @@ impl<const N: usize> StageList<N> {
             rate_share: 0.0,
         };
         Self {
-            list: [stage; N],
-            len: 0,
+            list: List::new(stage),
             is_cut: false,
         }
     }
@@ -110,7 +103,8 @@ impl<const N: usize> StageList<N> {
 
     /// Takes other stages in place of its own.
     pub fn set(&mut self, stages: impl IntoIterator<Item = Stage>) {
-        (self.len, self.is_cut) = (0, false);
+        self.list.clear();
+        self.is_cut = false;
         for stage in stages {
             self.push(stage);
         }
@@ -132,7 +126,7 @@ impl<const N: usize> StageList<N> {
 
     /// Limits its climb angles, radians.
     pub fn limit_climbs(&mut self, low: f64, high: f64) {
-        for stage in self.list.iter_mut().take(self.len) {
+        for stage in self.list.iter_mut() {
             stage.climb_rad = stage.climb_rad.limited(low, high);
         }
     }
@@ -152,14 +146,9 @@ impl<const N: usize> StageList<N> {
             .last()
             .is_none_or(|last| stage.start_s >= last.start_s);
         let usable = in_order && numbers.iter().all(|number| number.is_finite());
-        if let Some(slot) = self.list.get_mut(self.len).filter(|_| usable) {
-            *slot = stage;
-            self.len += 1;
-            true
-        } else {
-            self.is_cut = true;
-            false
-        }
+        let is_taken = usable && self.list.push(stage).is_some();
+        self.is_cut |= !is_taken;
+        is_taken
     }
 
     /// Whether it took every pushed stage. A manoeuvre that lost a stage is another flight, and no certificate
@@ -169,14 +158,14 @@ impl<const N: usize> StageList<N> {
     }
 
     /// Number of free stages.
-    pub const fn room(&self) -> usize {
-        N - self.len
+    pub fn room(&self) -> usize {
+        N - self.list.len()
     }
 
     /// The stages, first to last.
     #[inline]
     pub fn stages(&self) -> &[Stage] {
-        self.list.get(..self.len).unwrap_or(&[])
+        &self.list
     }
 
     /// The same commands `elapsed_s` later: of the past stages only the last one stays.

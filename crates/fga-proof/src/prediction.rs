@@ -12,5 +12,5 @@ mod roll;
 
 pub use crate::limit::whole;
 pub use bend::Exit;
-pub use motion::{Bend, Flyer, MotionState, Piece, Target};
+pub use motion::{Bend, Flyer, MotionState, Piece};
 pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, flown};

@@ -35,13 +35,18 @@ pub struct Response {
     pub turn_rate_factor: f64,
 }
 
+impl Response {
+    /// At once, with ideal turns.
+    pub const IDEAL: Self = Self {
+        dead_time_s: 0.0,
+        bank_time_constant_s: 0.0,
+        turn_rate_factor: 1.0,
+    };
+}
+
 impl Default for Response {
     fn default() -> Self {
-        Self {
-            dead_time_s: 0.0,
-            bank_time_constant_s: 0.0,
-            turn_rate_factor: 1.0,
-        }
+        Self::IDEAL
     }
 }
 
@@ -71,11 +76,7 @@ impl Vehicle {
             climb_min_rad: -core::f64::consts::PI / 12.0,
             climb_max_rad: core::f64::consts::PI / 12.0,
             climb_rate_radps: 0.2,
-            response: Response {
-                dead_time_s: 0.0,
-                bank_time_constant_s: 0.0,
-                turn_rate_factor: 1.0,
-            },
+            response: Response::IDEAL,
         }
     }
 
@@ -182,9 +183,9 @@ impl Vehicle {
     pub const fn lagged(bank_time_constant_s: f64) -> Self {
         Self {
             response: Response {
-                dead_time_s: 0.0,
                 bank_time_constant_s,
                 turn_rate_factor: 0.8,
+                ..Response::IDEAL
             },
             ..Self::table_4()
         }

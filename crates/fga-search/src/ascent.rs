@@ -7,8 +7,7 @@
 mod linear;
 mod moves;
 
-use fga_proof::certificate::{Hazard, Line};
-use fga_proof::prediction::MotionState;
+use fga_proof::certificate::{Hazard, Line, Obstruction as _};
 
 use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Seed, Vector, scales};
 use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
@@ -250,15 +249,9 @@ fn nearest(search: &Search<'_>, hazard: &Hazard) -> Option<Approach> {
         return None;
     }
     let mut least = (f64::INFINITY, 0.0);
-    let mut look = |from: &MotionState, velocity_mps, until_s: f64| {
-        let line = Line {
-            from_m: from.position_m,
-            velocity_mps,
-            at_s: from.time_s,
-            duration_s: until_s - from.time_s,
-        };
+    let mut look = |line: &Line| {
         if line.duration_s > 0.0
-            && let Some(found) = hazard.least_on_line(&line, least.0, meter)
+            && let Some(found) = hazard.least_on_line(line, least.0, meter)
         {
             least = found;
         }
@@ -267,11 +260,14 @@ fn nearest(search: &Search<'_>, hazard: &Hazard) -> Option<Approach> {
     for pair in nodes.windows(2) {
         let [node, next] = pair else { continue };
         let (from, to) = (&node.state, &next.state);
-        let span = to.position_m - from.position_m;
-        look(from, span / (to.time_s - from.time_s), to.time_s);
+        let duration_s = to.time_s - from.time_s;
+        look(&Line::over(
+            (from.position_m, to.position_m),
+            from.time_s,
+            duration_s,
+        ));
     }
-    let last = nodes.last()?;
-    look(&last.state, search.path.end_velocity_mps(), scene.horizon_s);
+    look(&search.path.end_line(scene.horizon_s)?);
     if least.0 == f64::INFINITY {
         return None;
     }

@@ -10,7 +10,9 @@ use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
 use super::lattice::{Lattice, Prefix, ROWS, Row};
 use super::line::Tangent;
-use super::tuned::{ASIDE_RAD, BEYOND_RAD, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
+use super::tuned::{
+    ASIDE_RAD, BEYOND_RAD, CLIMBS_A_SIDE, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH,
+};
 use super::{Departure, Found, MAX_TURN_RAD, Objective, Search};
 
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
@@ -42,8 +44,7 @@ impl Search<'_> {
     /// The cheapest certified single turn to one of some sides.
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         self.in_lattice(|search, lattice| {
-            let (climbs, count) = search.scene.climbs();
-            let climbs = &mut climbs.iter().take(count).copied();
+            let climbs = &mut search.scene.climbs(CLIMBS_A_SIDE);
             search.turns_after(lattice, wait_s, sides, climbs, MAX_TURN_RAD);
             let [found, other] = search.best_first(lattice, Aim::Cheapest);
             found.or(other)
@@ -52,16 +53,13 @@ impl Search<'_> {
 
     /// Looks for something in an empty lattice; finds none if the meter refuses it.
     fn in_lattice<T: Default>(&mut self, look: impl FnOnce(&mut Self, &mut Lattice) -> T) -> T {
-        let is_given = self.meter.take(LATTICE_WORK);
-        let Some(board) = self.board.take().filter(|_| is_given) else {
-            return T::default();
-        };
-        let answer = board.lattice().map(|lattice| {
+        self.on_board(LATTICE_WORK, |search, board| {
+            let Some(lattice) = board.lattice() else {
+                return T::default();
+            };
             lattice.clear();
-            look(self, lattice)
-        });
-        self.board = Some(board);
-        answer.unwrap_or_default()
+            look(search, lattice)
+        })
     }
 
     /// Whether a certified single turn of at most `max_turn_rad` exists after a wait, at the original climb angle or at the
@@ -100,9 +98,8 @@ impl Search<'_> {
     /// less: two opposite turns let crossing traffic pass, a climb or descent that levels off leads above or below.
     pub fn least_departure(&mut self, entry_s: f64) -> [Option<Found>; 2] {
         self.in_lattice(|search, lattice| {
-            let (climbs, count) = search.scene.climbs();
             for share in STARTS {
-                let climbs = &mut climbs.iter().take(count).copied();
+                let climbs = &mut search.scene.climbs(CLIMBS_A_SIDE);
                 let wait_s = share * entry_s;
                 search.turns_after(lattice, wait_s, &Side::BOTH, climbs, MAX_TURN_RAD);
             }
@@ -311,7 +308,7 @@ impl Search<'_> {
     #[inline(never)]
     fn fly(&mut self, prefix: &Prefix, row: &mut Row, prefix_fails: &mut bool) -> Option<Found> {
         let target_m = self.scene.target_m;
-        let turns = prefix.turns(&row.way, row.at_rad);
+        let turns = prefix.turns(row);
         let certificate = self.certify(&turns, prefix.from_rad, target_m);
         let margin_m = certificate.proven_m();
         if margin_m >= target_m {
@@ -354,7 +351,7 @@ impl Search<'_> {
         if row.cost == f64::INFINITY {
             return row.cost;
         }
-        self.paper_cost(&prefix.turns(&row.way, row.at_rad), prefix.from_rad)
+        self.paper_cost(&prefix.turns(row), prefix.from_rad)
     }
 
     /// The cost of the member of a row that ends on a line.

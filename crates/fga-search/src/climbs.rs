@@ -5,7 +5,7 @@ use fga_proof::list::List;
 use fga_proof::meter::{COMPARED, Meter};
 use fga_proof::prediction::Flyer;
 
-use super::terms::{ENOUGH_M, SecondTurn, Turns};
+use super::terms::{ENOUGH_M, Turns};
 use super::tuned::{ROUNDS, SEEDS};
 
 /// Most seeds that climb.
@@ -166,11 +166,7 @@ pub(super) fn scales(flyer: &Flyer) -> Vector {
 }
 
 fn to_vector(turns: &Turns) -> Vector {
-    let second = turns.second.unwrap_or(SecondTurn {
-        after_s: 0.0,
-        turn_rad: 0.0,
-        climb_rad: 0.0,
-    });
+    let second = turns.second.unwrap_or_default();
     [
         turns.wait_s,
         turns.turn_rad,

@@ -44,7 +44,12 @@ impl Search<'_> {
         let scene = self.scene;
         let nominal = scene.nominal.stages();
         let planned = flown(scene.flyer, &scene.start, nominal, at_s, &self.meter);
-        Departure::between(there_m - planned.position_m, self.along)
+        let offset_m = there_m - planned.position_m;
+        let behind_m = -offset_m.dot(self.along);
+        Departure {
+            aside_m: (offset_m + self.along * behind_m).length(),
+            behind_m,
+        }
     }
 
     /// When a manoeuvre that ends straight has passed what comes too close on the mission, seconds.

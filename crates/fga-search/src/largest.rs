@@ -36,14 +36,9 @@ impl Search<'_> {
         effort: Effort,
         variety: u32,
     ) -> Option<(Found, Proof)> {
-        if !self.meter.take(SEEDS_WORK) {
-            return None;
-        }
-        let board = self.board.take()?;
-        let climbs = board.climbs();
-        let best = climbs.and_then(|climbs| self.best_among(climbs, (flown, effort, variety)));
-        self.board = Some(board);
-        best
+        self.on_board(SEEDS_WORK, |search, board| {
+            search.best_among(board.climbs()?, (flown, effort, variety))
+        })
     }
 
     fn best_among(
@@ -56,54 +51,46 @@ impl Search<'_> {
             Effort::Grids(most) => most.max(1),
         };
         self.grids = most.min(1);
-        climbs.clear(0);
-        let mut best = None;
-        if let Some(turns) = flown {
-            let margin_m = self.flown_m(&turns, f64::MIN);
-            climbs.take(Seed { turns, margin_m });
-        }
-        self.single_turns(climbs);
-        if most > 0 && self.scene.around.rows.iter().any(Hazard::is_cylinder) {
-            self.levelled(climbs);
-        }
-        self.climb(climbs, &mut best);
-        let found = best?;
+        let hazards = self.scene.around.rows;
         let target_m = self.scene.target_m;
-        if found.margin_m >= target_m {
-            return Some((found, self.prove(&found).into()));
-        }
-        if most == 0 || self.answering {
-            return Some((found, Proof::Open));
-        }
         // A volume that grows with uncertainty may be too large today and not tomorrow.
-        let is_certain = self
-            .scene
-            .around
-            .rows
-            .iter()
-            .all(|hazard| hazard.growth_mps == 0.0);
-        let mut work = 0;
-        for more in 0..most {
-            // One that may not be finished is left to the next search.
+        let is_certain = hazards.iter().all(|hazard| hazard.growth_mps == 0.0);
+        let (mut best, mut work) = (None::<Found>, 0);
+        for round in 0..=most {
+            // A part that may not be finished is left to the next search.
             if self.meter.left() < work {
                 break;
             }
             let begin = self.meter.done();
-            self.grids = more + 1;
             climbs.clear(0);
-            let least_m = best.map_or(f64::MIN, |best| best.margin_m - self.far_m());
-            self.two_turns((variety + more) % PARTS, least_m, climbs);
-            self.fly_best(climbs);
+            if let Some(part) = round.checked_sub(1) {
+                self.grids = round;
+                let least_m = best.map_or(f64::MIN, |best| best.margin_m - self.far_m());
+                self.two_turns((variety + part) % PARTS, least_m, climbs);
+                self.fly_best(climbs);
+            } else {
+                if let Some(turns) = flown {
+                    let margin_m = self.flown_m(&turns, f64::MIN);
+                    climbs.take(Seed { turns, margin_m });
+                }
+                self.single_turns(climbs);
+                if most > 0 && hazards.iter().any(Hazard::is_cylinder) {
+                    self.levelled(climbs);
+                }
+            }
             self.climb(climbs, &mut best);
-            work = self.meter.done() - begin;
             let found = best?;
             if found.margin_m >= target_m {
-                return Some((found, self.prove(&found).into()));
+                let proof = self.prove(&found).map_or(Proof::Open, Proof::Certified);
+                return Some((found, proof));
             }
-            if is_certain && found.margin_m < target_m - FAR * self.scene.turn_radius_m() {
-                return Some((found, Proof::Hopeless));
+            if round > 0 {
+                work = self.meter.done() - begin;
+                if is_certain && found.margin_m < target_m - FAR * self.scene.turn_radius_m() {
+                    return Some((found, Proof::Hopeless));
+                }
             }
-            if self.limit_met() || self.answering {
+            if self.answering || round > 0 && self.limit_met() {
                 break;
             }
         }
@@ -139,9 +126,9 @@ impl Search<'_> {
                     &prefix,
                     row,
                     (MAX_TURN_RAD, f64::MIN),
-                    &mut |search, turn_rad, line_m| {
+                    &mut |search, row, line_m| {
                         if line_m > margin_m(best.as_ref()) {
-                            search.fly_seed(prefix.turns(&row.way, turn_rad), &mut best);
+                            search.fly_seed(prefix.turns(row), &mut best);
                         }
                         margin_m(best.as_ref())
                     },
@@ -241,11 +228,11 @@ impl Search<'_> {
                     &prefix,
                     row,
                     (MOST_FIRST_RAD, floor_m),
-                    &mut |_, last_rad, line_m| {
+                    &mut |_, row, line_m| {
                         let margin_m = line_m.min(before_m);
                         let least_m = best.map_or(floor_m, |best| best.margin_m);
-                        if margin_m > least_m && last_rad != 0.0 {
-                            let turns = prefix.turns(&row.way, last_rad);
+                        if margin_m > least_m && row.at_rad != 0.0 {
+                            let turns = prefix.turns(row);
                             *best = Some(Seed { turns, margin_m });
                         }
                         best.map_or(floor_m, |best| best.margin_m)
@@ -258,17 +245,16 @@ impl Search<'_> {
         }
     }
 
-    /// Visits turns of a row at moderate steps, until a margin reaches the target. `visit` gets the turn and the margin of its line, and
+    /// Visits turns of a row at moderate steps, until a margin reaches the target. `visit` gets the row at a turn and the margin of its line, and
     /// returns the margin that the next ones must exceed.
     #[inline(never)]
     fn scan(
         &mut self,
         prefix: &Prefix,
-        row: Row,
+        mut row: Row,
         (most_rad, mut floor_m): (f64, f64),
-        visit: &mut dyn FnMut(&mut Self, f64, f64) -> f64,
+        visit: &mut dyn FnMut(&mut Self, &Row, f64) -> f64,
     ) {
-        let mut row = row;
         while row.at_rad <= most_rad && !self.limit_met() {
             let Some(tangent) = self.line(prefix, &row) else {
                 return;
@@ -276,7 +262,7 @@ impl Search<'_> {
             let Some(look) = self.look(&tangent, (floor_m, ENOUGH_M)) else {
                 return;
             };
-            floor_m = visit(self, row.at_rad, look.margin_m);
+            floor_m = visit(self, &row, look.margin_m);
             let short_m = floor_m - look.margin_m;
             row.at_rad += (2.0 * STEP_RAD).max(self.least_more_rad(short_m, look.left_s));
             if floor_m >= self.scene.target_m {

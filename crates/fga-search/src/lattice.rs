@@ -14,14 +14,6 @@ const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len
 /// mission's direction.
 pub(super) const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
 
-/// The side of turns and the climb target taken up during them.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
-    pub side: Side,
-    /// The climb target, radians.
-    pub climb_rad: f64,
-}
-
 /// What precedes the last turn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prefix {
@@ -42,11 +34,11 @@ impl Prefix {
         entry: MotionState::ahead(0.0),
     };
 
-    /// The member of a row with this last turn, radians towards its side.
-    pub(super) fn turns(&self, way: &Way, turn_rad: f64) -> Turns {
+    /// The next member of a row.
+    pub(super) fn turns(&self, row: &Row) -> Turns {
         let Self { wait_s, entry, .. } = *self;
-        let to_rad = entry.course_rad + way.side.sign() * turn_rad - self.from_rad;
-        let climb_rad = way.climb_rad;
+        let to_rad = entry.course_rad + row.side.sign() * row.at_rad - self.from_rad;
+        let climb_rad = row.climb_rad;
         let Some((first_rad, first_climb)) = self.first else {
             return Turns {
                 wait_s,
@@ -75,7 +67,9 @@ pub(super) struct Row {
     pub prefix: u8,
     /// The side of its first turn.
     pub first: Side,
-    pub way: Way,
+    /// The side of its last turn, and the climb target taken up during that, radians.
+    pub side: Side,
+    pub climb_rad: f64,
     /// The next turn, radians towards the side: all from the beginning of the row to here are ruled out.
     pub at_rad: f64,
     /// The last turn of the row, radians.
@@ -92,10 +86,8 @@ impl Row {
     pub(super) const NONE: Self = Self {
         prefix: 0,
         first: Side::Left,
-        way: Way {
-            side: Side::Left,
-            climb_rad: 0.0,
-        },
+        side: Side::Left,
+        climb_rad: 0.0,
         at_rad: 0.0,
         to_rad: 0.0,
         is_ready: false,

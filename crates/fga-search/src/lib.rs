@@ -43,8 +43,6 @@ use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
 
-use tuned::{CLIMBS, CLIMBS_A_SIDE};
-
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
 
@@ -85,32 +83,25 @@ impl Scene<'_> {
         self.flyer.turn_radius_m()
     }
 
-    /// Climb targets: the original, then in equal steps up and down to the steepest ones; as many as differ.
-    fn climbs(&self) -> ([f64; CLIMBS], usize) {
+    /// Climb targets: the original, then in equal steps up and down to the steepest ones, as far as they differ.
+    fn climbs(&self, steps: usize) -> impl Iterator<Item = f64> + Clone + use<> {
         let (low, high) = self.climb_limits_rad;
         let original = self.original.1.limited(low, high);
-        let (mut climbs, mut count) = ([original; CLIMBS], 1);
-        for step in 1..=CLIMBS_A_SIDE {
-            let share = step as f64 / CLIMBS_A_SIDE as f64;
-            for limit in [high, low] {
-                if limit != original
-                    && let Some(slot) = climbs.get_mut(count)
-                {
-                    *slot = original + share * (limit - original);
-                    count += 1;
-                }
-            }
-        }
-        (climbs, count)
+        let limits = [high, low]
+            .into_iter()
+            .filter(move |limit| *limit != original);
+        let aside = (0..steps).rev().flat_map(move |left| {
+            let share = left as f64 / steps as f64;
+            limits
+                .clone()
+                .map(move |limit| limit + share * (original - limit))
+        });
+        core::iter::once(original).chain(aside)
     }
 
     /// The few climb targets that matter for the largest margin: original, steepest up and down.
     fn extreme_climbs(&self) -> impl Iterator<Item = f64> + Clone + use<> {
-        let (low, high) = self.climb_limits_rad;
-        let original = self.original.1.limited(low, high);
-        core::iter::once(original)
-            .chain((high > original).then_some(high))
-            .chain((low < original).then_some(low))
+        self.climbs(1)
     }
 }
 
@@ -148,20 +139,20 @@ impl Board {
         if matches!(self, Self::Climbs(_)) {
             *self = Self::Lattice(Lattice::NONE);
         }
-        match self {
-            Self::Lattice(lattice) => Some(lattice),
-            Self::Climbs(_) => None,
-        }
+        let Self::Lattice(lattice) = self else {
+            return None;
+        };
+        Some(lattice)
     }
 
     fn climbs(&mut self) -> Option<&mut Climbs> {
         if matches!(self, Self::Lattice(_)) {
             *self = Self::Climbs(Climbs::NONE);
         }
-        match self {
-            Self::Climbs(climbs) => Some(climbs),
-            Self::Lattice(_) => None,
-        }
+        let Self::Climbs(climbs) = self else {
+            return None;
+        };
+        Some(climbs)
     }
 }
 
@@ -272,6 +263,21 @@ impl<'a> Search<'a> {
         self.meter.is_met()
     }
 
+    /// Looks for something on the board, whose filling takes some work; finds none if the meter refuses that.
+    fn on_board<T: Default>(
+        &mut self,
+        work: usize,
+        look: impl FnOnce(&mut Self, &mut Board) -> T,
+    ) -> T {
+        let is_given = self.meter.take(work);
+        let Some(board) = self.board.take().filter(|_| is_given) else {
+            return T::default();
+        };
+        let answer = look(self, board);
+        self.board = Some(board);
+        answer
+    }
+
     /// Releases the reserve of work for the answer.
     fn answer(&mut self) {
         if !self.answering {
@@ -364,8 +370,7 @@ impl<'a> Search<'a> {
     pub fn cost(&mut self, turns: &Turns, from_rad: f64) -> f64 {
         match self.scene.objective {
             Objective::PaperCost => self.paper_cost(turns, from_rad),
-            Objective::LeastDeviation => self.departure_of(turns).aside_m,
-            Objective::ShortestPath => self.departure_of(turns).extra_path_m(),
+            objective => self.departure_of(turns).length_m(objective),
         }
     }
 

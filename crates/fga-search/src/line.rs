@@ -4,14 +4,14 @@
 //! moment τ after the turns part; a turn longer by Δψ has moved the aircraft by V (Δψ τ − Δψ² / 2ω) at most by then.
 
 use fga_proof::angle::Side;
-use fga_proof::certificate::{HazardSet as _, Line};
+use fga_proof::certificate::{HazardSet as _, Line, Obstruction as _};
 use fga_proof::limit::Limit as _;
 use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};
 use fga_proof::{Vec2, Vec3};
 
 use super::Search;
-use super::lattice::Way;
+use super::lattice::{Prefix, Row};
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -125,22 +125,18 @@ impl Search<'_> {
         rate_radps * (libm::sqrt(left_s * left_s + short_s2) - left_s)
     }
 
-    /// The line on which a turn to a side at a climb target ends.
-    pub(super) fn tangent(
-        &mut self,
-        from: &MotionState,
-        way: &Way,
-        turn_rad: f64,
-    ) -> Option<Tangent> {
+    /// The line on which the next turn of a row ends.
+    pub(super) fn line(&mut self, prefix: &Prefix, row: &Row) -> Option<Tangent> {
         if !self.meter.take(LINE) {
             return None;
         }
-        let (sign, flyer) = (way.side.sign(), self.scene.flyer);
-        let bend = self.bend(sign * from.bank_rad, way.side)?;
-        let turn_rad = turn_rad.max(bend.least_rad());
+        let (from, climb_rad) = (&prefix.entry, row.climb_rad);
+        let (sign, flyer) = (row.side.sign(), self.scene.flyer);
+        let bend = self.bend(sign * from.bank_rad, row.side)?;
+        let turn_rad = row.at_rad.max(bend.least_rad());
         let exit = bend.exit(flyer, turn_rad)?;
         let inexact_m = Bend::inexact_m(flyer);
-        let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(from.climb_rad, way.climb_rad);
+        let ((up, level), climbs_s, (along_m, up_m)) = self.climbed(from.climb_rad, climb_rad);
         let speed_mps = flyer.airspeed_mps();
         let (sin, cos) = libm::sincos(from.course_rad);
         let course = Vec2::new(cos, sin);
@@ -158,7 +154,7 @@ impl Search<'_> {
                 time_s: from.time_s + after_s,
                 position_m: from.position_m + moved_m.extend(up_m),
                 course_rad: from.course_rad + sign * turn_rad,
-                climb_rad: way.climb_rad,
+                climb_rad,
                 bank_rad: 0.0,
             },
             velocity_mps: (level * end).extend(up) * speed_mps,

@@ -9,7 +9,7 @@ use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::prediction::flown;
 
-use super::lattice::{Prefix, Row, Way};
+use super::lattice::{Prefix, Row};
 use super::line::Tangent;
 use super::tuned::{STEP_RAD, USUAL};
 use super::{MAX_TURN_RAD, Search};
@@ -55,17 +55,13 @@ impl Search<'_> {
             first: prefix
                 .first
                 .map_or(side, |(turn_rad, _)| Side::of(turn_rad)),
-            way: Way { side, climb_rad },
+            side,
+            climb_rad,
             at_rad: self.bend(bank_rad, side)?.least_rad(),
             to_rad: MAX_TURN_RAD,
             least_step_rad: LEAST_STEP_RAD,
             ..Row::NONE
         })
-    }
-
-    /// The line of the next turn of a row.
-    pub(super) fn line(&mut self, prefix: &Prefix, row: &Row) -> Option<Tangent> {
-        self.tangent(&prefix.entry, &row.way, row.at_rad)
     }
 
     /// Advances a row to about the first turn whose line stays clear and returns that line. `None` where the row has none, which

@@ -1,6 +1,5 @@
 //! The terms of a search: what is asked of it, and what it answers.
 
-use fga_proof::Vec3;
 use fga_proof::certificate::Certified;
 use fga_proof::maneuver::Maneuver;
 
@@ -47,7 +46,7 @@ impl Turns {
 }
 
 /// The second stage of a manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SecondTurn {
     /// Seconds from the start of the first turn to that of the second.
     pub after_s: f64,
@@ -91,12 +90,6 @@ impl Proof {
             Self::Certified(certified) => Some(*certified),
             Self::Open | Self::Hopeless => None,
         }
-    }
-}
-
-impl From<Option<Certified>> for Proof {
-    fn from(certified: Option<Certified>) -> Self {
-        certified.map_or(Self::Open, Self::Certified)
     }
 }
 
@@ -144,17 +137,8 @@ impl Departure {
 
     /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
     /// intercept angle adds about a quarter of the distance.
-    pub fn extra_path_m(&self) -> f64 {
+    fn extra_path_m(&self) -> f64 {
         self.behind_m + 0.27 * self.aside_m
-    }
-
-    /// Between where the aircraft is and where the mission would have brought it, on a mission's direction.
-    pub(super) fn between(offset_m: Vec3, along: Vec3) -> Self {
-        let behind_m = -offset_m.dot(along);
-        Self {
-            aside_m: (offset_m + along * behind_m).length(),
-            behind_m,
-        }
     }
 
     /// What an objective counts, metres.

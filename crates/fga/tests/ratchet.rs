@@ -56,7 +56,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::prediction::MotionState,
         fga_proof::prediction::Node,
         fga_proof::prediction::Piece,
-        fga_proof::prediction::Target,
         fga_proof::situation::Mission,
         fga_proof::situation::Movement,
         fga_proof::situation::MovementBounds,

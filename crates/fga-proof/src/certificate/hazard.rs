@@ -57,14 +57,20 @@ pub struct Line {
 }
 
 impl Line {
-    /// From one place to another one in a second.
-    pub fn between(from_m: Vec3, to_m: Vec3) -> Self {
+    /// From one place to another one, metres, from a moment on, in a time, seconds.
+    #[inline]
+    pub fn over((from_m, to_m): (Vec3, Vec3), at_s: f64, duration_s: f64) -> Self {
         Self {
             from_m,
-            velocity_mps: to_m - from_m,
-            at_s: 0.0,
-            duration_s: 1.0,
+            velocity_mps: (to_m - from_m) / duration_s,
+            at_s,
+            duration_s,
         }
+    }
+
+    /// From one place to another one in a second.
+    pub fn between(from_m: Vec3, to_m: Vec3) -> Self {
+        Self::over((from_m, to_m), 0.0, 1.0)
     }
 
     /// At a place.
@@ -168,18 +174,7 @@ impl Hazard {
         })
     }
 
-    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
-    /// the look.
-    #[inline]
-    pub fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        if self.window_s == ALWAYS {
-            self.least_within(line, below_m, meter)
-        } else {
-            self.least_within(&self.within_window(line)?, below_m, meter)
-        }
-    }
-
-    /// The same on a line within the hazard's window.
+    /// The least margin on a line within the hazard's window.
     fn least_within(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
         let (at_s, duration_s) = (line.at_s, line.duration_s);
         let offset = self.offset_m(line.from_m, at_s);
@@ -376,6 +371,10 @@ impl Obstruction for Hazard {
 
     #[inline]
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        Self::least_on_line(self, line, below_m, meter)
+        if self.window_s == ALWAYS {
+            self.least_within(line, below_m, meter)
+        } else {
+            self.least_within(&self.within_window(line)?, below_m, meter)
+        }
     }
 }

@@ -5,8 +5,9 @@
 //! a table has those.
 
 use crate::Vec2;
+use crate::maneuver::Stage;
 use crate::prediction::motion::arc::unit;
-use crate::prediction::motion::{Bend, End, Flyer, MotionState, Target};
+use crate::prediction::motion::{Bend, End, Flyer, MotionState};
 
 /// A roll-out is nearly over after this many time constants.
 const ROLLS_OUT: f64 = 4.0;
@@ -34,6 +35,8 @@ impl Bend {
         self.bank_rad = bank_rad;
         self.ends.clear();
         let mut state = MotionState::ahead(bank_rad);
+        // Without an end that matters.
+        let turning_left = Stage::turn(0.0, 100.0, 0.0);
         loop {
             let (at_m, course) = (state.position_m.truncate(), unit(state.course_rad));
             let end = End {
@@ -45,7 +48,7 @@ impl Bend {
                 break;
             }
             self.center_m = at_m + course.perp() * flyer.turn_radius_m();
-            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
+            let piece = flyer.next_piece(&state, &turning_left, f64::INFINITY);
             if !piece.is_rolling() {
                 break;
             }

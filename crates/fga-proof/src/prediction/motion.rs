@@ -11,6 +11,7 @@ use core::f64::consts::FRAC_PI_2;
 use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::list::List;
+use crate::maneuver::Stage;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -65,26 +66,6 @@ impl MotionState {
             bank_rad: ownship.bank_rad,
         }
     }
-}
-
-/// A command: see [`Stage`](crate::maneuver::Stage) for the meaning of the fields.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
-    /// Course to turn to, radians, not wrapped.
-    pub course_rad: f64,
-    /// Climb angle to take up, radians.
-    pub climb_rad: f64,
-    /// Share of the largest course rate.
-    pub rate_share: f64,
-}
-
-impl Target {
-    /// Level, in a left turn without end at the largest course rate.
-    pub const TURNING_LEFT: Self = Self {
-        course_rad: 100.0,
-        climb_rad: 0.0,
-        rate_share: 1.0,
-    };
 }
 
 /// One piece of flight: a constant climb rate, and a course rate that is quadratic in time.
@@ -182,6 +163,15 @@ impl Bend {
         }),
         center_m: Vec2::ZERO,
     };
+}
+
+/// The rate towards a target that is an angle away, radians per second, at most a limit, and how long it lasts, seconds.
+fn towards(left_rad: f64, limit_radps: f64) -> (f64, f64) {
+    if left_rad.abs() < REACHED_RAD || limit_radps <= 0.0 {
+        return (0.0, f64::INFINITY);
+    }
+    let rate = libm::copysign(limit_radps, left_rad);
+    (rate, left_rad / rate)
 }
 
 /// The vehicle's motion under commands.
@@ -304,41 +294,21 @@ impl Flyer {
         direction(state.course_rad, state.climb_rad) * self.airspeed_mps
     }
 
-    /// The piece that comes next under a command.
+    /// The piece that comes next under a command, with a new command after `limit_s` seconds.
     ///
-    /// It ends where a target is reached, or after a part of a roll; it is infinite once both targets
-    /// are met.
-    pub fn next_piece(&self, state: &MotionState, target: &Target) -> Piece {
-        self.next_piece_within(state, target, f64::INFINITY)
-    }
-
-    /// The same, with a new command after `limit_s` seconds: a piece with a changing bank ends there, with the
-    /// rate and the bank of that moment.
-    pub fn next_piece_within(&self, state: &MotionState, target: &Target, limit_s: f64) -> Piece {
-        let climb_target = target
-            .climb_rad
-            .limited(self.climb_min_rad, self.climb_max_rad);
-        let climb_left = climb_target - state.climb_rad;
-        let (climb_rate, climb_s) =
-            if climb_left.abs() < REACHED_RAD || self.climb_rate_radps <= 0.0 {
-                (0.0, f64::INFINITY)
-            } else {
-                let rate = libm::copysign(self.climb_rate_radps, climb_left);
-                (rate, climb_left / rate)
-            };
-        let turn_left = target.course_rad - state.course_rad;
+    /// It ends where a target is reached, or after a part of a roll; it is infinite once both targets are met. One with a changing
+    /// bank ends at the new command, with the rate and the bank of that moment.
+    pub fn next_piece(&self, state: &MotionState, command: &Stage, limit_s: f64) -> Piece {
+        let (low_rad, high_rad) = (self.climb_min_rad, self.climb_max_rad);
+        let climb_left = command.climb_rad.limited(low_rad, high_rad) - state.climb_rad;
+        let climb @ (climb_rate, climb_s) = towards(climb_left, self.climb_rate_radps);
+        let turn_left = command.course_rad - state.course_rad;
         if self.is_ideal() {
-            let limit = self.course_rate_radps * target.rate_share;
-            let (rate, turn_s) = if turn_left.abs() < REACHED_RAD || limit <= 0.0 {
-                (0.0, f64::INFINITY)
-            } else {
-                let rate = libm::copysign(limit, turn_left);
-                (rate, turn_left / rate)
-            };
+            let limit = self.course_rate_radps * command.rate_share;
+            let (rate, turn_s) = towards(turn_left, limit);
             return Piece::steady(climb_s.min(turn_s), rate, climb_rate, 0.0);
         }
-        let climb = (climb_rate, climb_s);
-        self.lagged_piece(state, turn_left, target.rate_share, climb, limit_s)
+        self.lagged_piece(state, turn_left, command.rate_share, climb, limit_s)
     }
 
     /// Course rate at a bank, radians per second (Eq. 9 with the turn-rate factor).

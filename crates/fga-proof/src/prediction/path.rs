@@ -8,7 +8,7 @@ use crate::limit::whole;
 use crate::list::List;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
-use crate::prediction::{Flyer, MotionState, Piece, Target};
+use crate::prediction::{Flyer, MotionState, Piece};
 
 /// Most nodes of a path: a slow turn round and its rolls, twice over. A flight that needs more is not proven.
 pub const MAX_NODES: usize = 192;
@@ -87,7 +87,7 @@ fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
 struct Pieces<'a> {
     flyer: &'a Flyer,
     stages: Peekable<Iter<'a, Stage>>,
-    target: Target,
+    command: Stage,
 }
 
 impl<'a> Pieces<'a> {
@@ -95,11 +95,7 @@ impl<'a> Pieces<'a> {
         Self {
             flyer,
             stages: stages.iter().peekable(),
-            target: Target {
-                course_rad: start.course_rad,
-                climb_rad: start.climb_rad,
-                rate_share: 1.0,
-            },
+            command: Stage::turn(0.0, start.course_rad, start.climb_rad),
         }
     }
 
@@ -107,16 +103,12 @@ impl<'a> Pieces<'a> {
     /// and its latest end: at the next command, or at `limit_s`.
     fn next(&mut self, state: &MotionState, limit_s: f64) -> (Piece, f64, f64) {
         while let Some(stage) = self.stages.next_if(|stage| stage.start_s <= state.time_s) {
-            self.target = Target {
-                course_rad: stage.course_rad,
-                climb_rad: stage.climb_rad,
-                rate_share: stage.rate_share,
-            };
+            self.command = *stage;
         }
         let next_s = self.stages.peek().map_or(f64::INFINITY, |s| s.start_s);
         let until_s = next_s.min(limit_s);
         let left_s = until_s - state.time_s;
-        let piece = self.flyer.next_piece_within(state, &self.target, left_s);
+        let piece = self.flyer.next_piece(state, &self.command, left_s);
         (piece, piece.duration_s.min(left_s), until_s)
     }
 }

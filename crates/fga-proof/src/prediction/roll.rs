@@ -80,7 +80,7 @@ impl Roll {
     pub(super) fn new(from_rad: f64, command_rad: f64, most: f64, pace: f64) -> Self {
         let size = (from_rad - command_rad).abs();
         let upright = FRAC_PI_2 - from_rad.abs().max(command_rad.abs());
-        let unevenness = unevenness(tan(from_rad.abs()), size);
+        let unevenness = unevenness(libm::tan(from_rad.abs()), size);
         let square = pace * pace;
         let may_end = LAST_BOW * unevenness <= LAST_SHARE * USUAL_BOW * square * square * pace;
         let longest = if may_end {
@@ -106,8 +106,8 @@ impl Roll {
         let off_rad = from_rad - command_rad;
         // What is left of the roll at the abscissas, and so at the end.
         let [(first, outer), (second, inner)] = GAUSS;
-        let left = decays([first, second, 1.0 - second, 1.0 - first].map(|at| lasts * at));
-        let [a, b, c, d] = left.map(|left| tan(command_rad + off_rad * left));
+        let left = [first, second, 1.0 - second, 1.0 - first].map(|at| libm::exp(-lasts * at));
+        let [a, b, c, d] = left.map(|left| libm::tan(command_rad + off_rad * left));
         let to_rad = command_rad + off_rad * (left[0] * left[3]);
         // The course rate in Legendre's polynomials over the piece.
         let (even, odd) = (
@@ -126,7 +126,7 @@ impl Roll {
             // The quotient of what is left by rounding says nothing, and that of zeros is no number.
             (mean, 0.0, 0.0)
         };
-        let fastest = tan(from_rad.abs().max(to_rad.abs()));
+        let fastest = libm::tan(from_rad.abs().max(to_rad.abs()));
         let square = lasts * lasts;
         Self {
             from_rad,
@@ -142,7 +142,7 @@ impl Roll {
     /// The end of a roll: small enough to include its whole rest.
     fn last(from_rad: f64, command_rad: f64) -> Self {
         let off_rad = from_rad - command_rad;
-        let steady = tan(command_rad);
+        let steady = libm::tan(command_rad);
         let slope = 1.0 + steady * steady;
         // ∫ tan(c + d e^−u) − tan c du by its series in d, and how long it is missing altogether.
         let rest = slope * off_rad * (1.0 + 0.5 * steady * off_rad);
@@ -153,7 +153,7 @@ impl Roll {
         let area = rest * LAST - late - curve * LAST * LAST * LAST * LAST / 24.0;
         let growth = 12.0 * (0.5 * turn * LAST - area) / (LAST * LAST * LAST);
         let rate = steady + turn / LAST - 0.5 * growth * LAST;
-        let fastest = tan(from_rad.abs().max(command_rad.abs()));
+        let fastest = libm::tan(from_rad.abs().max(command_rad.abs()));
         Self {
             from_rad,
             command_rad,
@@ -201,27 +201,6 @@ const SERIES: [f64; 9] = [
     8.959_523_479_911_502e-14,
 ];
 
-/// The tangent by the same series, good to 10⁻¹¹ for banks up to 80°.
-fn tan(bank_rad: f64) -> f64 {
-    let square = bank_rad * bank_rad;
-    let (mut series, mut degree) = (0.0, 2.0 * SERIES.len() as f64 - 1.0);
-    for coefficient in SERIES.iter().rev() {
-        series = series * square + degree * coefficient;
-        degree -= 2.0;
-    }
-    bank_rad * (8.0 / (PI * PI - 4.0 * square) + series)
-}
-
-/// e^−x for four x, none longer than a piece: by the series in x/64, good to 10⁻¹⁴. A function of its own is compiled to vectors.
-#[inline(never)]
-fn decays(x: [f64; 4]) -> [f64; 4] {
-    x.map(|x| {
-        let term = |sum: f64, degree: u8| 1.0 - sum * x * (1.0 / 64.0 / f64::from(degree));
-        let root = (1..=8).rev().fold(1.0, term);
-        (0..6).fold(root, |power, _| power * power)
-    })
-}
-
 /// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
@@ -259,22 +238,6 @@ mod tests {
                 error < 1e-9 * (1.0 + roll_out(bank).abs()),
                 "{bank}: {error}"
             );
-        }
-    }
-
-    #[test]
-    fn decays_and_tangents_are_those_of_the_functions() {
-        for part in 0..=100 {
-            let part = f64::from(part) / 100.0;
-            let x = [1.0, 0.9, 0.5, 0.01].map(|share| LAST * share * part);
-            for (decay, x) in decays(x).into_iter().zip(x) {
-                assert!((decay * x.exp() - 1.0).abs() < 1e-14, "{x}: {decay}");
-            }
-            let banks_rad = [1.4, -1.4, 0.3, -0.01].map(|bank_rad| bank_rad * part);
-            for bank_rad in banks_rad {
-                let tan = tan(bank_rad);
-                assert!((tan - bank_rad.tan()).abs() < 1e-10, "{bank_rad}: {tan}");
-            }
         }
     }
 

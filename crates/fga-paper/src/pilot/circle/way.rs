@@ -12,7 +12,7 @@ use fga::Vec3;
 use fga::angle::{direction, wrap_pi};
 use fga::limit::Limit as _;
 use fga::maneuver::{Maneuver, Stage};
-use fga::prediction::{Flyer, MotionState, Target};
+use fga::prediction::{Flyer, MotionState};
 
 use crate::algorithm_4::Phase;
 
@@ -72,11 +72,11 @@ pub(super) struct Air<'a> {
 
 impl Air<'_> {
     /// The aircraft some seconds later, its position over the ground.
-    fn after(&self, state: &MotionState, target: &Target, for_s: f64) -> MotionState {
+    fn after(&self, state: &MotionState, command: &Stage, for_s: f64) -> MotionState {
         let mut now = *state;
         let mut left_s = for_s;
         for _ in 0..MOST_PIECES {
-            let piece = self.flyer.next_piece(&now, target);
+            let piece = self.flyer.next_piece(&now, command, f64::INFINITY);
             let step_s = left_s.min(piece.duration_s);
             now = self.flyer.advance(&now, &piece, step_s);
             left_s -= step_s;
@@ -103,11 +103,11 @@ impl Air<'_> {
             if until_s <= at_s {
                 continue;
             }
-            let target = maneuver.stage_at(at_s).map_or_else(
+            let command = maneuver.stage_at(at_s).map_or_else(
                 || toward(&now, self.settled_rad(&now), 1.0),
                 |stage| toward(&now, stage.course_rad, stage.rate_share),
             );
-            now = self.after(&now, &target, until_s - at_s);
+            now = self.after(&now, &command, until_s - at_s);
             at_s = until_s;
         }
         now
@@ -125,11 +125,10 @@ impl Air<'_> {
     }
 }
 
-fn toward(state: &MotionState, course_rad: f64, rate_share: f64) -> Target {
-    Target {
-        course_rad,
-        climb_rad: state.climb_rad,
+fn toward(state: &MotionState, course_rad: f64, rate_share: f64) -> Stage {
+    Stage {
         rate_share,
+        ..Stage::turn(0.0, course_rad, state.climb_rad)
     }
 }
 
