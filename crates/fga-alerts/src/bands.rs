@@ -8,13 +8,11 @@
 //! | [`guard`] | when does a line meet a volume of an intruder? |
 //! | [`search`] | which values are free of conflicts with some aircraft? |
 //! | [`recovery`] | which way leads out where none stays clear? |
-//! | [`intervals`] | which values are free? |
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
 
 pub(crate) mod colors;
 mod guard;
-pub(crate) mod intervals;
 mod level;
 pub(crate) mod memory;
 pub(crate) mod path;
@@ -26,8 +24,7 @@ mod ways;
 pub(crate) use search::meets_within_spread;
 
 use crate::aircraft::Pair;
-use crate::bands::colors::{Band, Colors, Way, region_at};
-use crate::bands::intervals::Intervals;
+use crate::bands::colors::{Band, Colors, Way};
 use crate::bands::memory::{BandMemory, Resolution, Step};
 use crate::bands::recovery::Recovery;
 use crate::bands::search::BandSearch;
@@ -42,7 +39,7 @@ use alloc::vec::Vec;
 #[derive(Debug, Clone)]
 pub struct QuantityBands {
     quantity: Quantity,
-    bands: Vec<Band>,
+    shown: Colors,
     peripheral: [Vec<Contribution>; 3],
     recovery: Recovery,
     memory: BandMemory,
@@ -53,7 +50,7 @@ impl QuantityBands {
     pub(crate) fn new(quantity: Quantity) -> Self {
         Self {
             quantity,
-            bands: Vec::new(),
+            shown: Colors::default(),
             peripheral: Default::default(),
             recovery: Recovery::NotNeeded,
             memory: BandMemory::default(),
@@ -68,12 +65,12 @@ impl QuantityBands {
 
     /// The bands in growing order; none where the current value lies outside of the scale.
     pub fn bands(&self) -> &[Band] {
-        &self.bands
+        &self.shown.bands
     }
 
     /// The region at a value; `None` outside of the bands.
     pub fn region_at(&self, value: f64) -> Option<Region> {
-        region_at(&self.bands, value, self.quantity.modulus())
+        self.shown.region_at(value)
     }
 
     /// Aircraft (indices in the traffic) that are not in conflict but would be after a manoeuvre.
@@ -103,12 +100,14 @@ impl QuantityBands {
 
     /// Computes the bands of a step.
     pub(crate) fn update(&mut self, picture: &Picture) {
-        self.bands.clear();
-        self.peripheral = Default::default();
-        self.recovery = Recovery::NotNeeded;
+        let memory = core::mem::take(&mut self.memory);
+        *self = Self {
+            memory,
+            ..Self::new(self.quantity)
+        };
         let (settings, ownship) = (&picture.settings, &picture.ownship.state);
         let around = picture.around(self.quantity);
-        self.span = BandSpan::of(self.quantity, settings, ownship, around);
+        self.span = BandSpan::of(self.quantity, picture, around);
         let Some(span) = self.span else {
             return;
         };
@@ -123,7 +122,7 @@ impl QuantityBands {
             span: &span,
             recovery: self.recovery,
         };
-        self.bands = self.memory.take(colors, &step);
+        self.shown = self.memory.take(colors, &step);
     }
 
     /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
@@ -143,41 +142,43 @@ impl QuantityBands {
             && picture.terminal == Terminal::Guided
             && settings.terminal.guidance == TerminalGuidance::Landing;
         let recovers = settings.recovers.get(self.quantity);
-        let at_once = self
-            .quantity
-            .is_instantaneous(settings, picture.turns_at_once());
-        let mut colors = Colors::of(span);
+        let mut colors = Colors::of(span, span.reach);
         for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
             if !picture.paints(region) {
                 continue;
             }
             if lands && index <= corrective {
-                colors.paint_outside(&Intervals::default(), region);
+                colors.paint_where(&Colors::closed(span), Region::Near, region);
                 break;
             }
-            let free = search.free(&self.painting(picture, index), None);
-            if recovers && index <= corrective && free.is_empty() {
+            let conflicts = search.conflicts(&self.painting(picture, index), None);
+            let is_closed = conflicts.is_closed();
+            if recovers && index <= corrective && is_closed {
                 let (recovery, ways_out) = search.recover(&self.painting(picture, corrective));
                 self.recovery = recovery;
-                let is_corrective = index == corrective;
-                colors.paint_outside(if is_corrective { &ways_out } else { &free }, region);
-                colors.paint_inside(&ways_out, Region::Recovery);
+                let painted = if index == corrective {
+                    &ways_out
+                } else {
+                    &conflicts
+                };
+                colors.paint_where(painted, Region::Near, region);
+                colors.paint_where(&ways_out, Region::None, Region::Recovery);
                 break;
             }
-            colors.paint_outside(&free, region);
+            colors.paint_where(&conflicts, Region::Near, region);
             let lost = picture.times.get(index);
             let is_lost = lost.is_some_and(|times| times.entry_s == 0.0);
-            if recovers && at_once && index == corrective && is_lost {
+            if recovers && span.at_once && index == corrective && is_lost {
                 self.recovery = Recovery::Found {
                     time_s: 0.0,
                     distance_m: settings.recovery_distance_m,
                     height_m: settings.recovery_height_m,
                     shrinkings: 0,
                 };
-                colors.paint_inside(&free, Region::Recovery);
+                colors.paint_where(&conflicts, Region::None, Region::Recovery);
                 break;
             }
-            if free.is_empty() {
+            if is_closed {
                 break;
             }
         }
@@ -188,8 +189,9 @@ impl QuantityBands {
     /// searched.
     pub(crate) fn is_blocked(&self, picture: &Picture, pair: &Pair, volume: &Volume) -> bool {
         let is_searched = |span: &&BandSpan| {
+            let (first, last) = span.reach;
             self.quantity != Quantity::Altitude
-                || (span.min..=span.max).contains(&pair.ownship.position_m.z)
+                || (first..=last).contains(&pair.ownship.position_m.z)
         };
         let span = self.span.as_ref().filter(is_searched);
         span.is_none_or(|span| {

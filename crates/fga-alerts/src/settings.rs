@@ -2,7 +2,7 @@
 
 use crate::hysteresis::HysteresisSettings;
 use crate::quantity::PerManeuver;
-use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
+use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, GRAVITY_MPS2, KNOT_MPS};
 use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -265,7 +265,7 @@ impl Default for Settings {
             ),
             altitude: unbounded_below(100.0 * FOOT_M, 50_000.0 * FOOT_M, 100.0 * FOOT_M),
             horizontal_acceleration_mps2: 2.0,
-            vertical_acceleration_mps2: 0.25 * 9.806_65,
+            vertical_acceleration_mps2: 0.25 * GRAVITY_MPS2,
             turn_rate_radps: 3.0 * DEGREE_RAD,
             bank_rad: 0.0,
             vertical_rate_mps: 500.0 * FOOT_PER_MINUTE_MPS,

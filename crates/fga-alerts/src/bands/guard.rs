@@ -4,8 +4,6 @@ use crate::aircraft::Pair;
 use crate::bands::path::FlownLine;
 use crate::settings::Settings;
 use crate::volume::Volume;
-use alloc::vec;
-use alloc::vec::Vec;
 
 /// What the ownship stays out of.
 pub(super) struct Guard<'a> {
@@ -13,7 +11,7 @@ pub(super) struct Guard<'a> {
     /// The intruder, and the ownship as it flies now.
     pair: &'a Pair,
     /// Volumes, and between which times each of them counts, seconds.
-    volumes: Vec<(&'a Volume, f64, f64)>,
+    volumes: [(&'a Volume, f64, f64); 2],
     /// Until when lines are looked at, seconds; a manoeuvre's own time comes on top unless the settings count it.
     until_s: f64,
 }
@@ -27,15 +25,15 @@ impl<'a> Guard<'a> {
         kept: Option<&'a (Volume, f64)>,
         until_s: f64,
     ) -> Self {
-        let volumes = match kept {
-            None => vec![(volume, 0.0, f64::INFINITY)],
-            Some((kept, time_s)) if *time_s > until_s => vec![(kept, 0.0, f64::INFINITY)],
-            Some((kept, time_s)) => vec![(kept, 0.0, *time_s), (volume, *time_s, f64::INFINITY)],
+        let (first, change_s) = match kept {
+            None => (volume, f64::INFINITY),
+            Some((kept, time_s)) if *time_s > until_s => (kept, f64::INFINITY),
+            Some((kept, time_s)) => (kept, *time_s),
         };
         Self {
             settings,
             pair,
-            volumes,
+            volumes: [(first, 0.0, change_s), (volume, change_s, f64::INFINITY)],
             until_s,
         }
     }

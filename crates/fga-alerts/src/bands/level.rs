@@ -1,41 +1,28 @@
 //! Altitude manoeuvres: accelerate, hold the rate, level out.
 
 use crate::aircraft::State;
-use crate::bands::guard::Guard;
 use crate::bands::path::{FlownLine, way_m};
+use crate::bands::span::counted;
 use crate::settings::Settings;
 use alloc::vec::Vec;
 
-/// A line on the way to an altitude.
-#[derive(PartialEq)]
-pub(crate) struct LevelLeg {
-    line: FlownLine,
-    /// Until when the ownship flies it, seconds; `None` for a moment while the vertical speed changes.
-    until_s: Option<f64>,
-}
-
-impl LevelLeg {
-    /// The line of an altitude that is reached at once.
-    pub(super) fn at_once(target_m: f64, ownship: &State) -> Self {
-        let (s, v) = (ownship.position_m, ownship.velocity_mps);
-        let line = FlownLine::at(0.0, s.with_z(target_m), v.with_z(0.0));
-        let until_s = Some(f64::INFINITY);
-        Self { line, until_s }
-    }
-
-    /// Whether the ownship meets a volume on it.
-    pub(super) fn is_blocked(&self, guard: &Guard) -> bool {
-        match self.until_s {
-            None => guard.stops(&self.line, 0.0),
-            Some(until_s) => guard.blocks(&self.line, until_s),
-        }
-    }
-}
+/// A line on the way to an altitude, and until when the ownship flies it, seconds; `None` for a moment while the
+/// vertical speed changes.
+pub(super) type LevelLeg = (FlownLine, Option<f64>);
 
 /// The legs of a climb or descent to an altitude up to the horizon, in the order in which they are flown; while the
 /// vertical speed changes each second counts. The settings' vertical rate and acceleration are positive.
-pub(super) fn legs_to(target_m: f64, settings: &Settings, ownship: &State) -> Vec<LevelLeg> {
+pub(super) fn legs_to(
+    target_m: f64,
+    settings: &Settings,
+    ownship: &State,
+    at_once: bool,
+) -> Vec<LevelLeg> {
     let (s, v) = (ownship.position_m, ownship.velocity_mps);
+    if at_once {
+        let line = FlownLine::at(0.0, s.with_z(target_m), v.with_z(0.0));
+        return [(line, Some(f64::INFINITY))].into();
+    }
     let horizon_s = settings.lookahead_s;
     let mps2 = settings.vertical_acceleration_mps2;
     let mut sign = if target_m >= s.z { 1.0 } else { -1.0 };
@@ -74,26 +61,15 @@ pub(super) fn legs_to(target_m: f64, settings: &Settings, ownship: &State) -> Ve
         let position_m = (s + v * time_s).with_z(height_m);
         FlownLine::at(time_s, position_m, v.with_z(climb_mps))
     };
-    let flown = |since_s, until_s| LevelLeg {
-        line: line_at(since_s),
-        until_s,
-    };
     if !t3.is_finite() {
-        return [flown(0.0, Some(f64::INFINITY))].into();
+        return [(line_at(0.0), Some(f64::INFINITY))].into();
     }
     let level_s = t3 + 1.0;
-    let first = seconds(0.0, libm::floor(t1)).map(|time_s| flown(time_s, None));
-    let second = seconds(libm::ceil(t2), libm::floor(level_s)).map(|time_s| flown(time_s, None));
-    first
-        .chain([flown(t1, Some(t2.min(horizon_s)))])
-        .chain(second)
-        .chain([flown(level_s, Some(horizon_s))])
-        .take_while(|leg| leg.line.since_s <= horizon_s)
+    let moments = |from_s, to_s| counted(from_s, to_s).map(|time_s| (line_at(time_s), None));
+    moments(0.0, libm::floor(t1))
+        .chain([(line_at(t1), Some(t2.min(horizon_s)))])
+        .chain(moments(libm::ceil(t2), libm::floor(level_s)))
+        .chain([(line_at(level_s), Some(horizon_s))])
+        .take_while(|(line, _)| line.since_s <= horizon_s)
         .collect()
-}
-
-/// Whole seconds from one to another.
-fn seconds(first_s: f64, last_s: f64) -> impl Iterator<Item = f64> {
-    core::iter::successors(Some(first_s), |second_s| Some(second_s + 1.0))
-        .take_while(move |second_s| *second_s <= last_s)
 }

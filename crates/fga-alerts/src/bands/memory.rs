@@ -2,8 +2,7 @@
 
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
-use crate::bands::colors::{Band, Colors, Way, band_at, region_at, walk};
-use crate::bands::intervals::Intervals;
+use crate::bands::colors::{Band, Colors, Way};
 use crate::bands::recovery::Recovery;
 use crate::bands::span::BandSpan;
 use crate::hysteresis::MOfN;
@@ -79,16 +78,8 @@ impl Step<'_> {
 
     /// Whether a band leads into the corrective region's conflict or a nearer one.
     fn is_corrective(&self, band: &Band) -> bool {
-        let least = self.settings.corrective_region.severity();
-        band.region
-            .is_some_and(|region| region.is_conflict() && region.severity() >= least)
-    }
-
-    /// Whether a band leads into no conflict or a lesser one.
-    fn is_resolution(&self, band: &Band) -> bool {
-        let corrective = self.settings.corrective_region.severity();
-        band.region
-            .is_some_and(|region| region.severity() < corrective)
+        let least = self.settings.corrective_region.severity().max(1);
+        band.region.is_some_and(|region| region.severity() >= least)
     }
 
     /// How far a value lies to one side of another.
@@ -138,8 +129,8 @@ impl BandMemory {
         };
     }
 
-    /// Takes the painted scale and returns the bands for the display.
-    pub(crate) fn take(&mut self, mut colors: Colors, step: &Step) -> Vec<Band> {
+    /// Takes the painted scale and returns the one for the display.
+    pub(crate) fn take(&mut self, mut colors: Colors, step: &Step) -> Colors {
         let memory_s = step.settings.hysteresis.memory_s;
         let goes_on = |last_s: f64| step.time_s > last_s && step.time_s - last_s <= memory_s;
         if !self.last_s.is_some_and(goes_on) {
@@ -148,22 +139,22 @@ impl BandMemory {
         self.last_s = Some(step.time_s);
         self.vote(&mut colors, step.settings);
         self.persist(&mut colors, step);
-        let bands = colors.bands(step.recovery != Recovery::NotNeeded);
-        let here = band_at(&bands, step.span.value, step.span.modulus);
+        let shown = colors.shown(step.recovery != Recovery::NotNeeded);
+        let here = shown.band_at(step.span.value);
         if self.entered_since_s.is_some() {
-            self.entered = here.and_then(|index| conflict_band(&bands, index, step.span.modulus));
+            self.entered = here.and_then(|index| shown.conflict_band(index));
             self.entered_since_s = self.entered_since_s.filter(|_| self.entered.is_some());
         }
-        self.keep_resolutions(&bands, here, step);
+        self.keep_resolutions(&shown, here, step);
         self.prefer(step);
-        bands
+        shown
     }
 
     /// Lets M of the last N colors decide, value by value.
     fn vote(&mut self, colors: &mut Colors, settings: &Settings) {
         let (m, n) = (settings.hysteresis.agreeing, settings.hysteresis.remembered);
         if self.votes.is_empty() {
-            let votes = colors.0.iter().map(|band| Votes {
+            let votes = colors.bands.iter().map(|band| Votes {
                 from: band.low,
                 seen: MOfN::new(m, n, band.region, None),
             });
@@ -172,7 +163,7 @@ impl BandMemory {
         for votes in &self.votes {
             colors.split(votes.from);
         }
-        for (index, band) in colors.0.iter().enumerate() {
+        for (index, band) in colors.bands.iter().enumerate() {
             let is_known = |votes: &Votes| !Edge.less(band.low, votes.from);
             let below = index.checked_sub(1).and_then(|below| self.votes.get(below));
             if !self.votes.get(index).is_some_and(is_known)
@@ -182,7 +173,7 @@ impl BandMemory {
                 self.votes.insert(index, Votes { from, seen });
             }
         }
-        for (votes, band) in self.votes.iter_mut().zip(&mut colors.0) {
+        for (votes, band) in self.votes.iter_mut().zip(&mut colors.bands) {
             band.region = votes.seen.take(band.region);
         }
         self.votes.dedup_by(|next, votes| next.seen == votes.seen);
@@ -198,38 +189,36 @@ impl BandMemory {
             self.entered_since_s = Some(step.time_s);
             return;
         };
-        let Some(now) = region_at(&colors.0, step.span.value, step.span.modulus) else {
+        let Some(now) = colors.region_at(step.span.value) else {
             return;
         };
         let persists = self
             .entered_since_s
             .is_some_and(|since_s| step.persists(since_s));
         if persists && now < region {
-            let around = Intervals::around(entered.low, entered.high, step.span.modulus);
-            colors.paint_inside(&around, region);
+            colors.paint(entered.low, entered.high, region);
         } else if now.is_conflict() && now > region {
             self.entered_since_s = Some(step.time_s);
         }
     }
 
     /// Keeps the resolutions shown, while they are still ways out and the memory lasts.
-    fn keep_resolutions(&mut self, bands: &[Band], here: Option<usize>, step: &Step) {
+    fn keep_resolutions(&mut self, shown: &Colors, here: Option<usize>, step: &Step) {
         self.preferred_since_s = self.preferred_since_s.filter(|_| step.tolerance() > 0.0);
         for (side, way) in self.sides.iter_mut().zip(WAYS) {
-            let is_resolution =
-                |at: &usize| bands.get(*at).is_some_and(|band| step.is_resolution(band));
-            let (now, from) = nearest_way_out(bands, here, way, step);
+            let (now, from) = nearest_way_out(shown, here, way, step);
             side.now = now;
             let stays = |since_s| {
                 let (now, kept) = (now.value()?, side.kept.value()?);
                 let lasts = step.persists(since_s)
                     || side.kept_shrinkings < step.recovery.shrinkings()
                     || Edge.less(step.distance(way, now, kept), step.tolerance());
-                let to = band_at(bands, kept, step.span.modulus)?;
+                let to = shown.band_at(kept)?;
                 // Past bands without conflict alone.
-                let leads_there = walk(from?, self.preferred, bands.len(), step.span.modulus)
-                    .take_while(is_resolution)
-                    .any(|at| at == to);
+                let mut way_there = shown
+                    .walk(from?, self.preferred)
+                    .take_while(|(_, band)| band.region.is_some() && !step.is_corrective(band));
+                let leads_there = way_there.any(|(at, _)| at == to);
                 Some(lasts && step.is_ahead(way, step.span.value, kept) && leads_there)
             };
             if self.preferred_since_s.and_then(stays) != Some(true) {
@@ -286,40 +275,25 @@ impl BandMemory {
 
 const WAYS: [Way; 2] = [Way::Low, Way::High];
 
-/// The conflict band at an index. On a circular scale the bands on both sides of north are one band if they have one region.
-fn conflict_band(bands: &[Band], index: usize, modulus: f64) -> Option<Band> {
-    let (first, last, mut band) = (bands.first()?, bands.last()?, *bands.get(index)?);
-    if modulus > 0.0 && first.region == last.region {
-        if index == 0 {
-            band.low = last.low;
-        } else if index + 1 == bands.len() {
-            band.high = first.high;
-        }
-    }
-    band.region.is_some_and(Region::is_conflict).then_some(band)
-}
-
 /// The nearest resolution to one side, and the band at which the walk there ends.
 fn nearest_way_out(
-    bands: &[Band],
+    shown: &Colors,
     here: Option<usize>,
     way: Way,
     step: &Step,
 ) -> (Resolution, Option<usize>) {
-    let is_corrective = |at: &usize| bands.get(*at).is_some_and(|band| step.is_corrective(band));
+    let is_corrective =
+        |at: &usize| (shown.bands.get(*at)).is_some_and(|band| step.is_corrective(band));
     let Some(start) = here.filter(is_corrective) else {
         return (Resolution::Unneeded, here);
     };
-    let last = bands.len().saturating_sub(1);
-    for at in walk(start, way, bands.len(), step.span.modulus) {
-        let Some(band) = bands.get(at) else { break };
+    for (at, band) in shown.walk(start, way) {
         let (near, far) = match way {
             Way::Low => (band.high, band.low),
             Way::High => (band.low, band.high),
         };
         if !step.is_corrective(band) {
-            let is_north = way == Way::Low && step.span.modulus > 0.0 && at == last;
-            let value = Resolution::Value(if is_north { 0.0 } else { near });
+            let value = Resolution::Value(wrapped(near, step.span.modulus));
             let reached = band.region.map_or(Resolution::Unavailable, |_| value);
             return (reached, Some(at));
         }

@@ -6,7 +6,7 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::BandSpan;
+use crate::bands::span::{BandSpan, counted, turning_speed_mps};
 use crate::quantity::Quantity;
 use crate::settings::Settings;
 use alloc::vec::Vec;
@@ -34,66 +34,43 @@ impl FlownLine {
     }
 }
 
-/// Standard gravity, m/s².
-const GRAVITY_MPS2: f64 = 9.806_65;
-
-/// Speed for the computation of turns: a standing aircraft turns nowhere.
-fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
-    let least_mps = settings.horizontal_speed.step;
-    let least_mps = least_mps.max(settings.least_airspeed_mps);
-    least_mps.max(ownship.speed_mps())
-}
-
-/// The lines after each step of a turn or a change of speed, in the order of their values, and the time of one step,
-/// seconds; 0 for a manoeuvre that takes none.
+/// The lines after each step of a turn or a change of speed, from the current value to either side, and the time of one
+/// step, seconds; 0 for a manoeuvre that takes none.
 pub(super) fn steps(
     settings: &Settings,
     ownship: &State,
     span: &BandSpan,
-    at_once: bool,
-) -> (Vec<FlownLine>, f64) {
+) -> ([Vec<FlownLine>; 2], f64) {
     let mut start = *ownship;
     if span.quantity == Quantity::Direction {
         start.velocity_mps = with_speed(ownship, turning_speed_mps(settings, ownship));
     }
-    let step_s = if at_once {
+    let step_s = if span.at_once {
         0.0
     } else {
-        span.step / rate(span.quantity, settings, ownship)
+        span.step / span.quantity.rate(settings, ownship)
     };
-    let line = |count: usize, side: f64| {
-        let (change, time_s) = (count as f64 * span.step, step_s * count as f64);
-        if count == 0 {
-            return FlownLine::at(0.0, start.position_m, start.velocity_mps);
-        }
-        let along_mps2 = side * settings.horizontal_acceleration_mps2;
-        let up_mps2 = side * settings.vertical_acceleration_mps2;
+    let line = |count: f64, side: f64| {
+        let (change, time_s) = (side * count * span.step, count * step_s);
         let (position_m, velocity_mps) = match span.quantity {
-            Quantity::Direction => turned(&start, change, time_s, side),
-            Quantity::HorizontalSpeed => accelerated(&start, side * change, time_s, along_mps2),
-            _ => climbing(&start, side * change, time_s, up_mps2),
+            _ if count == 0.0 => (start.position_m, start.velocity_mps),
+            Quantity::Direction => turned(&start, change, time_s),
+            Quantity::HorizontalSpeed => {
+                let along_mps2 = side * settings.horizontal_acceleration_mps2;
+                accelerated(&start, change, time_s, along_mps2)
+            }
+            _ => climbing(
+                &start,
+                change,
+                time_s,
+                side * settings.vertical_acceleration_mps2,
+            ),
         };
-        if at_once {
-            return FlownLine::at(0.0, start.position_m, velocity_mps);
-        }
         FlownLine::at(time_s, position_m, velocity_mps)
     };
-    let down = (1..=span.steps_down).rev().map(|count| line(count, -1.0));
-    let up = (0..=span.steps_up).map(|count| line(count, 1.0));
-    (down.chain(up).collect(), step_s)
-}
-
-/// Change of a quantity per second.
-fn rate(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
-    match quantity {
-        Quantity::Direction if settings.turn_rate_radps == 0.0 => {
-            GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
-                / turning_speed_mps(settings, ownship)
-        }
-        Quantity::Direction => settings.turn_rate_radps,
-        Quantity::HorizontalSpeed => settings.horizontal_acceleration_mps2,
-        Quantity::VerticalSpeed | Quantity::Altitude => settings.vertical_acceleration_mps2,
-    }
+    let down = counted(0.0, -span.first).map(|count| line(count, -1.0));
+    let up = counted(0.0, span.last).map(|count| line(count, 1.0));
+    ([down.collect(), up.collect()], step_s)
 }
 
 /// The velocity with another horizontal speed; north without a direction.
@@ -107,13 +84,12 @@ fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
     }
 }
 
-/// Position and velocity after a turn; right turns are clockwise from above, a left turn mirrors the sine.
-fn turned(start: &State, turn_rad: f64, time_s: f64, side: f64) -> (DVec3, DVec3) {
+/// Position and velocity after a turn; right turns are clockwise from above.
+fn turned(start: &State, turn_rad: f64, time_s: f64) -> (DVec3, DVec3) {
     let (s, v) = (start.position_m, start.velocity_mps);
     let (sin, cos) = libm::sincos(turn_rad);
-    let sin = sin * side;
     let velocity_mps = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
-    let rate = turn_rad / time_s * side;
+    let rate = turn_rad / time_s;
     let position_m = DVec3::new(
         s.x + (v.y - velocity_mps.y) / rate,
         s.y + (velocity_mps.x - v.x) / rate,

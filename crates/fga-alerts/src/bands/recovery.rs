@@ -1,7 +1,7 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
-use crate::bands::intervals::Intervals;
+use crate::bands::colors::Colors;
 use crate::bands::search::BandSearch;
 use crate::picture::Contribution;
 use crate::settings::Settings;
@@ -49,21 +49,24 @@ const MOST_SHRINKINGS: usize = 1000;
 const LOWEST_ADVISORY_M: f64 = 1001.0 * FOOT_M;
 
 impl BandSearch<'_> {
-    /// Searches the resolutions of a certain conflict with these aircraft.
-    pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Intervals) {
+    /// Searches the resolutions of a certain conflict with these aircraft, and the conflicts that remain.
+    pub(super) fn recover(&self, aircraft: &[Contribution]) -> (Recovery, Colors) {
         let settings = &self.picture.settings;
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
-        let past_nmac = self.free(aircraft, Some((nmac, f64::INFINITY)));
+        let past_nmac = self.conflicts(aircraft, Some((nmac, f64::INFINITY)));
         let distances = distances(settings, &self.picture.ownship.state);
-        if distances.is_empty() || past_nmac.is_empty() {
+        if distances.is_empty() || past_nmac.is_closed() {
             return (Recovery::Impossible { shrinkings: 0 }, past_nmac);
         }
         for (&kept, shrinkings) in distances.iter().zip(0..) {
-            if self.free(aircraft, Some((kept, f64::INFINITY))).is_empty() {
+            if self
+                .conflicts(aircraft, Some((kept, f64::INFINITY)))
+                .is_closed()
+            {
                 continue;
             }
             let (time_s, ways_out) = self.way_back(aircraft, kept);
-            if !ways_out.is_empty() {
+            if !ways_out.is_closed() {
                 let found = Recovery::Found {
                     time_s,
                     distance_m: kept.radius_m,
@@ -75,18 +78,21 @@ impl BandSearch<'_> {
         }
         let most = i32::try_from(distances.len()).unwrap_or(i32::MAX);
         let shrinkings = if settings.shrinks_recovery { most } else { 0 };
-        (Recovery::Impossible { shrinkings }, Intervals::default())
+        (
+            Recovery::Impossible { shrinkings },
+            Colors::closed(self.span),
+        )
     }
 
-    /// The earliest time, to half a second, after which well clear is possible again, and the values that are free
-    /// of the cylinder until then and of each aircraft's own volume afterwards.
-    fn way_back(&self, aircraft: &[Contribution], kept: Cylinder) -> (f64, Intervals) {
+    /// The earliest time, to half a second, after which well clear is possible again, and the conflicts with the
+    /// cylinder until then and with each aircraft's own volume afterwards.
+    fn way_back(&self, aircraft: &[Contribution], kept: Cylinder) -> (f64, Colors) {
         let settings = &self.picture.settings;
-        let free = |change_s| self.free(aircraft, Some((kept, change_s)));
+        let conflicts = |change_s| self.conflicts(aircraft, Some((kept, change_s)));
         let (mut blocked_s, mut open_s) = (0.0, settings.lookahead_s + 1.0);
         let mut tried_s = open_s - 1.0;
         while open_s - blocked_s > 0.5 {
-            if free(tried_s).is_empty() {
+            if conflicts(tried_s).is_closed() {
                 blocked_s = tried_s;
             } else {
                 open_s = tried_s;
@@ -100,7 +106,7 @@ impl BandSearch<'_> {
         } else {
             blocked_s
         };
-        (time_s, free(time_s))
+        (time_s, conflicts(time_s))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Which values of a quantity are free of conflicts with some aircraft.
 
 use crate::aircraft::{Pair, State};
+use crate::bands::colors::Colors;
 use crate::bands::guard::Guard;
-use crate::bands::intervals::Intervals;
 use crate::bands::span::BandSpan;
 use crate::bands::ways::Ways;
 use crate::picture::{Contribution, Picture};
@@ -24,7 +24,7 @@ impl<'a> BandSearch<'a> {
         Self {
             picture,
             span,
-            ways: Ways::new(picture, ownship, span),
+            ways: Ways::new(&picture.settings, ownship, span),
         }
     }
 
@@ -35,34 +35,42 @@ impl<'a> BandSearch<'a> {
         Some((picture.pair(intruder)?, &level.volume))
     }
 
-    /// The values free of conflicts with these aircraft: out of each one's own volume, before a time out of a cylinder
-    /// instead.
-    pub(super) fn free(
+    /// The scale, near where a value leads into conflict with one of these aircraft: into its own volume, before a
+    /// time into a cylinder instead. Values without conflict are free where two neighbours are.
+    pub(super) fn conflicts(
         &self,
         aircraft: &[Contribution],
         kept: Option<(Cylinder, f64)>,
-    ) -> Intervals {
+    ) -> Colors {
         let settings = &self.picture.settings;
         let kept = kept.map(|(cylinder, change_s)| (Volume::Cylinder(cylinder), change_s));
-        let mut common = self.span.whole();
+        let mut all = Colors::of(self.span, self.span.searched);
         for contribution in aircraft {
             let Some((pair, own)) = self.against(contribution) else {
                 continue;
             };
             let horizon_s = contribution.horizon_s;
             let guard = Guard::new(settings, &pair, own, kept.as_ref(), horizon_s);
-            common.intersect(&self.ways.free(&guard, self.span));
-            if common.is_empty() {
+            let free = self.ways.free_values(&guard, Some(1.0));
+            let values: Vec<(f64, bool)> = self.span.values().zip(free).collect();
+            let mut theirs = Colors::closed(self.span);
+            for run in values.chunk_by(|a, b| a.1 == b.1) {
+                if let [(low, true), .., (high, _)] = run {
+                    theirs.paint(*low, *high, Region::Recovery);
+                }
+            }
+            all.paint_where(&theirs, Region::Near, Region::Near);
+            if all.is_closed() {
                 break;
             }
         }
-        common
+        all
     }
 
     /// Whether a manoeuvre to any value leads into a volume before a time, or on the way beyond it.
     pub(crate) fn any_conflict(&self, pair: &Pair, volume: &Volume, until_s: f64) -> bool {
         let guard = Guard::new(&self.picture.settings, pair, volume, None, until_s);
-        let free = self.ways.free_values(&guard, self.span, None);
+        let free = self.ways.free_values(&guard, None);
         free.contains(&false)
     }
 
@@ -70,7 +78,7 @@ impl<'a> BandSearch<'a> {
     pub(crate) fn all_conflict(&self, pair: &Pair, volume: &Volume) -> bool {
         let settings = &self.picture.settings;
         let guard = Guard::new(settings, pair, volume, None, settings.lookahead_s);
-        let free = self.ways.free_values(&guard, self.span, Some(0.0));
+        let free = self.ways.free_values(&guard, Some(0.0));
         !free.contains(&true)
     }
 
@@ -107,7 +115,7 @@ pub(crate) fn meets_within_spread(
     until_s: f64,
 ) -> bool {
     let ownship = &picture.ownship.state;
-    let span = BandSpan::of(quantity, &picture.settings, ownship, Some((spread, spread)));
+    let span = BandSpan::of(quantity, picture, Some((spread, spread)));
     span.is_some_and(|span| {
         BandSearch::new(picture, ownship, &span).any_conflict(pair, volume, until_s)
     })

@@ -3,23 +3,37 @@
 use crate::aircraft::State;
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
-use crate::bands::intervals::Intervals;
+use crate::picture::Picture;
 use crate::quantity::Quantity;
 use crate::settings::{Reach, Settings};
-use core::f64::consts::TAU;
+use crate::units::GRAVITY_MPS2;
+use core::f64::consts::{FRAC_PI_2, TAU};
+
+/// Speed for the computation of turns: a standing aircraft turns nowhere.
+pub(super) fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
+    let least_mps = settings.horizontal_speed.step;
+    let least_mps = least_mps.max(settings.least_airspeed_mps);
+    least_mps.max(ownship.speed_mps())
+}
+
+/// Whole numbers from one to another.
+pub(super) fn counted(first: f64, last: f64) -> impl Iterator<Item = f64> {
+    core::iter::successors(Some(first), |count| Some(count + 1.0))
+        .take_while(move |count| *count <= last)
+}
 
 impl Quantity {
-    /// Whether a manoeuvre of the quantity is instantaneous.
-    pub(crate) fn is_instantaneous(self, settings: &Settings, slow: bool) -> bool {
+    /// Change of the quantity per second; 0 for a manoeuvre that takes no time.
+    pub(super) fn rate(self, settings: &Settings, ownship: &State) -> f64 {
         match self {
-            Self::Direction => {
-                slow || (settings.turn_rate_radps == 0.0 && settings.bank_rad == 0.0)
+            Self::Direction if settings.turn_rate_radps == 0.0 && settings.bank_rad != 0.0 => {
+                GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(FRAC_PI_2))
+                    / turning_speed_mps(settings, ownship)
             }
-            Self::HorizontalSpeed => settings.horizontal_acceleration_mps2 == 0.0,
-            Self::VerticalSpeed => settings.vertical_acceleration_mps2 == 0.0,
-            Self::Altitude => {
-                settings.vertical_rate_mps == 0.0 || settings.vertical_acceleration_mps2 == 0.0
-            }
+            Self::Direction => settings.turn_rate_radps,
+            Self::HorizontalSpeed => settings.horizontal_acceleration_mps2,
+            Self::Altitude if settings.vertical_rate_mps == 0.0 => 0.0,
+            Self::VerticalSpeed | Self::Altitude => settings.vertical_acceleration_mps2,
         }
     }
 
@@ -47,45 +61,46 @@ pub(crate) struct BandSpan {
     pub(crate) value: f64,
     /// The whole scale.
     pub(crate) bounds: (f64, f64),
-    /// Least searched value.
-    pub(crate) min: f64,
-    /// Greatest searched value; below `min` if the span crosses north.
-    pub(crate) max: f64,
+    /// First and last value in reach; the first is the greater one if the reach crosses north.
+    pub(crate) reach: (f64, f64),
+    /// The same of the search, which goes around the circle if they are less than a quarter of a step apart.
+    pub(crate) searched: (f64, f64),
     /// Length of a circular scale, else 0.
     pub(crate) modulus: f64,
-    /// Whether the span has every direction.
-    pub(crate) is_circular: bool,
     /// Distance between the searched values.
     pub(crate) step: f64,
-    /// Steps down (left).
-    pub(crate) steps_down: usize,
-    /// Steps up (right).
-    pub(crate) steps_up: usize,
+    /// The value from which steps are counted: the current one, of altitudes the least.
+    base: f64,
+    /// Count of the first searched value, not above 0.
+    pub(crate) first: f64,
+    /// Count of the last searched value.
+    pub(crate) last: f64,
+    /// Whether a manoeuvre takes no time.
+    pub(crate) at_once: bool,
 }
 
-/// Most steps; a finer step only costs time.
-pub(super) const MOST_STEPS: f64 = 1e5;
+/// Most steps to a side; a finer step only costs time.
+const MOST_STEPS: f64 = 1e5;
 
 impl BandSpan {
-    /// The span around an aircraft's value; `None` for a value outside of the scale.
+    /// The span around the ownship's value; `None` for a value outside of the scale.
     ///
     /// `around` overrides the searched range below and above the value.
     pub(crate) fn of(
         quantity: Quantity,
-        settings: &Settings,
-        ownship: &State,
+        picture: &Picture,
         around: Option<(f64, f64)>,
     ) -> Option<Self> {
+        let (settings, ownship) = (&picture.settings, &picture.ownship.state);
         let value = quantity.of(ownship);
         let reach = quantity.reach(settings);
         let modulus = quantity.modulus();
-        let (below, above) = around
-            .filter(|around| *around != (0.0, 0.0))
-            .unwrap_or((reach.below, reach.above));
+        let (below, above) = around.unwrap_or((reach.below, reach.above));
         if reach.step <= 0.0 || !value.is_finite() {
             return None;
         }
-        let (mut min, mut max) = (reach.least, reach.greatest);
+        let bounds = (reach.least, reach.greatest);
+        let (mut min, mut max) = bounds;
         if (below, above) != (0.0, 0.0) {
             if below >= 0.0 {
                 min = wrapped(value - below, modulus);
@@ -99,11 +114,11 @@ impl BandSpan {
             }
         }
         let is_circular = modulus > 0.0 && (min - max).abs() < reach.step * 0.25;
-        let inside = (min <= value && value <= max && min != max)
-            || (modulus > 0.0
-                && (is_circular
-                    || (0.0..=max).contains(&value)
-                    || (min..=modulus).contains(&value)));
+        let is_inside = if modulus > 0.0 {
+            is_circular || min <= value || value <= max
+        } else {
+            min < max && (min..=max).contains(&value)
+        };
         let steps = |searched: f64, to_end: f64| {
             let distance = if is_circular {
                 modulus / 2.0
@@ -112,53 +127,34 @@ impl BandSpan {
             } else {
                 wrapped(to_end, modulus)
             };
-            let mut count = libm::ceil(distance / reach.step).clamp(0.0, MOST_STEPS);
-            let passed = count * reach.step;
-            if modulus > 0.0 && Edge.less(modulus / 2.0, passed) {
-                count -= 1.0;
-            }
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "casts of floats saturate, and there are at most 100,000"
-            )]
-            let count = count as usize;
-            count
+            let count = libm::ceil(distance / reach.step).clamp(0.0, MOST_STEPS);
+            let is_beyond = modulus > 0.0 && Edge.less(modulus / 2.0, count * reach.step);
+            if is_beyond { count - 1.0 } else { count }
         };
-        inside.then(|| Self {
+        let (base, first, last) = if quantity == Quantity::Altitude {
+            let steps = libm::floor((max - min) / reach.step).min(MOST_STEPS);
+            (min, 0.0, steps + 1.0)
+        } else {
+            (value, -steps(below, value - min), steps(above, max - value))
+        };
+        let turns_at_once = quantity == Quantity::Direction && picture.turns_at_once();
+        is_inside.then(|| Self {
             quantity,
             value,
-            bounds: (reach.least, reach.greatest),
-            min,
-            max,
+            bounds,
+            reach: (min, max),
+            searched: if is_circular { bounds } else { (min, max) },
             modulus,
-            is_circular,
             step: reach.step,
-            steps_down: steps(below, value - min),
-            steps_up: steps(above, max - value),
+            base,
+            first,
+            last,
+            at_once: turns_at_once || quantity.rate(settings, ownship) == 0.0,
         })
     }
 
-    /// The whole searched range.
-    pub(crate) fn whole(&self) -> Intervals {
-        if self.is_circular {
-            Intervals::around(0.0, self.modulus, self.modulus)
-        } else {
-            Intervals::around(self.min, self.max, self.modulus)
-        }
-    }
-
-    /// The searched values between two, on a circular scale around it.
-    pub(crate) fn between(&self, low: f64, high: f64) -> Intervals {
-        if Edge.same(low, high) {
-            return Intervals::default();
-        }
-        let mut between = self.whole();
-        let (low, high) = (wrapped(low, self.modulus), wrapped(high, self.modulus));
-        // The same value twice is once around the circle.
-        if !Edge.same(low, high) {
-            between.intersect(&Intervals::around(low, high, self.modulus));
-        }
-        between
+    /// The searched values in growing order; on a circular scale without a jump at north.
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
+        counted(self.first, self.last).map(|count| self.step * count + self.base)
     }
 }
