@@ -68,8 +68,6 @@ pub(super) enum Freedom {
     /// All turns at the brief rate that begin at the report or now, all changes of climb and of speed, for the time of a turn: a way back
     /// withstands these.
     Brief,
-    /// The same, with all that a change of speed can make from the beginning on: a way back soon after the manoeuvre began.
-    Wide,
 }
 
 /// The distance that a search keeps beyond the volumes of aircraft.
@@ -187,7 +185,7 @@ fn turns(
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share, _) => (share, bounds.turn_rate_radps),
-        Freedom::Brief | Freedom::Wide => (1.0, bounds.brief_turn_rate_radps),
+        Freedom::Brief => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
     let turn = |rate_radps, for_s, later_s| IntruderTurn {
@@ -249,14 +247,13 @@ pub(super) fn add_aircraft(
     let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
     let turn_s = (bounds.turn_rad / bounds.turn_rate_radps).min(BACK_WITHSTANDS_S);
     let always = f64::INFINITY;
-    let (climbs, changes, at_once_m, speeds_m, until_s) = match freedom {
-        Freedom::Expected => (1.0, 1.0, 0.0, 0.0, always),
-        Freedom::Share(share, _) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, 0.0, always),
-        Freedom::Brief => (1.0, 1.0, 0.0, speeds_m, turn_s),
-        Freedom::Wide => (1.0, 1.0, speeds_m, 0.0, turn_s),
+    let (climbs, changes, speeds_m, until_s) = match freedom {
+        Freedom::Expected => (1.0, 1.0, 0.0, always),
+        Freedom::Share(share, _) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, always),
+        Freedom::Brief => (1.0, 1.0, speeds_m, turn_s),
     };
     hazard.window_s.1 = until_s;
-    hazard.volume = widened(hazard.volume.grown(clearance.growth_m(climbs)), at_once_m);
+    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs));
     let change_mps = (changes * bounds.climb_change_mps).max(trend.climb_change_mps(obstacle));
     let age_s = obstacle.age_s.max(0.0);
     let since = Since {
@@ -548,7 +545,6 @@ mod tests {
             Freedom::Share(0.0, 0.0),
             Freedom::Share(0.5, 0.0),
             Freedom::Brief,
-            Freedom::Wide,
         ] {
             let motions = motions_of(&obstacle, freedom, MOTIONS);
             let heights_m = motions.rows().iter().map(|row| {
@@ -579,11 +575,9 @@ mod tests {
                 let ends_s = motions.rows().iter().map(|row| row.window_s.1);
                 ends_s.fold(0.0, f64::max)
             };
-            for (freedom, turns) in [(Freedom::Brief, MOTIONS), (Freedom::Wide, 0)] {
-                assert!(
-                    (ends_s(freedom, turns) - turn_s).abs() < 1e-9,
-                    "{freedom:?}"
-                );
+            for turns in [MOTIONS, 0] {
+                let brief_s = ends_s(Freedom::Brief, turns);
+                assert!((brief_s - turn_s).abs() < 1e-9, "{turns}");
             }
             assert_eq!(ends_s(Freedom::Share(0.5, 0.0), MOTIONS), f64::INFINITY);
         }
@@ -696,10 +690,9 @@ mod tests {
         turning.rate_radps = 0.05;
         for trend in [Trend::STRAIGHT, turning] {
             let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| Freedom::Share(share, 0.0));
-            for freedom in
-                shares
-                    .into_iter()
-                    .chain([Freedom::Expected, Freedom::Brief, Freedom::Wide])
+            for freedom in shares
+                .into_iter()
+                .chain([Freedom::Expected, Freedom::Brief])
             {
                 let most = super::most_hazards(freedom, (&obstacle, trend), MOTIONS);
                 let taken = motions(freedom, trend).rows().len();
@@ -784,8 +777,6 @@ mod tests {
             }
             let place_m = seen.position_m - ahead * (TRACKING_M + faster_m(10.0));
             assert!(!is_within(&motions, place_m, 0.0), "{age_s} s old");
-            let motions = motions_of(&seen, Freedom::Wide, MOTIONS);
-            assert!(is_within(&motions, place_m, 0.0), "{age_s} s old");
         }
     }
 
