@@ -19,15 +19,15 @@ const HALVES: u32 = 2;
 const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
-    /// Whether a way back keeps clear: without aircraft with its certificate, otherwise of their expected motion.
-    fn is_clear_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
+    /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
+    fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
             return self.kept_rung(plan, back, now) == Some(plan.rung);
         }
         let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(back, now, asked) >= keep_m
+        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
     }
 
     /// On the way back.
@@ -60,7 +60,7 @@ impl Avoider<dyn Places + '_> {
         self.watch(situation, now, decision);
     }
 
-    /// Whether the way back or a sooner one is flown; then the decision to do so. It goes on while it is clear, or a large turn is in reserve.
+    /// Whether it flies the way back on, or a sooner one; then the decision to do so.
     #[inline(never)]
     fn flies_back(
         &mut self,
@@ -73,9 +73,7 @@ impl Avoider<dyn Places + '_> {
         };
         let back = &mut decision.command;
         self.go_on(&plan, situation.time_s, back);
-        let is_kept = self.is_clear_back(&mut plan, back, now)
-            || self.tracks.has_aircraft() && self.has_reserve(back, now);
-        if !is_kept {
+        if !self.keeps_back(&mut plan, back, now) {
             return false;
         }
         let mut reason = Reason::RejoinKept;
@@ -144,22 +142,21 @@ impl Avoider<dyn Places + '_> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{aircraft, among, plan};
-    use super::*;
     use crate::avoider::demand::WANTED;
+    use crate::situation::Obstacle;
 
     /// Among aircraft a way back is kept where it is clear of what is expected, or a turn still suffices.
     #[test]
     fn a_way_back_is_kept_while_it_is_clear_or_a_turn_remains() {
-        let keeps = |place_m| {
-            let row = aircraft(1, place_m, (-20.0, 0.0));
+        let keeps = |row: Obstacle| {
             among(&[row], |avoider, situation, now| {
-                plan(avoider, situation, (0.0, WANTED));
-                avoider.state = State::Recovering;
-                avoider.flies_back(situation, now, &mut Decision::default())
+                let mut plan = plan(avoider, situation, (0.0, WANTED));
+                let back = avoider.flown;
+                avoider.keeps_back(&mut plan, &back, now)
             })
         };
-        assert!(keeps((150.0, 60.0)));
-        assert!(keeps((900.0, 0.0)));
-        assert!(!keeps((150.0, 0.0)));
+        assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));
+        assert!(keeps(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
+        assert!(!keeps(aircraft(1, (150.0, 0.0), (-20.0, 0.0))));
     }
 }

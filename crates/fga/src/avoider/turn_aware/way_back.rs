@@ -391,11 +391,10 @@ mod tests {
         for aside_m in (0..400).step_by(2) {
             let row = aircraft(1, (200.0, f64::from(aside_m)), (-20.0, 0.0));
             let (is_clear, is_robust) = among(&[row], |avoider, _, now| {
-                avoider.drift_m = 9.0;
-                let robust = |avoider: &mut Avoider<_>, rung| {
-                    avoider.is_robust_back(&Maneuver::HOLD, now, rung)
-                };
-                let is_robust = [WANTED, WANTED + 1].map(|rung| robust(avoider, rung));
+                avoider.drift_m = 40.0;
+                let rungs = [WANTED, WANTED + 1];
+                let is_robust =
+                    rungs.map(|rung| avoider.is_robust_back(&Maneuver::HOLD, now, rung));
                 avoider.withstand(&|_| Freedom::Expected, (0.0, 0.0));
                 let asked = (BACK_WITHSTANDS_S, 0.0, 0.0);
                 (
@@ -410,7 +409,7 @@ mod tests {
             );
             counts[held.iter().filter(|held| **held).count()] += 1;
         }
-        assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
+        assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
     }
 
     /// An earlier version derived the angle from the cycle: at one period in four each look had the same.
