@@ -224,17 +224,16 @@ impl Areas<'_> {
     fn take(&mut self, rings: &[Vec<Vec<f64>>]) -> Result<(), InputError> {
         let mut rings_deg = Vec::new();
         for ring in rings {
-            let [corners @ .., last] = ring.as_slice() else {
-                return self.refuse("has no corners, expected a ring");
-            };
-            // Altitudes do not count.
-            if corners.first().map(|first| first.get(..2)) != Some(last.get(..2)) {
-                return self.refuse("is not closed, expected its first corner at its end again");
-            }
-            let corners = corners.iter().zip(1..);
+            let corners = ring.iter().zip(1..);
             let corners =
                 corners.map(|(at, number)| self.place(at, format_args!("corner {number}")));
             let mut corners_deg = corners.collect::<Result<Vec<_>, _>>()?;
+            if corners_deg.is_empty() {
+                return self.refuse("has no corners, expected a ring");
+            }
+            if corners_deg.len() == 1 || corners_deg.first() != corners_deg.last() {
+                return self.refuse("is not closed, expected its first corner at its end again");
+            }
             // Published outlines repeat a corner.
             corners_deg.dedup();
             if corners_deg.len() > 1 && corners_deg.first() == corners_deg.last() {

@@ -12,6 +12,13 @@ fn a_flight_over_ground_keeps_above_it_and_says_so() {
     let flown = fga_in(folder.path(), &arguments);
     assert_eq!(flown.status.code(), Some(0), "{}", errors(&flown));
     let words = String::from_utf8_lossy(&flown.stdout).into_owned();
+    let page = fs::read_to_string(repository().join("docs/how-to-terrain.md")).unwrap();
+    let is_quoted = |line: &&str| line.starts_with("N303 ") || line.starts_with("ground: least");
+    let quoted: Vec<&str> = page.lines().filter(is_quoted).collect();
+    assert_eq!(quoted.len(), 2);
+    for line in quoted {
+        assert!(words.contains(line), "{line}: {words}");
+    }
     let told = words.split_once("ground: least height ").unwrap().1;
     let told = told.split_once(" m at").unwrap().0;
     let told_m: f64 = told.parse().unwrap();

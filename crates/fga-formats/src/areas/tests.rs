@@ -277,7 +277,7 @@ fn what_is_no_area_is_one_sentence() {
         ),
         (
             "<kml><Polygon><coordinates>1,NaN 2,3 1,NaN</coordinates></Polygon></kml>".into(),
-            "not closed",
+            "corner 1 out of range",
         ),
     ]);
 }

@@ -52,13 +52,10 @@ pub(super) struct ItemReader<'a> {
 }
 
 impl<'a> ItemReader<'a> {
-    pub(super) fn new(path: &'a Path, home: Option<Geodetic>) -> Self {
+    pub(super) fn new(path: &'a Path) -> Self {
         Self {
             path,
-            file: MissionFile {
-                home,
-                ..MissionFile::default()
-            },
+            file: MissionFile::default(),
             corners: None,
             begun: false,
             ended: false,
@@ -80,6 +77,15 @@ impl<'a> ItemReader<'a> {
             Some(line) => InputError::at_line(self.path, line, message),
             None => InputError::in_file(self.path, message),
         }
+    }
+
+    /// Takes home; latitude and longitude are 0 where the station knew none.
+    pub(super) fn take_home(&mut self, item: &Item) -> Result<(), InputError> {
+        let [latitude, longitude, _] = item.at;
+        if (latitude, longitude) != (Some(0.0), Some(0.0)) {
+            self.file.home = Some(self.place(item)?);
+        }
+        Ok(())
     }
 
     /// Takes the next item.
@@ -176,7 +182,7 @@ impl<'a> ItemReader<'a> {
     }
 
     /// Notes once a difference between the file and the flight.
-    fn note(&mut self, sentence: &str) {
+    pub(super) fn note(&mut self, sentence: &str) {
         if !self.file.notes.iter().any(|note| note == sentence) {
             self.file.notes.push(sentence.to_owned());
         }
@@ -276,6 +282,15 @@ impl<'a> ItemReader<'a> {
                 return Err(self.error(item, &message));
             }
         };
+        self.on_earth(item, [latitude_deg, longitude_deg, altitude_m])
+    }
+
+    /// A place that a mission can have: latitude and longitude, degrees; altitude, metres.
+    fn on_earth(
+        &self,
+        item: &Item,
+        [latitude_deg, longitude_deg, altitude_m]: [f64; 3],
+    ) -> Result<Geodetic, InputError> {
         let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
             let message = format!(
                 "is at latitude {latitude_deg:?}, longitude {longitude_deg:?}, altitude {altitude_m:?} m, expected -90 to 90 degrees, \
@@ -364,16 +379,21 @@ impl<'a> ItemReader<'a> {
 
     /// Adds a fence that can be one.
     pub(super) fn add_fence(&mut self, item: &Item, fence: MissionFence) -> Result<(), InputError> {
-        let on_earth = |at: &[f64; 2]| Geodetic::new(at[0], at[1], 0.0).is_some();
-        let usable = match &fence.outline {
+        let (places, usable) = match &fence.outline {
             FenceOutline::Circle {
                 center_deg,
                 radius_m,
-            } => on_earth(center_deg) && radius_m.is_finite() && *radius_m > 0.0,
+            } => (
+                core::slice::from_ref(center_deg),
+                radius_m.is_finite() && *radius_m > 0.0,
+            ),
             FenceOutline::Polygon { corners_deg } => {
-                corners_deg.len() >= 3 && corners_deg.iter().all(on_earth)
+                (corners_deg.as_slice(), corners_deg.len() >= 3)
             }
         };
+        for [latitude_deg, longitude_deg] in places {
+            self.on_earth(item, [*latitude_deg, *longitude_deg, 0.0])?;
+        }
         if !usable {
             return Err(self.error(
                 item,

@@ -130,15 +130,19 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
             return Err(InputError::in_file(path, message));
         }
     }
-    let home = match plan.mission.planned_home_position.as_deref() {
-        None => None,
+    let mut reader = ItemReader::new(path);
+    match plan.mission.planned_home_position.as_deref() {
+        None => (),
         Some(&[Some(latitude_deg), Some(longitude_deg), altitude_m]) => {
             let home = Geodetic::new(latitude_deg, longitude_deg, altitude_m.unwrap_or(0.0));
-            Some(home.ok_or_else(|| InputError::in_file(path, HOME))?)
+            let home = home.ok_or_else(|| InputError::in_file(path, HOME))?;
+            reader.file().home = Some(home);
+            if altitude_m.is_none() {
+                reader.note("home has no altitude: it counts as at sea level");
+            }
         }
         Some(_) => return Err(InputError::in_file(path, HOME)),
-    };
-    let mut reader = ItemReader::new(path, home);
+    }
     let mut count = Counted::default();
     for value in &plan.mission.items {
         take(value, &mut count, &mut reader, true)?;

@@ -8,7 +8,6 @@ use std::path::Path;
 use super::MissionFile;
 use super::items::{Item, ItemReader};
 use crate::error::InputError;
-use crate::geodesy::Geodetic;
 
 /// The first words of a list of waypoints.
 pub(super) const LIST: &str = "QGC WPL";
@@ -48,18 +47,14 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
             return Err(InputError::at_line(path, item.line.unwrap_or(1), message));
         }
     }
-    let (home, items) = match items.split_first() {
+    let mut reader = ItemReader::new(path);
+    let items = match items.split_first() {
         Some((first, rest)) if (first.number, first.command, first.frame) == (0, 16, 0) => {
-            let [latitude_deg, longitude_deg, altitude_m] =
-                first.at.map(|value| value.unwrap_or(0.0));
-            // All zero: the station knew no home.
-            let known = latitude_deg != 0.0 || longitude_deg != 0.0;
-            let home = Geodetic::new(latitude_deg, longitude_deg, altitude_m).filter(|_| known);
-            (home, rest)
+            reader.take_home(first)?;
+            rest
         }
-        _ => (None, items.as_slice()),
+        _ => items.as_slice(),
     };
-    let mut reader = ItemReader::new(path, home);
     for item in items {
         reader.take(item)?;
     }

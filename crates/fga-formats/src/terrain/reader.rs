@@ -29,9 +29,16 @@ pub fn parse(bytes: &[u8], path: &Path, given: &Given) -> Result<TerrainFile, In
 
 fn file_of(input: impl Read + Seek, path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    parsed(input, &name)
-        .map(|parsed| finished(parsed, path, given))
-        .map_err(|message| InputError::in_file(path, message))
+    let parsed = parsed(input, &name).map_err(|message| InputError::in_file(path, message))?;
+    if parsed
+        .fields
+        .iter()
+        .all(|field| field.summary().0.is_none())
+    {
+        let message = "has only holes, expected at least one height";
+        return Err(InputError::in_file(path, message));
+    }
+    Ok(finished(parsed, path, given))
 }
 
 /// Only a compressed GeoTIFF is in memory beside its heights.

@@ -172,6 +172,18 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
             "a.waypoints, line 4: item 2 is at latitude -95.359",
         ),
         (
+            of_list("-35.3632620", "-95.363"),
+            "a.waypoints, line 2: item 0 is at latitude -95.363",
+        ),
+        (
+            of_list("-35.3632620", "nan"),
+            "a.waypoints, line 2: item 0 has no place",
+        ),
+        (
+            of_list("584.000000", "nan"),
+            "a.waypoints, line 2: item 0 has no place",
+        ),
+        (
             of_list("100.000000\t1\r", "100.000000\r"),
             "a.waypoints, line 4: has 11 fields, expected 12",
         ),
@@ -207,6 +219,14 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
         (
             of_plan("\"radius\": 120.5", "\"radius\": -1"),
             "a.plan: item 1 is no fence",
+        ),
+        (
+            of_plan("[47.5, 8.6]", "[147.5, 8.6]"),
+            "a.plan: item 1 is at latitude 147.5",
+        ),
+        (
+            of_plan("[47.5, 8.7]", "[47.5, -8.7]"),
+            "a.plan: item 2 is 1293 km from where the mission begins",
         ),
     ] {
         match found {
@@ -287,6 +307,13 @@ fn n8_an_unknown_version_or_order_is_refused() {
         let error = found.expect_err(expected);
         assert!(error.starts_with(expected), "{error}\n{expected}");
     }
+    // A station that knows no ground writes no altitude of home.
+    let level = plan("8.5456, 488.1", "8.5456, null").unwrap();
+    assert!(
+        level.notes[0].starts_with("home has no altitude"),
+        "{:?}",
+        level.notes
+    );
     // A version that is left out is the known one, and version 1 of a fence has one polygon.
     let bare = PLAN.replace(version, "\"x\": ");
     assert!(parse(&bare, Path::new("a.plan")).is_ok());

@@ -233,51 +233,53 @@ fn unpacked(bytes: &[u8]) -> Vec<u8> {
     plain
 }
 
-/// A file of the tests of the crate `dted2` 1.0.0, which the folder in `FGA_DTED2` or the sources of cargo hold.
-fn dted2(name: &str) -> Option<PathBuf> {
-    let folders = || {
-        if let Some(folder) = std::env::var_os("FGA_DTED2") {
-            return vec![PathBuf::from(folder)];
-        }
-        let home = std::env::var_os("CARGO_HOME")
-            .map(PathBuf::from)
-            .or_else(|| {
-                let home = std::env::var_os("HOME")?;
-                Some(Path::new(&home).join(".cargo"))
-            });
-        let sources = home.and_then(|home| std::fs::read_dir(home.join("registry/src")).ok());
-        let sources = sources.into_iter().flatten().flatten();
-        sources
-            .map(|entry| entry.path().join("dted2-1.0.0/tests"))
-            .collect()
-    };
-    let found = folders()
-        .into_iter()
-        .map(|folder| folder.join(name))
-        .find(|path| path.exists());
-    if found.is_none() {
-        eprintln!(
-            "skipped: {name} of the crate dted2 1.0.0 is absent (FGA_DTED2 names its folder)"
-        );
-    }
-    found
+/// A file of the tests of the crate `dted2`, which cargo unpacks with its sources.
+fn dted2(name: &str) -> PathBuf {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.unwrap_or_else(|| Path::new(&std::env::var_os("HOME").unwrap()).join(".cargo"));
+    let sources = std::fs::read_dir(home.join("registry/src")).unwrap();
+    let mut paths = sources.map(|source| source.unwrap().path().join("dted2-1.0.0/tests"));
+    let folder = paths.find(|path| path.exists());
+    folder.expect("the sources of dted2 1.0.0").join(name)
 }
 
-/// SRTM as the United States publish it: the Adriatic at Split, and Raoul Island. Expected values from GDAL 3.10.
+/// SRTM as the United States publish it: the Adriatic at Split, and Raoul Island. Expected values from GDAL 3.10; between the posts
+/// those of another reader.
 #[test]
-fn dted_as_it_is_published_is_read_as_gdal_reads_it() {
-    let Some(path) = dted2("test_data.dt2") else {
-        return;
-    };
-    let file = read(&path, &Given::default()).unwrap();
-    assert_eq!(file.fields[0].summary(), (Some([-4.0, 114.0]), 0));
-    assert_eq!(
-        (file.datum.value, file.vertical_error_m.value),
-        (Datum::Egm96, 5.0)
-    );
-    let island = read(&dted2("test_data_negative.dt2").unwrap(), &Given::default()).unwrap();
-    assert_eq!(island.fields[0].summary(), (Some([0.0, 466.0]), 0));
-    assert_eq!(island.vertical_error_m.value, 16.0);
+fn dted_as_it_is_published_is_read_as_gdal_and_dted2_read_it() {
+    for (name, range_m, error_m) in [
+        ("test_data.dt2", [-4.0, 114.0], 5.0),
+        ("test_data_negative.dt2", [0.0, 466.0], 16.0),
+    ] {
+        let path = dted2(name);
+        let file = read(&path, &Given::default()).unwrap();
+        let field = &file.fields[0];
+        assert_eq!(field.summary(), (Some(range_m), 0));
+        assert_eq!(
+            (file.datum.value, file.vertical_error_m.value),
+            (Datum::Egm96, error_m)
+        );
+        let other = dted2::DTEDData::read(path.to_str().unwrap()).unwrap();
+        let area = file.area().unwrap();
+        let mut land = 0;
+        for step in 0..100_000 {
+            let [north, east] =
+                [0.618_034, 0.414_214].map(|share| (f64::from(step) * share).fract());
+            let place = [
+                area.south_deg + north * (area.north_deg - area.south_deg),
+                area.west_deg + east * (area.east_deg - area.west_deg),
+            ];
+            let height_m = field.height_m(place[0], place[1]).unwrap();
+            let expected_m = other.get_elevation(place[0], place[1]).unwrap();
+            assert!(
+                (height_m - expected_m).abs() < 1e-3,
+                "{name} at {place:?}: {height_m}, not {expected_m}"
+            );
+            land += u32::from(height_m > 1.0);
+        }
+        // The most of both is sea.
+        assert!(land > 40, "{name}: {land}");
+    }
 }
 
 /// A leg that crosses a line of posts at a very small angle took a million steps for each kilometre.

@@ -33,6 +33,11 @@ fn srtm_that_cannot_be_right_is_refused_in_one_sentence() {
             "S34W071.hgt",
             "has at least 25936796 bytes, expected 2884802 or 25934402",
         ),
+        (
+            &[0x80, 0].repeat(1201 * 1201),
+            "S34W071.hgt",
+            "has only holes, expected at least one height",
+        ),
         (&plain[..], "ground.hgt", "has no place in its name"),
         (&plain[..], "N90E008.hgt", "place N90E008 in its name"),
         (&plain[..], "S90E008.hgt", "reaches no pole"),
