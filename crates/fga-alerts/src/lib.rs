@@ -27,11 +27,11 @@
 //! caller subtracts it. Times are from now.
 //!
 //! ```
-//! use fga_alerts::{Aircraft, AircraftId, Monitor, Quantity, Region, State, schemes};
+//! use fga_alerts::{Aircraft, AircraftId, AircraftState, Monitor, Quantity, Region, schemes};
 //! use glam::DVec3;
 //!
 //! let at = |id, position_m, velocity_mps| {
-//!     Aircraft::new(AircraftId(id), State { position_m, velocity_mps })
+//!     Aircraft::new(AircraftId(id), AircraftState { position_m, velocity_mps })
 //! };
 //! let ownship = at(0, DVec3::new(0.0, 0.0, 1000.0), DVec3::new(0.0, 50.0, 0.0));
 //! let intruder = at(1, DVec3::new(0.0, 5000.0, 1000.0), DVec3::new(0.0, -50.0, 0.0));

@@ -7,13 +7,13 @@
 //!
 //! ```
 //! use fga_report::interval::Estimate;
-//! use fga_report::report::{Block, Cell, Column, Report, Section, Table};
+//! use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
 //!
 //! let mut report = Report::new("Success against distance");
 //! report.facts.push(("encounters".into(), "300 a row".into()));
 //! report.sections.push(Section {
 //!     title: "One static obstacle".into(),
-//!     blocks: vec![Block::Table(Table {
+//!     blocks: vec![SectionBlock::Table(Table {
 //!         caption: "Separated encounters.".into(),
 //!         columns: vec![Column::text("policy"), Column::number("separated (%)")],
 //!         rows: vec![vec![
