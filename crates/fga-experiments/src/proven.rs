@@ -186,7 +186,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
     }
     let waypoints_m = [Vec3::ZERO, Vec3::new(1e5, 0.0, 0.0)];
     let mut count = Outcomes::default();
-    // The moment: so many decisions that claim something have passed.
+    // The moment: after this number of decisions that claim something.
     let mut left = (random.unit() * random.unit() * 150.0) as u32;
     let mut step = 0_u32;
     while f64::from(step) * PERIOD_S < LONGEST_S {
