@@ -137,7 +137,10 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
             "cdf",
             Cdf {
                 title: "Least separation".into(),
-                x: Axis::linear("least separation (m)").with_range(0.0, 100.0),
+                x: Axis {
+                    range: Some((0.0, 100.0)),
+                    ..Axis::linear("least separation (m)")
+                },
                 series: margins(20_000),
                 limits: limits.clone(),
             }
@@ -147,7 +150,10 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
             "histogram",
             Histogram {
                 title: "Least separation".into(),
-                x: Axis::linear("least separation (m)").with_range(0.0, 100.0),
+                x: Axis {
+                    range: Some((0.0, 100.0)),
+                    ..Axis::linear("least separation (m)")
+                },
                 bins: 40,
                 series: margins(2000),
                 limits,
