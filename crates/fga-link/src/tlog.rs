@@ -205,6 +205,33 @@ mod tests {
     use mavlink::dialects::ardupilotmega::{MavMessage, PING_DATA};
 
     #[test]
+    fn each_frame_is_as_long_as_its_kind() {
+        let (mut file, ping) = (Vec::new(), MavMessage::PING(PING_DATA::DEFAULT));
+        let mut writer = TlogWriter::new(&mut file);
+        // Ids of 8 and of 32 bits.
+        for system_id in [1, 70_000, 2] {
+            let header = MavHeader {
+                system_id,
+                ..MavHeader::default()
+            };
+            let raw = encode(header, &ping, None);
+            writer
+                .write(1_700_000_000_000_000, raw.raw_bytes())
+                .unwrap();
+        }
+        let mut reader = TlogReader::new(file.as_slice());
+        let mut next = || {
+            reader
+                .next_frame()
+                .unwrap()
+                .map(|logged| logged.frame.header.system_id)
+        };
+        let heard = [next(), next(), next(), next()];
+        assert_eq!(heard, [Some(1), Some(70_000), Some(2), None]);
+        assert_eq!(reader.skipped, 0);
+    }
+
+    #[test]
     fn a_written_log_is_read_and_a_cut_end_is_an_end() {
         let mut file = Vec::new();
         let mut writer = TlogWriter::new(&mut file);
