@@ -4,7 +4,7 @@
 
 use fga_formats::recordings::{self, Content};
 use fga_link::endpoint::Endpoint;
-use fga_link::player::{Line, from_states, read_log};
+use fga_link::player::{PlayerLine, from_states, read_log};
 use fga_link::traffic::receiver::ReceiverEndpoint;
 use fga_link::{Companion, Config};
 use libfuzzer_sys::fuzz_target;
@@ -27,13 +27,15 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let _ = text.parse::<Endpoint>();
     let _ = text.parse::<ReceiverEndpoint>();
-    if let Ok(line) = text.parse::<Line>() {
+    if let Ok(line) = text.parse::<PlayerLine>() {
         if let Some(sample) = line.0.at(1e4) {
             assert!(sample.place.latitude_deg.is_finite());
         }
     }
     if let Ok(Content::States(states)) = recordings::parse_content(bytes, Path::new("a")) {
-        let samples = from_states(&states).into_iter().flat_map(|flight| flight.samples);
+        let samples = from_states(&states)
+            .into_iter()
+            .flat_map(|flight| flight.samples);
         assert!(samples.into_iter().all(|sample| sample.time_s >= 0.0));
     }
 });

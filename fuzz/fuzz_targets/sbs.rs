@@ -1,7 +1,7 @@
 //! Any bytes of a connection are taken, and give the same reports however they are cut; every line is counted once.
 #![no_main]
 
-use fga_formats::traffic::sbs::{Log, LineStream};
+use fga_formats::traffic::sbs::{LineStream, Log};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

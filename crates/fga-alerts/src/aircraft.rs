@@ -5,14 +5,14 @@ use glam::{DVec2, DVec3};
 /// Position and velocity in the local frame: x east, y north, z up from the datum of the
 /// altitudes in the settings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct State {
+pub struct AircraftState {
     /// Position, metres.
     pub position_m: DVec3,
     /// Velocity through the air, metres per second.
     pub velocity_mps: DVec3,
 }
 
-impl State {
+impl AircraftState {
     /// Horizontal speed, metres per second.
     pub fn speed_mps(&self) -> f64 {
         let v = self.velocity_mps;
@@ -145,7 +145,7 @@ pub struct Aircraft {
     /// Its identifier.
     pub id: AircraftId,
     /// Its position and velocity.
-    pub state: State,
+    pub state: AircraftState,
     /// The alerter of the settings that judges it, counted from 0; `None` for no alerter.
     pub alerter: Option<usize>,
     /// The uncertainty of its state.
@@ -156,7 +156,7 @@ pub struct Aircraft {
 
 impl Aircraft {
     /// An aircraft that the first alerter judges, without deviations.
-    pub const fn new(id: AircraftId, state: State) -> Self {
+    pub const fn new(id: AircraftId, state: AircraftState) -> Self {
         Self {
             id,
             state,
@@ -171,9 +171,9 @@ impl Aircraft {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// The ownship.
-    pub ownship: State,
+    pub ownship: AircraftState,
     /// The other aircraft.
-    pub intruder: State,
+    pub intruder: AircraftState,
     /// Standard deviations of the relative state, the sums of both aircraft.
     pub deviation: PairDeviation,
 }
@@ -205,7 +205,7 @@ impl PairDeviation {
 
 impl Pair {
     /// Two aircraft with certain states.
-    pub const fn exact(ownship: State, intruder: State) -> Self {
+    pub const fn exact(ownship: AircraftState, intruder: AircraftState) -> Self {
         Self {
             ownship,
             intruder,

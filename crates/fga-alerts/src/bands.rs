@@ -24,7 +24,7 @@ mod ways;
 pub(crate) use search::meets_within_spread;
 
 use crate::aircraft::Pair;
-use crate::bands::colors::{Band, Colors, Way};
+use crate::bands::colors::{Band, Colors, ManeuverSide};
 use crate::bands::memory::{BandMemory, Resolution, Step};
 use crate::bands::recovery::Recovery;
 use crate::bands::search::BandSearch;
@@ -80,12 +80,12 @@ impl QuantityBands {
     }
 
     /// The nearest resolution to one side.
-    pub fn resolution(&self, way: Way) -> Resolution {
+    pub fn resolution(&self, way: ManeuverSide) -> Resolution {
         self.memory.resolution(way)
     }
 
     /// The preferred side.
-    pub fn preferred(&self) -> Way {
+    pub fn preferred(&self) -> ManeuverSide {
         self.memory.preferred()
     }
 

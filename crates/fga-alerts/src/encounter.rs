@@ -3,14 +3,14 @@
 //! Tracks are straight between samples. The least separations and the first violations are exact
 //! on each straight piece; the severity is sampled ten times a second.
 
-use crate::aircraft::{Pair, State};
+use crate::aircraft::{AircraftState, Pair};
 use crate::severity::severity;
 use crate::volume::{Cylinder, Volume, WellClear};
 use glam::DVec3;
 
 /// The positions of two aircraft at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct PairSample {
     /// Time, seconds.
     pub time_s: f64,
     /// The ownship, metres.
@@ -30,7 +30,7 @@ pub struct Least {
 
 /// The result of an encounter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Outcome {
+pub struct EncounterOutcome {
     /// First near mid-air collision, seconds; `None` for none.
     pub nmac_s: Option<f64>,
     /// First loss of well clear, seconds; `None` for none.
@@ -55,11 +55,11 @@ const MOST_LOOKS: f64 = 10_000.0;
 /// Judges an encounter against a well-clear volume.
 ///
 /// Ignores samples whose time does not increase or that are not finite.
-pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
-    let mut outcome = Outcome::default();
+pub fn judge(samples: &[PairSample], volume: &Volume) -> EncounterOutcome {
+    let mut outcome = EncounterOutcome::default();
     let nmac = Volume::Cylinder(Cylinder::NMAC);
     let well_clear = volume.well_clear();
-    let mut last: Option<&Sample> = None;
+    let mut last: Option<&PairSample> = None;
     for sample in samples {
         if !(sample.time_s.is_finite()
             && sample.ownship_m.is_finite()
@@ -95,8 +95,8 @@ pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
     outcome
 }
 
-fn piece(from: &Sample, to: &Sample, lasts_s: f64) -> Pair {
-    let state = |begin: DVec3, end: DVec3| State {
+fn piece(from: &PairSample, to: &PairSample, lasts_s: f64) -> Pair {
+    let state = |begin: DVec3, end: DVec3| AircraftState {
         position_m: begin,
         velocity_mps: (end - begin) / lasts_s,
     };
@@ -108,14 +108,14 @@ fn piece(from: &Sample, to: &Sample, lasts_s: f64) -> Pair {
 
 /// The pair after a time.
 fn after(pair: &Pair, time_s: f64) -> Pair {
-    let moved = |state: &State| State {
+    let moved = |state: &AircraftState| AircraftState {
         position_m: state.position_m + state.velocity_mps * time_s,
         ..*state
     };
     Pair::exact(moved(&pair.ownship), moved(&pair.intruder))
 }
 
-impl Outcome {
+impl EncounterOutcome {
     /// Updates the least separations with a piece.
     fn see(&mut self, pair: &Pair, begin_s: f64, lasts_s: f64) {
         let offset_m = pair.ownship.position_m - pair.intruder.position_m;
@@ -173,11 +173,11 @@ mod tests {
     use alloc::vec::Vec;
 
     /// Head-on at 100 m/s in all, 100 m aside and 20 m above, once a second.
-    fn head_on(aside_m: f64, above_m: f64) -> Vec<Sample> {
+    fn head_on(aside_m: f64, above_m: f64) -> Vec<PairSample> {
         (0..=40)
             .map(|second| {
                 let time_s = f64::from(second);
-                Sample {
+                PairSample {
                     time_s,
                     ownship_m: DVec3::new(0.0, 50.0 * time_s, 0.0),
                     intruder_m: DVec3::new(aside_m, 2030.0 - 50.0 * time_s, above_m),
@@ -220,7 +220,7 @@ mod tests {
         assert!((whole.slant.unwrap().value_m - rest.slant.unwrap().value_m).abs() < 1e-9);
         assert_eq!(
             judge(&[], &Volume::WellClear(WellClear::EN_ROUTE)),
-            Outcome::default()
+            EncounterOutcome::default()
         );
     }
 }

@@ -13,11 +13,11 @@
 //! | [`Pair`] | how do two aircraft approach each other? |
 //! | [`severity`] | how bad is a loss of well clear? |
 //! | [`encounter`] | what happened between two tracks, in continuous time? |
-//! | [`Settings`] | which values can a user configure? |
+//! | [`AlertSettings`] | which values can a user configure? |
 //! | [`schemes`] | which configurations do the standards give? |
 //! | [`Monitor`] | which alert level holds, and what do the bands look like, over time? |
 //! | [`QuantityBands`] | which values of one quantity lead into a conflict, and which resolution is preferred? |
-//! | [`Ahead`] | where will the aircraft be, for the last time to manoeuvre? |
+//! | [`FutureStates`] | where will the aircraft be, for the last time to manoeuvre? |
 //!
 //! # Conventions
 //!
@@ -27,11 +27,11 @@
 //! caller subtracts it. Times are from now.
 //!
 //! ```
-//! use fga_alerts::{Aircraft, AircraftId, Monitor, Quantity, Region, State, schemes};
+//! use fga_alerts::{Aircraft, AircraftId, AircraftState, Monitor, Quantity, Region, schemes};
 //! use glam::DVec3;
 //!
 //! let at = |id, position_m, velocity_mps| {
-//!     Aircraft::new(AircraftId(id), State { position_m, velocity_mps })
+//!     Aircraft::new(AircraftId(id), AircraftState { position_m, velocity_mps })
 //! };
 //! let ownship = at(0, DVec3::new(0.0, 0.0, 1000.0), DVec3::new(0.0, 50.0, 0.0));
 //! let intruder = at(1, DVec3::new(0.0, 5000.0, 1000.0), DVec3::new(0.0, -50.0, 0.0));
@@ -81,16 +81,17 @@ pub mod severity;
 mod units;
 pub mod volume;
 
-pub use aircraft::{Aircraft, AircraftId, Deviation, Pair, PairDeviation, State};
+pub use aircraft::{Aircraft, AircraftId, AircraftState, Deviation, Pair, PairDeviation};
 pub use bands::QuantityBands;
-pub use bands::colors::{Band, Way};
+pub use bands::colors::{Band, ManeuverSide};
 pub use bands::memory::Resolution;
 pub use bands::recovery::Recovery;
 
 pub use hysteresis::HysteresisSettings;
 pub use loss::Loss;
-pub use monitor::{Ahead, Alert, LastTime, Monitor, StepError};
+pub use monitor::{Alert, FutureStates, LastTime, Monitor, StepError};
 pub use quantity::{PerManeuver, Quantity};
 pub use settings::{
-    AlertLevel, Alerter, Reach, Region, Settings, SlowDirections, TerminalArea, TerminalGuidance,
+    AlertLevel, AlertSettings, Alerter, Region, SlowDirections, TerminalArea, TerminalGuidance,
+    ValueRange,
 };

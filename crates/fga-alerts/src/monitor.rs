@@ -2,14 +2,14 @@
 
 mod input;
 
-use crate::aircraft::{Aircraft, AircraftId, Pair, State};
+use crate::aircraft::{Aircraft, AircraftId, AircraftState, Pair};
 use crate::almost::Closeness::Rounding;
 use crate::bands::{QuantityBands, meets_within_spread};
 use crate::hysteresis::Held;
 use crate::loss::Loss;
 use crate::picture::{Contribution, Picture, Terminal};
 use crate::quantity::Quantity;
-use crate::settings::{Region, Settings, TerminalGuidance};
+use crate::settings::{AlertSettings, Region, TerminalGuidance};
 use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -29,11 +29,11 @@ pub struct Alert {
 }
 
 /// Future states of the aircraft, which the caller knows or assumes.
-pub trait Ahead {
+pub trait FutureStates {
     /// The ownship's state after a time, seconds, in the frame of the step.
-    fn ownship(&self, after_s: f64) -> State;
+    fn ownship(&self, after_s: f64) -> AircraftState;
     /// An aircraft's state after a time, by its index in the traffic.
-    fn intruder(&self, index: usize, after_s: f64) -> State;
+    fn intruder(&self, index: usize, after_s: f64) -> AircraftState;
 }
 
 /// The time at which a maneuver must begin to stay out of the corrective volume.
@@ -61,12 +61,12 @@ pub struct Monitor {
 
 impl Monitor {
     /// A monitor without memory.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: AlertSettings) -> Self {
         Self {
             picture: Picture {
                 settings,
                 time_s: 0.0,
-                ownship: Aircraft::new(AircraftId(0), State::default()),
+                ownship: Aircraft::new(AircraftId(0), AircraftState::default()),
                 traffic: Vec::new(),
                 alerters: Vec::new(),
                 conflicts: Default::default(),
@@ -83,7 +83,7 @@ impl Monitor {
     }
 
     /// The settings.
-    pub const fn settings(&self) -> &Settings {
+    pub const fn settings(&self) -> &AlertSettings {
         &self.picture.settings
     }
 
@@ -311,7 +311,12 @@ impl Monitor {
 
     /// The last time at which a maneuver of a quantity stays out of the corrective volume of an
     /// aircraft, to half a second.
-    pub fn last_time(&self, quantity: Quantity, index: usize, ahead: &impl Ahead) -> LastTime {
+    pub fn last_time(
+        &self,
+        quantity: Quantity,
+        index: usize,
+        ahead: &impl FutureStates,
+    ) -> LastTime {
         self.search_last_time(quantity, index, ahead)
             .unwrap_or(LastTime::NoConflict)
     }
@@ -320,7 +325,7 @@ impl Monitor {
         &self,
         quantity: Quantity,
         index: usize,
-        ahead: &impl Ahead,
+        ahead: &impl FutureStates,
     ) -> Option<LastTime> {
         let (picture, bands) = (&self.picture, self.bands(quantity));
         let number = picture.level_for(index, picture.settings.corrective_region)?;

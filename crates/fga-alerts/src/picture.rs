@@ -3,7 +3,7 @@
 use crate::aircraft::{Aircraft, Pair, PairDeviation};
 use crate::loss::Loss;
 use crate::quantity::Quantity;
-use crate::settings::{AlertLevel, Region, Settings, SlowDirections};
+use crate::settings::{AlertLevel, AlertSettings, Region, SlowDirections};
 use alloc::vec::Vec;
 
 /// An aircraft that contributes to the bands of a region.
@@ -30,7 +30,7 @@ pub(crate) enum Terminal {
 /// The input of all bands: the aircraft of one time.
 #[derive(Debug, Clone)]
 pub(crate) struct Picture {
-    pub(crate) settings: Settings,
+    pub(crate) settings: AlertSettings,
     pub(crate) time_s: f64,
     pub(crate) ownship: Aircraft,
     pub(crate) traffic: Vec<Aircraft>,

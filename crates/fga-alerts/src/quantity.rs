@@ -1,6 +1,6 @@
 //! What a manoeuvre changes.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use core::f64::consts::TAU;
 
 /// The quantity that a manoeuvre changes.
@@ -26,7 +26,7 @@ impl Quantity {
     ];
 
     /// The quantity's value of an aircraft.
-    pub fn of(self, state: &State) -> f64 {
+    pub fn of(self, state: &AircraftState) -> f64 {
         match self {
             Self::Direction => state.direction_rad(),
             Self::HorizontalSpeed => state.speed_mps(),

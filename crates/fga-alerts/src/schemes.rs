@@ -2,7 +2,7 @@
 
 use crate::hysteresis::HysteresisSettings;
 use crate::quantity::PerManeuver;
-use crate::settings::{AlertLevel, Alerter, Region, Settings};
+use crate::settings::{AlertLevel, AlertSettings, Alerter, Region};
 use crate::units::{DEGREE_RAD, FOOT_M, KNOT_MPS, NAUTICAL_MILE_M};
 use crate::volume::{Cylinder, Volume, WellClear};
 use alloc::string::String;
@@ -43,8 +43,8 @@ fn three_levels(name: &str, preventive: WellClear, volume: WellClear, s: [f64; 4
 }
 
 /// RTCA DO-365B without deviations: en route, terminal area and non-cooperative, one alerter each.
-pub fn do_365b() -> Settings {
-    Settings {
+pub fn do_365b() -> AlertSettings {
+    AlertSettings {
         recovery_distance_m: 0.66 * NAUTICAL_MILE_M,
         recovery_height_m: 450.0 * FOOT_M,
         shrinks_recovery: true,
@@ -83,7 +83,7 @@ pub fn do_365b() -> Settings {
                 [55.0, 110.0, 25.0, 90.0],
             ),
         ],
-        ..Settings::default()
+        ..AlertSettings::default()
     }
 }
 
@@ -98,7 +98,7 @@ pub fn do_365b() -> Settings {
 /// | 2 | preventive: do not turn into it | F3442 | 45 s |
 /// | 3 | corrective: manoeuvre soon | F3442 | 30 s |
 /// | 4 | warning: manoeuvre now | F3442 | 15 s |
-pub fn f3442() -> Settings {
+pub fn f3442() -> AlertSettings {
     let volume = Cylinder::F3442;
     let wide = Cylinder::new(2.0 * volume.radius_m, 2.0 * volume.half_height_m);
     let levels: Vec<AlertLevel> = [
@@ -112,7 +112,7 @@ pub fn f3442() -> Settings {
         level(Volume::Cylinder(cylinder), time_s, time_s + 5.0, region)
     })
     .collect();
-    Settings {
+    AlertSettings {
         lookahead_s: 90.0,
         recovery_distance_m: volume.radius_m,
         recovery_height_m: volume.half_height_m,
@@ -128,14 +128,14 @@ pub fn f3442() -> Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aircraft::{Aircraft, AircraftId, State};
+    use crate::aircraft::{Aircraft, AircraftId, AircraftState};
     use crate::monitor::Monitor;
     use glam::DVec3;
 
     #[test]
     fn f3442_alerts_level_by_level_as_the_volume_comes_nearer() {
         let at = |id, y_m, speed_mps| {
-            let state = State {
+            let state = AircraftState {
                 position_m: DVec3::new(0.0, y_m, 100.0),
                 velocity_mps: DVec3::new(0.0, speed_mps, 0.0),
             };

@@ -60,7 +60,7 @@ impl Region {
 
 /// The range in which a manoeuvre may change a quantity, in its SI unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Reach {
+pub struct ValueRange {
     /// Least value.
     pub least: f64,
     /// Greatest value.
@@ -169,7 +169,7 @@ impl Alerter {
     clippy::struct_excessive_bools,
     reason = "switches of the file format, each for itself"
 )]
-pub struct Settings {
+pub struct AlertSettings {
     /// Horizon of conflicts, seconds.
     pub lookahead_s: f64,
     /// Searched directions to the left, radians.
@@ -181,11 +181,11 @@ pub struct Settings {
     /// Least airspeed, metres per second.
     pub least_airspeed_mps: f64,
     /// Horizontal speeds, metres per second.
-    pub horizontal_speed: Reach,
+    pub horizontal_speed: ValueRange,
     /// Vertical speeds, metres per second.
-    pub vertical_speed: Reach,
+    pub vertical_speed: ValueRange,
     /// Altitudes, metres.
-    pub altitude: Reach,
+    pub altitude: ValueRange,
     /// Acceleration along the flight, m/s²; 0 for instantaneous changes.
     pub horizontal_acceleration_mps2: f64,
     /// Vertical acceleration, m/s²; 0 for instantaneous changes.
@@ -241,10 +241,10 @@ pub struct Settings {
     pub alerters: Vec<Alerter>,
 }
 
-impl Default for Settings {
+impl Default for AlertSettings {
     /// The defaults of a file.
     fn default() -> Self {
-        let unbounded_below = |least: f64, greatest: f64, step: f64| Reach {
+        let unbounded_below = |least: f64, greatest: f64, step: f64| ValueRange {
             least,
             greatest,
             below: 0.0,
@@ -299,7 +299,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl AlertSettings {
     /// The level (counted from 1) from which on an alerter requires a manoeuvre.
     pub fn corrective_level(&self, alerter: usize) -> Option<usize> {
         self.alerters

@@ -42,15 +42,15 @@ pub fn severity(volume: &WellClear, pair: &Pair) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aircraft::State;
+    use crate::aircraft::AircraftState;
     use glam::DVec3;
 
     fn pair(position_m: DVec3, velocity_mps: DVec3) -> Pair {
-        let ownship = State {
+        let ownship = AircraftState {
             position_m,
             velocity_mps,
         };
-        Pair::exact(ownship, State::default())
+        Pair::exact(ownship, AircraftState::default())
     }
 
     #[test]

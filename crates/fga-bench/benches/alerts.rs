@@ -4,8 +4,8 @@ use core::hint::black_box;
 use criterion::Criterion;
 use fga_alerts::volume::{Volume, WellClear};
 use fga_alerts::{
-    Aircraft, AircraftId, AlertLevel, Alerter, HysteresisSettings, Monitor, PerManeuver, Region,
-    Settings, State,
+    Aircraft, AircraftId, AircraftState, AlertLevel, AlertSettings, Alerter, HysteresisSettings,
+    Monitor, PerManeuver, Region,
 };
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ const FOOT_M: f64 = 0.3048;
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// DO-365B en route, with the memory of its configuration.
-fn settings() -> Settings {
+fn settings() -> AlertSettings {
     let level = |volume, alerting_s, early_alerting_s, region| AlertLevel {
         volume: Volume::WellClear(volume),
         alerting_s,
@@ -21,7 +21,7 @@ fn settings() -> Settings {
         region,
         spread: PerManeuver::default(),
     };
-    Settings {
+    AlertSettings {
         recovery_distance_m: 0.66 * 1852.0,
         recovery_height_m: 450.0 * FOOT_M,
         shrinks_recovery: true,
@@ -42,12 +42,12 @@ fn settings() -> Settings {
                 level(WellClear::EN_ROUTE, 25.0, 55.0, Region::Near),
             ],
         }],
-        ..Settings::default()
+        ..AlertSettings::default()
     }
 }
 
 fn aircraft(id: u64, position_m: DVec3, velocity_mps: DVec3) -> Aircraft {
-    let state = State {
+    let state = AircraftState {
         position_m,
         velocity_mps,
     };

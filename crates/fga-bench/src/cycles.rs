@@ -106,9 +106,9 @@ impl BenchAircraft {
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
 #[derive(Debug, Clone)]
-pub struct Random(pub u64);
+pub struct SplitMix64(pub u64);
 
-impl Random {
+impl SplitMix64 {
     /// A number in a range.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -135,13 +135,13 @@ pub struct BenchEncounter {
     wind_mps: Vec3,
     waypoints_m: Vec<Vec3>,
     obstacles: Vec<Obstacle>,
-    random: Random,
+    random: SplitMix64,
 }
 
 impl BenchEncounter {
     /// Threats that each meet the aircraft within 25 s, a few metres off its line.
     pub fn threats(aircraft: BenchAircraft, count: u32, number: u64) -> Self {
-        let mut random = Random(number.wrapping_mul(1_000_003) ^ u64::from(count));
+        let mut random = SplitMix64(number.wrapping_mul(1_000_003) ^ u64::from(count));
         let vehicle = aircraft.vehicle();
         let obstacles = (0..count)
             .map(|id| {
@@ -181,7 +181,7 @@ impl BenchEncounter {
     /// The slowest case: 250 obstacles in a ring, layers above and below, one on top of the aircraft,
     /// lag of 0.2 to 1.2 s, σ of 10 m, wind of up to 0.95 of the airspeed, a mission of short legs.
     pub fn adversarial(number: u64) -> Self {
-        let mut random = Random(number.wrapping_mul(7_919) ^ 0xad);
+        let mut random = SplitMix64(number.wrapping_mul(7_919) ^ 0xad);
         let mut encounter = Self::threats(BenchAircraft::Noisy, 0, number);
         let vehicle = &mut encounter.vehicle;
         vehicle.response.bank_time_constant_s = random.within(0.2, 1.2);

@@ -8,7 +8,7 @@ use fga::limit::{LARGEST, SettingsError};
 use fga::zone::{Outline, Zone};
 
 use crate::growable::Growable;
-use crate::memory::{Span, apart, given, list};
+use crate::memory::{LentSpan, apart, given, list};
 use crate::status::{Refused, fga_status};
 
 /// Most zones of a situation.
@@ -126,7 +126,7 @@ fn peaks(columns: u32, rows: u32) -> Result<u32, Refused> {
 ///
 /// # Safety
 /// As [`list`] of its corners.
-unsafe fn zone<'a>(given: &fga_zone, written: &[Span]) -> Result<Zone<'a>, Refused> {
+unsafe fn zone<'a>(given: &fga_zone, written: &[LentSpan]) -> Result<Zone<'a>, Refused> {
     let keep_in = match given.kind {
         kind if kind == fga_zone_kind::KeepOut as u32 => false,
         kind if kind == fga_zone_kind::KeepIn as u32 => true,
@@ -180,7 +180,7 @@ fn usable(field: &'static str, place: fga_place) -> Result<(), Refused> {
 /// As [`list`], of the zones and of the corners of each.
 pub(crate) unsafe fn zones<'r, 'a>(
     (zones, count): (*const fga_zone, u32),
-    written: &[Span],
+    written: &[LentSpan],
     room: &'r mut ZoneRoom<'a>,
 ) -> Result<&'r [Zone<'a>], Refused> {
     if count as usize > FGA_ZONES_MOST {
@@ -199,7 +199,7 @@ pub(crate) unsafe fn zones<'r, 'a>(
 }
 
 /// Refuses what the caller lends where it overlaps what the call writes.
-fn apart_from(lent: &[Span], written: &[Span]) -> Result<(), Refused> {
+fn apart_from(lent: &[LentSpan], written: &[LentSpan]) -> Result<(), Refused> {
     for one in lent {
         for other in written {
             apart(&[*one, *other])?;
@@ -214,7 +214,7 @@ fn apart_from(lent: &[Span], written: &[Span]) -> Result<(), Refused> {
 /// As [`given`], and as [`list`] of its heights and peaks.
 pub(crate) unsafe fn ground<'a>(
     pointer: *const fga_ground,
-    written: &[Span],
+    written: &[LentSpan],
 ) -> Result<Option<Ground<'a>>, Refused> {
     if pointer.is_null() {
         return Ok(None);
@@ -258,7 +258,7 @@ pub unsafe extern "C" fn fga_ground_fill_peaks(
         // SAFETY: the caller's word, in the header.
         let (heights_m, of) = unsafe { list(heights_m, posts) }?;
         if count > 0 {
-            apart(&[of, Span::of(peaks_m.cast_const(), count as usize)?])?;
+            apart(&[of, LentSpan::of(peaks_m.cast_const(), count as usize)?])?;
             // SAFETY: the caller's word, in the header; a float lies there, whatever its bits, and nobody else refers to it.
             let peaks_m = unsafe { core::slice::from_raw_parts_mut(peaks_m, count as usize) };
             Ground::fill_peaks(row, heights_m, peaks_m);

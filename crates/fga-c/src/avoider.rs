@@ -18,7 +18,7 @@ use crate::input::{
     UNSAID, fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
 };
 use crate::memory;
-use crate::memory::{AtWork, Kind, Object, Span, answered, apart, fill, given, list, sized};
+use crate::memory::{AtWork, Kind, LentSpan, Object, answered, apart, fill, given, list, sized};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
@@ -276,7 +276,7 @@ pub unsafe extern "C" fn fga_vehicle_from_bank(
     vehicle: *mut fga_vehicle,
     why: *mut fga_refusal,
 ) -> fga_status {
-    let make = |why: Span| {
+    let make = |why: LentSpan| {
         // SAFETY: the caller's word, in the header.
         apart(&[unsafe { sized(vehicle) }?, why])?;
         let limits = Vehicle::from_bank(airspeed_mps, bank_max_rad)?;
@@ -311,7 +311,7 @@ pub unsafe extern "C" fn fga_avoider_init(
     if abi_version != FGA_ABI_VERSION {
         return fga_status::WrongVersion;
     }
-    let make = |why: Span| {
+    let make = |why: LentSpan| {
         for (field, most) in [
             ("obstacles_most", obstacles_most),
             ("waypoints_most", waypoints_most),
@@ -324,7 +324,7 @@ pub unsafe extern "C" fn fga_avoider_init(
         let (object, storage) = Object::storage(storage.cast(), storage_size, bytes)?;
         // SAFETY: the caller's word, in the header.
         let ((settings, from), (vehicle, of)) = unsafe { (given(settings)?, given(vehicle)?) };
-        let answer = Span::of(avoider.cast_const(), 1)?;
+        let answer = LentSpan::of(avoider.cast_const(), 1)?;
         apart(&[storage, from, of, answer, why])?;
         let (settings, vehicle) = (settings.settings()?, vehicle.vehicle()?);
         let construct = |flying: *mut Flying| -> Result<(), Refused> {
@@ -362,7 +362,7 @@ pub unsafe extern "C" fn fga_avoider_init(
 unsafe fn work(
     avoider: *mut fga_avoider,
     why: *mut fga_refusal,
-    work: impl FnOnce(&mut AtWork<'_, Flying>, Span) -> Result<fga_status, Refused>,
+    work: impl FnOnce(&mut AtWork<'_, Flying>, LentSpan) -> Result<fga_status, Refused>,
 ) -> fga_status {
     let counted = |object: &mut AtWork<'_, Flying>, why| {
         let done = work(object, why);

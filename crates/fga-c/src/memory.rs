@@ -11,12 +11,12 @@ use crate::status::{Refused, fga_refusal, fga_status};
 
 /// The memory that a pointer of the caller leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Span {
+pub(crate) struct LentSpan {
     start: usize,
     bytes: usize,
 }
 
-impl Span {
+impl LentSpan {
     /// No memory.
     pub(crate) const NONE: Self = Self { start: 0, bytes: 0 };
 
@@ -45,7 +45,7 @@ impl Span {
 }
 
 /// Checks that no two of some spans overlap.
-pub(crate) fn apart(spans: &[Span]) -> Result<(), fga_status> {
+pub(crate) fn apart(spans: &[LentSpan]) -> Result<(), fga_status> {
     let mut rest = spans;
     while let [span, others @ ..] = rest {
         if others.iter().any(|other| span.overlaps(other)) {
@@ -61,7 +61,7 @@ pub(crate) fn apart(spans: &[Span]) -> Result<(), fga_status> {
 /// # Safety
 /// Behind a pointer that is not null and aligned lies what the caller says: a `u32` at least, and where that is the size
 /// of `T`, a `T`.
-pub(crate) unsafe fn given<T: Growable>(pointer: *const T) -> Result<(T, Span), fga_status> {
+pub(crate) unsafe fn given<T: Growable>(pointer: *const T) -> Result<(T, LentSpan), fga_status> {
     // SAFETY: as this function.
     let span = unsafe { sized(pointer) }?;
     // SAFETY: not null, aligned, and as large as a `T`, by the line above.
@@ -72,8 +72,8 @@ pub(crate) unsafe fn given<T: Growable>(pointer: *const T) -> Result<(T, Span), 
 ///
 /// # Safety
 /// As [`given`].
-pub(crate) unsafe fn sized<T: Growable>(pointer: *const T) -> Result<Span, fga_status> {
-    let span = Span::of(pointer, 1)?;
+pub(crate) unsafe fn sized<T: Growable>(pointer: *const T) -> Result<LentSpan, fga_status> {
+    let span = LentSpan::of(pointer, 1)?;
     // SAFETY: not null, aligned for more than a `u32`, and by the trait the first field is one.
     let size = unsafe { pointer.cast::<u32>().read() };
     if size != size_word::<T>() {
@@ -89,12 +89,12 @@ pub(crate) unsafe fn sized<T: Growable>(pointer: *const T) -> Result<Span, fga_s
 pub(crate) unsafe fn list<'a, T: Copy>(
     pointer: *const T,
     count: u32,
-) -> Result<(&'a [T], Span), fga_status> {
+) -> Result<(&'a [T], LentSpan), fga_status> {
     if count == 0 {
-        return Ok((&[], Span::NONE));
+        return Ok((&[], LentSpan::NONE));
     }
     let count = count as usize;
-    let span = Span::of(pointer, count)?;
+    let span = LentSpan::of(pointer, count)?;
     // SAFETY: not null, aligned, within the address space, and there by the caller's word.
     Ok((unsafe { core::slice::from_raw_parts(pointer, count) }, span))
 }
@@ -116,7 +116,7 @@ pub(crate) unsafe fn fill<T: Growable>(pointer: *mut T, fill: impl FnOnce(&mut T
 #[derive(Debug)]
 struct Why {
     pointer: *mut fga_refusal,
-    span: Span,
+    span: LentSpan,
 }
 
 impl Why {
@@ -124,7 +124,7 @@ impl Why {
     /// As [`given`], with null for a caller that does not ask.
     unsafe fn new(pointer: *mut fga_refusal) -> Result<Self, fga_status> {
         let span = if pointer.is_null() {
-            Span::NONE
+            LentSpan::NONE
         } else {
             // SAFETY: as this function.
             unsafe { sized(pointer) }?
@@ -153,7 +153,7 @@ impl Why {
 /// As [`Why::new`].
 pub(crate) unsafe fn answered(
     why: *mut fga_refusal,
-    call: impl FnOnce(Span) -> Result<fga_status, Refused>,
+    call: impl FnOnce(LentSpan) -> Result<fga_status, Refused>,
 ) -> fga_status {
     // SAFETY: as this function.
     match unsafe { Why::new(why) } {
@@ -169,7 +169,7 @@ pub(crate) unsafe fn answered(
 pub(crate) unsafe fn work<T: Kind>(
     object: *mut Object<T>,
     why: *mut fga_refusal,
-    work: impl FnOnce(&mut AtWork<'_, T>, Span) -> Result<fga_status, Refused>,
+    work: impl FnOnce(&mut AtWork<'_, T>, LentSpan) -> Result<fga_status, Refused>,
 ) -> fga_status {
     let enter = |why| {
         // SAFETY: as this function.
@@ -200,7 +200,7 @@ pub(crate) trait Kind {
 /// An object at work: nobody else is until it is dropped.
 pub(crate) struct AtWork<'a, T> {
     object: *mut Object<T>,
-    pub(crate) span: Span,
+    pub(crate) span: LentSpan,
     lives: PhantomData<&'a mut T>,
 }
 
@@ -217,13 +217,13 @@ impl<T: Kind> Object<T> {
         storage: *mut u8,
         storage_bytes: usize,
         bytes: usize,
-    ) -> Result<(*mut Self, Span), fga_status> {
+    ) -> Result<(*mut Self, LentSpan), fga_status> {
         let object = storage.cast::<Self>();
-        let span = Span::of(object, 1)?;
+        let span = LentSpan::of(object, 1)?;
         if storage_bytes < bytes {
             return Err(fga_status::StorageTooSmall);
         }
-        let span = Span { bytes, ..span };
+        let span = LentSpan { bytes, ..span };
         if span.start.checked_add(bytes).is_none() {
             return Err(fga_status::StorageTooSmall);
         }
@@ -236,7 +236,7 @@ impl<T: Kind> Object<T> {
     /// [`Self::storage`] has accepted it, and nobody else uses the storage. After a success of `construct` the value is there.
     pub(crate) unsafe fn init<E>(
         object: *mut Self,
-        span: Span,
+        span: LentSpan,
         construct: impl FnOnce(*mut T) -> Result<(), E>,
     ) -> Result<(), E> {
         // SAFETY: the storage is large enough and aligned; fields are written by address, without a reference to what is not
@@ -256,7 +256,7 @@ impl<T: Kind> Object<T> {
     /// # Safety
     /// Behind a pointer that is not null and aligned lie as many bytes as an object has.
     pub(crate) unsafe fn enter<'a>(object: *mut Self) -> Result<AtWork<'a, T>, fga_status> {
-        let span = Span::of(object, 1)?;
+        let span = LentSpan::of(object, 1)?;
         // SAFETY: not null, aligned and readable by the caller's word. For a wrong caller this reads what happens to lie there:
         // a number, whatever it is.
         if unsafe { (&raw const (*object).mark).read() } != Self::mark_at(object) {
@@ -271,7 +271,7 @@ impl<T: Kind> Object<T> {
         let bytes = unsafe { (&raw const (*object).bytes).read() };
         Ok(AtWork {
             object,
-            span: Span { bytes, ..span },
+            span: LentSpan { bytes, ..span },
             lives: PhantomData,
         })
     }

@@ -16,7 +16,7 @@ use crate::input::{
     UNSAID, WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle,
     take_stages,
 };
-use crate::memory::{Kind, Object, Span, answered, apart, fill, given, list, sized, work};
+use crate::memory::{Kind, LentSpan, Object, answered, apart, fill, given, list, sized, work};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
@@ -263,11 +263,11 @@ pub unsafe extern "C" fn fga_prover_init(
     if abi_version != FGA_ABI_VERSION {
         return fga_status::WrongVersion;
     }
-    let make = |why: Span| {
+    let make = |why: LentSpan| {
         let (object, storage) = Object::storage(storage.cast(), storage_size, FGA_PROVER_BYTES)?;
         // SAFETY: the caller's word, in the header.
         let (vehicle, of) = unsafe { given(vehicle) }?;
-        apart(&[storage, of, Span::of(prover.cast_const(), 1)?, why])?;
+        apart(&[storage, of, LentSpan::of(prover.cast_const(), 1)?, why])?;
         let vehicle = vehicle.vehicle()?;
         let construct = |proving: *mut Proving| -> Result<(), Refused> {
             // SAFETY: there is room for a `Proving`; all of its fields are written.
@@ -298,7 +298,7 @@ pub unsafe extern "C" fn fga_prover_init(
 unsafe fn stages<'a>(
     stages: *const fga_stage,
     stage_count: u32,
-) -> Result<(&'a [fga_stage], Span), Refused> {
+) -> Result<(&'a [fga_stage], LentSpan), Refused> {
     if stage_count as usize > MAX_STAGES {
         let expected = "at most FGA_STAGES_MOST, and 40";
         return Err(Refused::too_many("stage_count", stage_count, expected));
@@ -389,7 +389,10 @@ pub unsafe extern "C" fn fga_predict(
     // SAFETY: the caller's word, in the header.
     unsafe {
         work::<Proving>(prover.cast(), why, |at_work, why| {
-            let (from, to) = (Span::of(ownship, 1)?, Span::of(then.cast_const(), 1)?);
+            let (from, to) = (
+                LentSpan::of(ownship, 1)?,
+                LentSpan::of(then.cast_const(), 1)?,
+            );
             let (stages, of) = self::stages(stages, stage_count)?;
             apart(&[at_work.span, from, to, of, why])?;
             let wind_mps = wind_mps.usable(WIND)?;

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use fga_sim::batch::{
-    BatchError, BatchRow, BatchSettings, MoreColumns, Tracks, empty_world, fly_all, fly_tracks,
-    plan, show,
+    BatchError, BatchRow, BatchSettings, EncounterTracks, MoreColumns, empty_world, fly_all,
+    fly_tracks, plan, show,
 };
 use fga_sim::drawn::{self, Content, RowTable};
 use fga_sim::run::RunLog;
@@ -34,7 +34,7 @@ pub(crate) struct Input {
 #[derive(Debug)]
 enum BatchEncounters {
     Rows(RowTable),
-    Tracks(Box<Tracks>),
+    Tracks(Box<EncounterTracks>),
 }
 
 impl Input {
@@ -68,7 +68,7 @@ impl Input {
                 }
             }
             Content::Tracks => {
-                let tracks = Tracks::find(path, &settings)?;
+                let tracks = EncounterTracks::find(path, &settings)?;
                 tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
                 Self {
                     sha256: tracks.sha256(),
@@ -147,14 +147,14 @@ impl Input {
 }
 
 /// The number of reports that recordings left out, by reason, and of the recordings left out whole.
-pub(crate) fn left_out(tracks: &Tracks) -> Map<String, Value> {
+pub(crate) fn left_out(tracks: &EncounterTracks) -> Map<String, Value> {
     let mut left_out = tracks.tally.to_json();
     left_out.insert("recordings".into(), tracks.damaged.len().into());
     left_out
 }
 
 /// Left-out recordings are an error unless `--skip-damaged` accepts them.
-pub(crate) fn verdict(tracks: &Tracks, skip_damaged: bool) -> Result<ExitCode, Failure> {
+pub(crate) fn verdict(tracks: &EncounterTracks, skip_damaged: bool) -> Result<ExitCode, Failure> {
     let damaged = tracks.damaged.len();
     if damaged == 0 || skip_damaged {
         return Ok(ExitCode::SUCCESS);

@@ -9,7 +9,7 @@ use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
 use fga_formats::number::push_fixed;
 use fga_formats::words::{counted, push_csv_field};
-use fga_sim::batch::{BatchSettings, Tracks};
+use fga_sim::batch::{BatchSettings, EncounterTracks};
 use fga_sim::drawn::{self, Content};
 use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
 use fga_sim::policy::PolicyChoice;
@@ -49,7 +49,7 @@ pub(crate) struct OracleArgs {
 }
 
 /// The oracle's answer about one encounter.
-struct OracleAnswer {
+struct OracleLine {
     encounter: u64,
     margin_m: f64,
     /// Its name and the begin of the search, seconds, where tracks are known.
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                     return Err(Failure::Input(format!("there is no encounter {place}")));
                 };
                 let scenery = rows.surroundings.scenery(encounter.id)?;
-                Ok(OracleAnswer {
+                Ok(OracleLine {
                     encounter: encounter.id,
                     margin_m: judge.best_margin_among_m(encounter, &scenery),
                     track: None,
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 horizon_s: f64::INFINITY,
                 ..BatchSettings::of(model, PolicyChoice::default())
             };
-            let tracks = Tracks::find(path, &settings)?;
+            let tracks = EncounterTracks::find(path, &settings)?;
             tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
             let oracle = OracleSettings {
                 horizon_s: args.horizon,
@@ -105,7 +105,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 let plan = tracks.plan(place, &settings)?;
                 // A plan of a recording has a recorded ownship.
                 let answer = best_margin_of_tracks(&plan.world, &oracle);
-                Ok(OracleAnswer {
+                Ok(OracleLine {
                     encounter: place as u64,
                     margin_m: answer.map_or(f64::NEG_INFINITY, |answer| answer.best_margin_m),
                     track: answer.map(|answer| (plan.name, answer.start_s)),
@@ -124,7 +124,7 @@ fn search_all(
     args: &OracleArgs,
     model: &VehicleModel,
     (columns, count, left_out): (&str, usize, Map<String, Value>),
-    search: impl Fn(usize) -> Result<OracleAnswer, Failure> + Sync,
+    search: impl Fn(usize) -> Result<OracleLine, Failure> + Sync,
 ) -> Result<(), Failure> {
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
@@ -137,7 +137,7 @@ fn search_all(
     let places: Vec<usize> = (0..count).collect();
     args.threads.install(|| {
         for block in places.chunks(BLOCK) {
-            let answers: Vec<Result<OracleAnswer, Failure>> =
+            let answers: Vec<Result<OracleLine, Failure>> =
                 block.par_iter().map(|place| search(*place)).collect();
             if interrupted() {
                 return Err(Failure::Interrupted);

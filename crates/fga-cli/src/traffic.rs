@@ -7,7 +7,7 @@ use clap::Args;
 use fga_formats::recordings::{self, Content};
 use fga_link::endpoint::Endpoint;
 use fga_link::play::{PlayOptions, Script, play};
-use fga_link::player::{Line, from_recording, from_states, read_log};
+use fga_link::player::{PlayerLine, from_recording, from_states, read_log};
 
 use crate::common::tell_left_out;
 use crate::failure::Failure;
@@ -21,7 +21,7 @@ pub(crate) struct TrafficArgs {
     file: Option<PathBuf>,
     /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
     #[arg(long, conflicts_with = "file", allow_hyphen_values = true)]
-    line: Vec<Line>,
+    line: Vec<PlayerLine>,
     /// Send `ADSB_VEHICLE` to this endpoint: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT.
     #[arg(long, value_name = "ENDPOINT")]
     to: Option<Endpoint>,

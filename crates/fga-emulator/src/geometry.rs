@@ -13,7 +13,7 @@ pub struct Home {
 
 /// A position in MAVLink's units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct WirePlace {
     /// Latitude, 1e-7 degrees.
     pub latitude_e7: i32,
     /// Longitude, 1e-7 degrees.
@@ -37,7 +37,7 @@ impl Home {
     }
 
     /// A place in the local frame, metres.
-    pub fn to_local_m(&self, place: Place) -> [f64; 3] {
+    pub fn to_local_m(&self, place: WirePlace) -> [f64; 3] {
         let [north, east] = self.metres_per_degree();
         [
             (f64::from(place.longitude_e7) * 1e-7 - self.longitude_deg) * east,
@@ -51,9 +51,9 @@ impl Home {
         clippy::cast_possible_truncation,
         reason = "saturates; tests stay near home"
     )]
-    pub fn to_place(&self, [x, y, z]: [f64; 3]) -> Place {
+    pub fn to_place(&self, [x, y, z]: [f64; 3]) -> WirePlace {
         let [north, east] = self.metres_per_degree();
-        Place {
+        WirePlace {
             latitude_e7: ((self.latitude_deg + y / north) * 1e7).round() as i32,
             longitude_e7: ((self.longitude_deg + x / east) * 1e7).round() as i32,
             altitude_mm: ((self.altitude_m + z) * 1e3).round() as i32,

@@ -6,7 +6,7 @@ use mavlink::dialects::ardupilotmega::MavCmd;
 
 use crate::Emulator;
 use crate::geometry::{bearing, distance_m, wrap};
-use crate::mode::Mode;
+use crate::mode::PlaneMode;
 use crate::plant::{Target, VehiclePlant, Vertical};
 
 const GRAVITY_MPS2: f64 = 9.806_65;
@@ -73,16 +73,18 @@ fn circle(plant: &VehiclePlant, point_m: [f64; 3], radius_m: f64) -> f64 {
 impl Emulator {
     pub(crate) fn target(&mut self) -> Target {
         match self.mode {
-            Mode::Auto => self.auto_target(),
-            Mode::Guided => self.guided_target(),
-            Mode::Rtl | Mode::Loiter | Mode::Circle | Mode::AvoidAdsb | Mode::Newer => {
-                self.loiter_target()
-            }
-            Mode::Cruise | Mode::FlyByWireB => Target {
+            PlaneMode::Auto => self.auto_target(),
+            PlaneMode::Guided => self.guided_target(),
+            PlaneMode::Rtl
+            | PlaneMode::Loiter
+            | PlaneMode::Circle
+            | PlaneMode::AvoidAdsb
+            | PlaneMode::Newer => self.loiter_target(),
+            PlaneMode::Cruise | PlaneMode::FlyByWireB => Target {
                 airspeed_mps: self.stick_airspeed_mps(),
                 ..self.stick_target()
             },
-            Mode::Manual | Mode::Stabilize | Mode::FlyByWireA => {
+            PlaneMode::Manual | PlaneMode::Stabilize | PlaneMode::FlyByWireA => {
                 let bank_rad = self.stick(1) * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
                 Target {
                     bank_rad,
@@ -312,7 +314,7 @@ impl Emulator {
             self.guidance.centred_since_s = None;
             self.guidance.locked_heading_rad = None;
         }
-        if self.mode == Mode::FlyByWireB || !centred {
+        if self.mode == PlaneMode::FlyByWireB || !centred {
             let bank_rad = roll * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
             return Target {
                 bank_rad,

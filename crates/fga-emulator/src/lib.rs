@@ -31,9 +31,9 @@ mod streams;
 mod telemetry;
 mod terrain;
 
-pub use geometry::{Home, Place};
-pub use mission::Item;
-pub use mode::Mode;
+pub use geometry::{Home, WirePlace};
+pub use mission::MissionItem;
+pub use mode::PlaneMode;
 pub use parameters::Parameters;
 pub use plant::{PlantSettings, Target, VehiclePlant, Vertical};
 
@@ -48,7 +48,7 @@ pub const STEP_S: f64 = 0.02;
 
 /// The start of the emulation.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub struct EmulatorSettings {
     /// The vehicle's system id.
     pub system_id: u8,
     /// Origin of the local frame and home.
@@ -60,7 +60,7 @@ pub struct Settings {
     /// Heading at the start, radians clockwise from north.
     pub heading_rad: f64,
     /// Mode at the start.
-    pub mode: Mode,
+    pub mode: PlaneMode,
     /// Whether it is armed and in flight.
     pub armed: bool,
     /// Wind velocity east and north, metres per second.
@@ -81,7 +81,7 @@ pub struct Settings {
     pub fastest_interval_s: f64,
 }
 
-impl Default for Settings {
+impl Default for EmulatorSettings {
     fn default() -> Self {
         Self {
             system_id: 1,
@@ -93,7 +93,7 @@ impl Default for Settings {
             plant: PlantSettings::default(),
             position_m: [0.0, 0.0, 100.0],
             heading_rad: 0.0,
-            mode: Mode::Auto,
+            mode: PlaneMode::Auto,
             armed: true,
             wind_mps: [0.0, 0.0],
             fix_s: 0.0,
@@ -112,7 +112,7 @@ pub struct VehicleModeChange {
     /// Time since boot, seconds.
     pub time_s: f64,
     /// The new mode.
-    pub mode: Mode,
+    pub mode: PlaneMode,
     /// The component that asked; 0 for the pilot's switch.
     pub component_id: u8,
 }
@@ -120,18 +120,18 @@ pub struct VehicleModeChange {
 /// The emulated autopilot and aircraft.
 #[derive(Debug)]
 pub struct Emulator {
-    settings: Settings,
+    settings: EmulatorSettings,
     /// Parameters by name.
     pub parameters: Parameters,
     plant: VehiclePlant,
     time_s: f64,
     left_over_s: f64,
-    mode: Mode,
+    mode: PlaneMode,
     armed: bool,
     mode_changes: Vec<VehicleModeChange>,
-    mission: Vec<Item>,
-    fence: Vec<Item>,
-    rally: Vec<Item>,
+    mission: Vec<MissionItem>,
+    fence: Vec<MissionItem>,
+    rally: Vec<MissionItem>,
     guidance: GuidedTarget,
     guided: Guided,
     overrides: RcOverrides,
@@ -158,7 +158,7 @@ const LONGEST_INTRUDER_LIST: usize = 25;
 
 impl Emulator {
     /// An emulator at its start.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: EmulatorSettings) -> Self {
         let plant = VehiclePlant::new(
             settings.plant,
             settings.position_m,
@@ -199,7 +199,7 @@ impl Emulator {
     }
 
     /// Sets the mission; item 0 is home, as on the autopilot.
-    pub fn set_mission(&mut self, items: Vec<Item>, current: u16) {
+    pub fn set_mission(&mut self, items: Vec<MissionItem>, current: u16) {
         self.mission = items;
         self.guidance.jumps.clear();
         self.guidance.done = false;
@@ -217,18 +217,18 @@ impl Emulator {
     }
 
     /// Sets the fence, and enables it.
-    pub fn set_fence(&mut self, items: Vec<Item>) {
+    pub fn set_fence(&mut self, items: Vec<MissionItem>) {
         self.store_fence(items);
         self.parameters.set("FENCE_ENABLE", 1.0);
     }
 
     /// Sets the fence without a change of whether it is enabled.
-    pub fn store_fence(&mut self, items: Vec<Item>) {
+    pub fn store_fence(&mut self, items: Vec<MissionItem>) {
         self.fence = items;
     }
 
     /// Sets the rally points.
-    pub fn set_rally(&mut self, items: Vec<Item>) {
+    pub fn set_rally(&mut self, items: Vec<MissionItem>) {
         self.rally = items;
     }
 
@@ -323,7 +323,7 @@ impl Emulator {
     }
 
     /// The mode.
-    pub const fn mode(&self) -> Mode {
+    pub const fn mode(&self) -> PlaneMode {
         self.mode
     }
 
@@ -368,7 +368,7 @@ impl Emulator {
     }
 
     /// The pilot's mode switch.
-    pub fn pilot_mode(&mut self, mode: Mode) {
+    pub fn pilot_mode(&mut self, mode: PlaneMode) {
         self.change_mode(mode, 0);
     }
 
@@ -412,7 +412,7 @@ impl Emulator {
         self.overrides = RcOverrides::default();
     }
 
-    fn change_mode(&mut self, mode: Mode, component_id: u8) {
+    fn change_mode(&mut self, mode: PlaneMode, component_id: u8) {
         if mode == self.mode {
             return;
         }
@@ -426,10 +426,10 @@ impl Emulator {
         self.send_heartbeat();
     }
 
-    fn enter(&mut self, mode: Mode) {
+    fn enter(&mut self, mode: PlaneMode) {
         self.mode = mode;
         match mode {
-            Mode::Auto => {
+            PlaneMode::Auto => {
                 let next = self.guidance.resume_at.take();
                 let item = if self.parameters.value("MIS_RESTART") == 1.0 {
                     1
@@ -438,14 +438,16 @@ impl Emulator {
                 };
                 self.guidance.begin_item(item, &self.plant, false);
             }
-            Mode::Guided | Mode::Loiter | Mode::Circle | Mode::Newer => {
+            PlaneMode::Guided | PlaneMode::Loiter | PlaneMode::Circle | PlaneMode::Newer => {
                 self.guided = Guided::at(&self.plant, self.time_s);
             }
-            Mode::Rtl => {
+            PlaneMode::Rtl => {
                 self.guided = Guided::at(&self.plant, self.time_s);
                 self.guided.point_m = self.return_place_m();
             }
-            Mode::Cruise | Mode::FlyByWireB => self.guidance.enter_stick_mode(&self.plant),
+            PlaneMode::Cruise | PlaneMode::FlyByWireB => {
+                self.guidance.enter_stick_mode(&self.plant);
+            }
             _ => {}
         }
     }

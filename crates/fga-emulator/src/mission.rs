@@ -2,11 +2,11 @@
 
 use mavlink::dialects::ardupilotmega::{MISSION_ITEM_INT_DATA, MavCmd, MavFrame, MavMissionType};
 
-use crate::geometry::{Home, Place};
+use crate::geometry::{Home, WirePlace};
 
 /// An item of a mission or a fence.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Item {
+pub struct MissionItem {
     /// The command.
     pub command: MavCmd,
     /// The frame of the altitude.
@@ -21,7 +21,7 @@ pub struct Item {
     pub altitude_m: f32,
 }
 
-impl Item {
+impl MissionItem {
     /// A waypoint at a local position, with its altitude above home.
     #[expect(clippy::cast_possible_truncation, reason = "altitudes fit")]
     pub fn waypoint(home: &Home, position_m: [f64; 3]) -> Self {
@@ -41,7 +41,7 @@ impl Item {
         if self.latitude_e7 == 0 && self.longitude_e7 == 0 {
             return None;
         }
-        let place = Place {
+        let place = WirePlace {
             latitude_e7: self.latitude_e7,
             longitude_e7: self.longitude_e7,
             altitude_mm: 0,
@@ -117,6 +117,6 @@ impl Item {
 pub(crate) struct Upload {
     pub(crate) mission_type: MavMissionType,
     pub(crate) count: u16,
-    pub(crate) items: Vec<Item>,
+    pub(crate) items: Vec<MissionItem>,
     pub(crate) from: (u8, u8),
 }

@@ -3,7 +3,7 @@
 /// A flight mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "the names are ArduPlane's own")]
-pub enum Mode {
+pub enum PlaneMode {
     Manual,
     Circle,
     Stabilize,
@@ -19,22 +19,22 @@ pub enum Mode {
     Newer,
 }
 
-const NUMBERS: [(Mode, u32); 12] = [
-    (Mode::Manual, 0),
-    (Mode::Circle, 1),
-    (Mode::Stabilize, 2),
-    (Mode::FlyByWireA, 5),
-    (Mode::FlyByWireB, 6),
-    (Mode::Cruise, 7),
-    (Mode::Auto, 10),
-    (Mode::Rtl, 11),
-    (Mode::Loiter, 12),
-    (Mode::AvoidAdsb, 14),
-    (Mode::Guided, 15),
-    (Mode::Newer, 99),
+const NUMBERS: [(PlaneMode, u32); 12] = [
+    (PlaneMode::Manual, 0),
+    (PlaneMode::Circle, 1),
+    (PlaneMode::Stabilize, 2),
+    (PlaneMode::FlyByWireA, 5),
+    (PlaneMode::FlyByWireB, 6),
+    (PlaneMode::Cruise, 7),
+    (PlaneMode::Auto, 10),
+    (PlaneMode::Rtl, 11),
+    (PlaneMode::Loiter, 12),
+    (PlaneMode::AvoidAdsb, 14),
+    (PlaneMode::Guided, 15),
+    (PlaneMode::Newer, 99),
 ];
 
-impl Mode {
+impl PlaneMode {
     /// The number in `HEARTBEAT.custom_mode`.
     pub fn number(self) -> u32 {
         NUMBERS

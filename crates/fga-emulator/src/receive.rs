@@ -10,8 +10,8 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use crate::commanded::HeadingTarget;
-use crate::mission::{Item, Upload};
-use crate::mode::Mode;
+use crate::mission::{MissionItem, Upload};
+use crate::mode::PlaneMode;
 use crate::{Emulator, LONGEST_INTRUDER_LIST};
 
 impl Emulator {
@@ -39,7 +39,7 @@ impl Emulator {
                 self.answer(data.command, result, from, before);
             }
             MavMessage::SET_MODE(data) if data.target_system == own => {
-                if let Some(mode) = Mode::from_number(data.custom_mode)
+                if let Some(mode) = PlaneMode::from_number(data.custom_mode)
                     && !self.refuse_commands
                 {
                     self.change_mode(mode, from.1);
@@ -176,7 +176,7 @@ impl Emulator {
                     && usize::from(data.seq) == upload.items.len()
                     && data.mission_type == upload.mission_type
                 {
-                    upload.items.push(Item::from_message(data));
+                    upload.items.push(MissionItem::from_message(data));
                     self.continue_upload();
                 }
             }
@@ -210,7 +210,7 @@ impl Emulator {
         }));
     }
 
-    fn items(&self, mission_type: MavMissionType) -> &[Item] {
+    fn items(&self, mission_type: MavMissionType) -> &[MissionItem] {
         match mission_type {
             MavMissionType::MAV_MISSION_TYPE_MISSION => &self.mission,
             MavMissionType::MAV_MISSION_TYPE_FENCE => &self.fence,
@@ -242,7 +242,7 @@ impl Emulator {
             MavMissionType::MAV_MISSION_TYPE_RALLY => self.rally = upload.items,
             MavMissionType::MAV_MISSION_TYPE_MISSION => {
                 self.set_mission(upload.items, 1);
-                if self.mode == Mode::Auto {
+                if self.mode == PlaneMode::Auto {
                     self.say_item();
                 }
             }
@@ -304,7 +304,7 @@ impl Emulator {
             return MavResult::MAV_RESULT_DENIED;
         }
         match data.command {
-            MavCmd::MAV_CMD_DO_SET_MODE => match Mode::from_number(data.param2 as u32) {
+            MavCmd::MAV_CMD_DO_SET_MODE => match PlaneMode::from_number(data.param2 as u32) {
                 Some(mode) => {
                     self.change_mode(mode, from.1);
                     MavResult::MAV_RESULT_ACCEPTED
@@ -362,7 +362,7 @@ impl Emulator {
         if usize::from(item) >= self.mission.len() {
             return false;
         }
-        if self.mode != Mode::Auto {
+        if self.mode != PlaneMode::Auto {
             // As ArduPlane: the flown item is the present one; what comes before it runs when AUTO begins.
             let flown = self.flown_from(item);
             self.guidance.begin_item(flown, &self.plant, false);
@@ -380,7 +380,7 @@ impl Emulator {
             return MavResult::MAV_RESULT_DENIED;
         }
         match data.command {
-            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.mode == Mode::Guided => {
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.mode == PlaneMode::Guided => {
                 if !(0.0..=360.0).contains(&data.param2) {
                     return MavResult::MAV_RESULT_DENIED;
                 }
@@ -391,7 +391,7 @@ impl Emulator {
                 });
                 MavResult::MAV_RESULT_ACCEPTED
             }
-            MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE if self.mode == Mode::Guided => {
+            MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE if self.mode == PlaneMode::Guided => {
                 // A rate other than 0 barely moves the aircraft.
                 if data.param3 == 0.0 {
                     let altitude = f64::from(data.z);
@@ -407,12 +407,12 @@ impl Emulator {
             MavCmd::MAV_CMD_DO_REPOSITION => {
                 let change_mode = data.param2 == 1.0;
                 if change_mode {
-                    self.change_mode(Mode::Guided, from.1);
+                    self.change_mode(PlaneMode::Guided, from.1);
                 }
-                if self.mode != Mode::Guided {
+                if self.mode != PlaneMode::Guided {
                     return MavResult::MAV_RESULT_DENIED;
                 }
-                let item = Item {
+                let item = MissionItem {
                     command: data.command,
                     frame: data.frame,
                     parameters: [0.0; 4],
@@ -435,7 +435,7 @@ impl Emulator {
     }
 
     fn attitude_target(&mut self, data: &SET_ATTITUDE_TARGET_DATA) {
-        if self.mode != Mode::Guided {
+        if self.mode != PlaneMode::Guided {
             return;
         }
         let [w, x, y, z] = data.q.map(f64::from);

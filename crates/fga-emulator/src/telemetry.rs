@@ -14,7 +14,7 @@ use crate::streams::{
     MISSION_CURRENT, NAV_CONTROLLER_OUTPUT, POSITION_TARGET_GLOBAL_INT, SCALED_PRESSURE,
     SYS_STATUS, SYSTEM_TIME, VFR_HUD, WIND,
 };
-use crate::{Emulator, Mode, Place};
+use crate::{Emulator, PlaneMode, WirePlace};
 
 impl Emulator {
     #[expect(
@@ -67,7 +67,7 @@ impl Emulator {
 
     /// The target of its mode, metres, local frame.
     fn target_m(&self) -> [f64; 3] {
-        if self.mode != Mode::Auto {
+        if self.mode != PlaneMode::Auto {
             return self.guided.point_m;
         }
         self.item_place_m(self.guidance.item)
@@ -113,9 +113,9 @@ impl Emulator {
     /// The position that the autopilot reports: without a fix it dead-reckons from latitude and
     /// longitude 0.
     #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
-    fn place(&self) -> Place {
+    fn place(&self) -> WirePlace {
         if self.time_s < self.settings.fix_s {
-            return Place {
+            return WirePlace {
                 latitude_e7: 1000 + (50.0 * self.time_s) as i32,
                 longitude_e7: -224,
                 altitude_mm: 90,

@@ -223,17 +223,8 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
                 }
             }
         }
-        Some(
-            Baseline::Operator(_)
-            | Baseline::RightOfWay
-            | Baseline::SeeAndAvoid
-            | Baseline::VerticalAdvisories
-            | Baseline::ArduPlaneRules,
-        ) => {
-            return Err(format!(
-                "{method} keeps to the numbers of its source: nothing is searched"
-            ));
-        }
+        // Those that keep to the numbers of their source.
+        Some(_) => return Err(format!("{method} has no settings to search")),
         None => return Err(format!("unknown method {method}")),
     }
     Ok(list)

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::common::PERIOD_S;
 use crate::flown::{FOOT_M, Moments, NMAC, acted, measure, moments, transitions};
 use crate::intruders::stream;
-use crate::intruders::traffic::Random;
+use crate::intruders::traffic::SplitMix64;
 
 /// Feet per minute, metres per second.
 const FPM_MPS: f64 = FOOT_M / 60.0;
@@ -187,7 +187,7 @@ fn is_due(vehicle: &Vehicle, own: &Moments, intruder: &Moments) -> bool {
 }
 
 /// The height of an intruder over that of the aircraft, metres, at a time, seconds, and the time of the change.
-fn heights(kind: ClimbKind, random: &mut Random) -> (Box<dyn Fn(f64) -> f64>, f64) {
+fn heights(kind: ClimbKind, random: &mut SplitMix64) -> (Box<dyn Fn(f64) -> f64>, f64) {
     let side = if random.unit() < 0.5 { -1.0 } else { 1.0 };
     match kind {
         ClimbKind::LevelsOff(fpm) => {

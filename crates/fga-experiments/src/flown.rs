@@ -35,7 +35,7 @@ const VOLUMES: [(&str, (f64, f64)); 3] = [
 
 pub(crate) type Moments = Vec<(f64, Vec3)>;
 
-struct Row {
+struct FlownRow {
     name: String,
     /// Least signed distances outside of the volumes, metres.
     nominal: [f64; VOLUMES.len()],
@@ -153,7 +153,7 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     let flights: Vec<(&Path, u64)> = (files.iter())
         .flat_map(|(_, path)| (0..args.seeds).map(|seed| (path.as_path(), seed)))
         .collect();
-    let rows: Result<Vec<Row>, String> = flights
+    let rows: Result<Vec<FlownRow>, String> = flights
         .par_iter()
         .map(|flight| fly_one(*flight, model.clone(), &policy, args.scale))
         .collect();
@@ -180,10 +180,10 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     Ok(())
 }
 
-fn show(rows: &[Row]) {
+fn show(rows: &[FlownRow]) {
     for (place, (name, _)) in VOLUMES.iter().enumerate() {
-        let entered = |r: &&Row| r.flown[place] < 0.0;
-        let would = |r: &&Row| r.nominal[place] < 0.0;
+        let entered = |r: &&FlownRow| r.flown[place] < 0.0;
+        let would = |r: &&FlownRow| r.nominal[place] < 0.0;
         let left: Vec<&str> = rows
             .iter()
             .filter(entered)
@@ -199,13 +199,13 @@ fn show(rows: &[Row]) {
             left.join(" ")
         );
     }
-    let sorted = |value: fn(&Row) -> f64| {
+    let sorted = |value: fn(&FlownRow) -> f64| {
         let mut all: Vec<f64> = rows.iter().map(value).collect();
         all.sort_by(f64::total_cmp);
         all
     };
     let cross = sorted(|r| r.cross_m);
-    let acted: Vec<&Row> = rows.iter().filter(|r| r.acted).collect();
+    let acted: Vec<&FlownRow> = rows.iter().filter(|r| r.acted).collect();
     let not_back: Vec<&str> = acted
         .iter()
         .filter(|r| !r.back)
@@ -248,7 +248,7 @@ fn fly_one(
     model: VehicleModel,
     policy: &PolicyChoice,
     scale: f64,
-) -> Result<Row, String> {
+) -> Result<FlownRow, String> {
     let recording = daa::read(path).map_err(|e| e.to_string())?;
     let from_s = recording.aircraft[0].samples[0].time_s;
     let tracks: Vec<Moments> = recording
@@ -272,7 +272,7 @@ fn fly_one(
     plan.world.seed = seed;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
     let track = moments(&log);
-    Ok(Row {
+    Ok(FlownRow {
         name: path.file_stem().map_or_else(String::new, |s| {
             s.to_string_lossy().replace("NRC_Intercept", "")
         }),

@@ -20,9 +20,9 @@ use fga::Vec3;
 use fga::situation::Movement;
 use rayon::prelude::*;
 
-use flight::{Conditions, Flown, fly};
+use flight::{Conditions, FlownEncounter, fly};
 use setting::{RADIUS_M, VEHICLE};
-use traffic::{Intruder, Random, TrafficLimits, meeting, pieces};
+use traffic::{Intruder, SplitMix64, TrafficLimits, meeting, pieces};
 
 const HORIZON_S: f64 = 60.0;
 
@@ -70,14 +70,14 @@ fn each<T: Send>(count: u64, one: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
     (0..count).into_par_iter().map(one).collect()
 }
 
-pub(crate) fn stream(seed: u64, number: u64) -> Random {
-    Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number.wrapping_mul(0x9e37_79b9))
+pub(crate) fn stream(seed: u64, number: u64) -> SplitMix64 {
+    SplitMix64(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number.wrapping_mul(0x9e37_79b9))
 }
 
 /// A flight and the oracle's answer; only a lost flight asks it.
 struct Judged {
     number: u64,
-    flown: Flown,
+    flown: FlownEncounter,
     oracle_m: Option<f64>,
 }
 
@@ -149,7 +149,7 @@ fn judge(
     number: u64,
     intruders: &mut [Intruder],
     conditions: &Conditions,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> Judged {
     let mut known = intruders.to_vec();
     let flown = fly(intruders, conditions, HORIZON_S, random);

@@ -10,7 +10,6 @@
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
 //! | [`certificates`] | does an aircraft ever pass nearer than was certified? |
 //! | [`climbs`] | how many does it save when intruders level off, go on climbing or pull up? |
-//! | [`oracle`] | how many does the oracle save, and how long does it take? |
 //! | [`quality`] | what does a smaller limit of work cost? |
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
@@ -35,7 +34,6 @@ mod ground_cost;
 mod intruders;
 mod lost;
 mod missions;
-mod oracle;
 mod proven;
 mod quality;
 mod returns;
@@ -67,8 +65,6 @@ enum Experiment {
     Climbs(climbs::ClimbsArgs),
     /// Compare certified margins and predicted positions with those of another program.
     Certificates(certificates::CertificatesArgs),
-    /// Measure the oracle: the share that it saves, and its time.
-    Oracle(oracle::OracleOptions),
     /// Measure the share that the policy saves, and the work of a step, at several limits of work.
     Quality(quality::QualityArgs),
     /// Count the encounters in strong wind, beside slow traffic, in gaps that close, in which the policy fails.
@@ -101,7 +97,6 @@ fn main() -> ExitCode {
         Experiment::Baselines(args) => baselines::run(&args),
         Experiment::Climbs(args) => climbs::run(&args),
         Experiment::Certificates(args) => certificates::run(&args),
-        Experiment::Oracle(args) => oracle::run(&args),
         Experiment::Quality(args) => quality::run(&args),
         Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),

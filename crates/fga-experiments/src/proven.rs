@@ -18,7 +18,7 @@ use fga_sim::plant::{Autopilot, Plant};
 use rayon::prelude::*;
 
 use crate::common::{DrawnArgs, HORIZON_S, PERIOD_S};
-use crate::intruders::traffic::Random;
+use crate::intruders::traffic::SplitMix64;
 
 /// Time between two instants of the judge, seconds.
 const INSTANT_S: f64 = 0.05;
@@ -57,7 +57,7 @@ impl Outcomes {
 }
 
 /// An aircraft that meets the mission after some time.
-fn drawn(random: &mut Random, id: u32, planar: bool, airspeed_mps: f64) -> Obstacle {
+fn drawn(random: &mut SplitMix64, id: u32, planar: bool, airspeed_mps: f64) -> Obstacle {
     let meets_s = random.within(15.0, 50.0);
     let meets_m = Vec3::new(
         airspeed_mps * meets_s,
@@ -94,7 +94,12 @@ fn drawn(random: &mut Random, id: u32, planar: bool, airspeed_mps: f64) -> Obsta
 
 /// One of the motions that a share of the bounds covers: turn rate, its duration, and the change of climb, which is 1.4 times
 /// the share of its bound.
-fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) -> (f64, f64, f64) {
+fn motion(
+    random: &mut SplitMix64,
+    obstacle: &Obstacle,
+    share: f64,
+    planar: bool,
+) -> (f64, f64, f64) {
     let Some(bounds) = obstacle.movement.bounds() else {
         return (0.0, 0.0, 0.0);
     };
@@ -152,7 +157,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
         .wrapping_add(number)
         .wrapping_mul(16)
         + aircraft as u64;
-    let mut random = Random(stream << 8 | u64::from(planar));
+    let mut random = SplitMix64(stream << 8 | u64::from(planar));
     let climb_rad = if planar { 0.0 } else { 0.26 };
     let vehicle = Vehicle {
         airspeed_mps: 15.0,
@@ -181,7 +186,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
     }
     let waypoints_m = [Vec3::ZERO, Vec3::new(1e5, 0.0, 0.0)];
     let mut count = Outcomes::default();
-    // The moment: so many decisions that claim something have passed.
+    // The moment: after this number of decisions that claim something.
     let mut left = (random.unit() * random.unit() * 150.0) as u32;
     let mut step = 0_u32;
     while f64::from(step) * PERIOD_S < LONGEST_S {

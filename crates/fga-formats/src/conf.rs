@@ -31,7 +31,7 @@ mod keys;
 use crate::error::{InputError, read_text};
 pub use configuration::{Configuration, ShownUnit, ShownUnits};
 use entries::Entries;
-use fga_alerts::Settings;
+use fga_alerts::AlertSettings;
 use std::path::Path;
 
 /// Reads a configuration.
@@ -51,7 +51,7 @@ pub fn read(path: &Path) -> Result<Configuration, InputError> {
 pub fn parse(text: &str, path: &Path) -> Result<Configuration, InputError> {
     let mut entries = Entries::parse(text, path)?;
     let mut configuration = Configuration {
-        settings: Settings::default(),
+        settings: AlertSettings::default(),
         units: ShownUnits::default(),
     };
     keys::read(&mut entries, &mut configuration)?;

@@ -31,7 +31,7 @@
 //! [`Earth::Daidalus`](crate::geodesy::Earth::Daidalus) maps latitudes and longitudes to the local frame, from the ownship's first
 //! position (altitude included), because DAIDALUS measures separations that way. The frame is fixed, so
 //! separations between aircraft d metres from the origin are too short by at most a share d²/2R²
-//! (13 parts per million at 33 km). [`Recording::separation_at`] measures at the ownship's position
+//! (13 parts per million at 33 km). [`Recording::separation`] measures at the ownship's position
 //! instead, exactly as DAIDALUS.
 
 mod columns;

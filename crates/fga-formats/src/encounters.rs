@@ -121,7 +121,7 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
                 "has {found} columns, expected {width} as in the first line"
             )));
         }
-        let row = Row {
+        let row = EncounterRow {
             record: &record,
             columns: &columns,
             kind_column,
@@ -243,14 +243,14 @@ pub const fn movement_of(word: &[u8]) -> Option<Movement> {
 }
 
 /// One row.
-struct Row<'a> {
+struct EncounterRow<'a> {
     record: &'a csv::ByteRecord,
     columns: &'a [usize; COLUMNS.len()],
     /// The index of `kind` in the file, if present.
     kind_column: Option<usize>,
 }
 
-impl Row<'_> {
+impl EncounterRow<'_> {
     fn field(&self, column: usize) -> &[u8] {
         let place = self.columns.get(column).copied().unwrap_or(usize::MAX);
         self.record.get(place).unwrap_or_default()

@@ -8,7 +8,7 @@ use core::time::Duration;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
-use fga_emulator::{Emulator, Item, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, MissionItem};
 use fga_link::endpoint::{LinkRead, open};
 use fga_link::wire::{Framer, encode};
 use mavlink::MavHeader;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         .next()
         .map_or(Ok(f64::INFINITY), |text| text.parse())?;
     let (mut reader, writer) = open(&endpoint.parse()?)?;
-    let mut emulator = Emulator::new(Settings::default());
+    let mut emulator = Emulator::new(EmulatorSettings::default());
     let home = *emulator.home();
     let corners = [
         [0.0, 0.0, 4.0],
@@ -33,7 +33,9 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         [0.0, 0.0, 100.0],
     ];
     emulator.set_mission(
-        corners.map(|corner| Item::waypoint(&home, corner)).to_vec(),
+        corners
+            .map(|corner| MissionItem::waypoint(&home, corner))
+            .to_vec(),
         2,
     );
     let (to, from) = sync_channel(1024);

@@ -23,7 +23,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Instant;
 
 use fga::Vec3;
-use fga_emulator::{Emulator, Home, Item, Mode, STEP_S, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, Home, MissionItem, PlaneMode, STEP_S};
 use fga_formats::geodesy::Geodetic;
 use fga_link::endpoint::{LinkRead, LinkReader, LinkWriter, open};
 use fga_link::player::{PlayedState, adsb_message};
@@ -148,11 +148,13 @@ struct Bench {
 
 impl Bench {
     fn new(count: u32, writer: LinkWriter, frames: Receiver<(Instant, WireFrame)>) -> Self {
-        let mut emulator = Emulator::new(Settings::default());
+        let mut emulator = Emulator::new(EmulatorSettings::default());
         let home = *emulator.home();
         let corners = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 90_000.0, 100.0]];
         emulator.set_mission(
-            corners.map(|corner| Item::waypoint(&home, corner)).to_vec(),
+            corners
+                .map(|corner| MissionItem::waypoint(&home, corner))
+                .to_vec(),
             2,
         );
         let mut random = Random::new(4);
@@ -214,7 +216,7 @@ impl Bench {
             }
             self.send((1, 1), &message);
         }
-        self.steps_in_guided += usize::from(measures && self.emulator.mode() == Mode::Guided);
+        self.steps_in_guided += usize::from(measures && self.emulator.mode() == PlaneMode::Guided);
     }
 
     /// Takes what the program sends until the next step is due.

@@ -10,12 +10,13 @@
 //! | part | question |
 //! |---|---|
 //! | `Session` | which vehicle is this, and what did an earlier run leave with it? |
-//! | `Lists`, `Boundary` | what does the vehicle intend, and what of its fence binds? |
-//! | `Route`, `Passing` | which way would it fly by itself, and what of its mission has a manoeuvre passed? |
+//! | `VehicleRequests` | what is the vehicle asked for (rates, parameters, lists, commands), and what has it answered? |
+//! | `LaidRoute`, `PassedItems`, `Boundary` | which way would it fly by itself, what of its mission has a manoeuvre passed, and what of its fence binds? |
 //! | `Lead` | when does a command act, and how is the aircraft then? |
-//! | `Around`, `OverGround`, `Feeds` | who and what is around, how high is the ground, and who reports traffic? |
-//! | `Handover`, `Gap`, `Told` | when is control wanted and given back, and what has the operator read of it? |
-//! | `Voice` | what is said: messages, texts, lines of the log? |
+//! | `TrafficReports`, `ObstaclesAround`, `OverGround` | who reports traffic, who and what is around, and how high is the ground? |
+//! | `Decisions` | who decides with which limits, and what was decided last? |
+//! | `Keeper`, `Handover`, `Gap` | who has the authority, when is control wanted and given back, and how long without telemetry? |
+//! | `OperatorReports`, `Voice` | what has the operator read, and what is said: messages, texts, lines of the log? |
 //!
 //! A decision goes from `observe.rs` by `decide.rs` and `authorize.rs` to the targets in `send.rs`.
 
@@ -25,6 +26,7 @@ mod authorize;
 mod boundary;
 mod decide;
 mod decider;
+mod decisions;
 mod feeds;
 mod gap;
 mod handover;
@@ -42,6 +44,7 @@ mod requests;
 mod route;
 mod send;
 mod session;
+mod switch;
 mod target;
 mod terrain;
 mod traffic;
@@ -52,37 +55,37 @@ mod words;
 
 use fga::avoider::Decision;
 use fga::vehicle::Vehicle;
-use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA;
 use serde_json::{Value, json};
 
 use crate::authority::{Action, Authority, Fault, HandBack, Keeper, Owed, Severity, reaction};
-use crate::commands::Commands;
-use crate::config::{Config, ConfigError, TerrainSource};
+use crate::config::{Config, ConfigError};
 use crate::hand::{self, Hand};
 use crate::mode::Mode;
 use crate::outgoing::Outgoing;
-use crate::ownship::{OwnState, OwnshipEstimate};
-use crate::parameters::{TERRAIN_ENABLE, VehicleParameters};
-use crate::rates::Rates;
+use crate::ownship::OwnshipEstimate;
 use crate::restart::Note;
-use crate::traffic::{Defect, Defects, TrackTable};
+use crate::traffic::{Defects, TrackTable};
 
+use alerts::AlertWatch;
 use around::ObstaclesAround;
 use boundary::Boundary;
+use decider::CompanionPilot;
+use decisions::Decisions;
+use gap::Gap;
 use handover::Handover;
+pub use handover::LONGEST_END_S;
 use lacking::OperatorReports;
 use lead::Lead;
-use lists::Lists;
+use over_ground::OverGround;
 use passing::PassedItems;
 pub use picture::FlightPicture;
+use requests::VehicleRequests;
 use route::LaidRoute;
 use session::Session;
+use traffic::TrafficReports;
 pub(crate) use trips::round_trip_of;
 use voice::Voice;
 
-/// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
-pub const LONGEST_END_S: f64 = 60.0;
 /// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
 
@@ -96,15 +99,6 @@ struct Due {
     tidy_s: f64,
     values_s: f64,
     collision_s: f64,
-}
-
-/// The last decision and its context.
-#[derive(Debug, Clone, Copy)]
-struct Decided {
-    decision: Decision,
-    /// Time of the state that it is based on, seconds.
-    for_s: f64,
-    own: OwnState,
 }
 
 /// Counters for the status line and tests.
@@ -122,42 +116,25 @@ pub struct Counts {
 #[derive(Debug)]
 pub struct Companion {
     config: Config,
-    take_over: Vec<Mode>,
-    recorded: bool,
     voice: Voice,
     session: Session,
-    /// Since when the program is to end, seconds.
-    ending_s: Option<f64>,
-    /// Start of a time without possible decisions, seconds; a late step does not count.
-    undecided_s: Option<f64>,
-    told: OperatorReports,
-    rates: Rates,
-    gap: gap::Gap,
-    commands: Commands,
-    parameters: VehicleParameters,
-    lists: Lists,
-    boundary: Boundary,
+    requests: VehicleRequests,
     ownship: OwnshipEstimate,
     lead: Lead,
-    around: ObstaclesAround,
-    feeds: feeds::Feeds,
-    defects: Defects,
-    over: over_ground::OverGround,
-    /// Reports that broke a silence of the telemetry, and when, seconds.
-    held_reports: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
-    /// The last trouble of the surrounding program.
-    trouble: String,
-    keeper: Keeper,
-    decider: Option<decider::CompanionPilot>,
-    alerts: Option<alerts::AlertWatch>,
-    hand: Box<dyn Hand>,
+    boundary: Boundary,
     route: LaidRoute,
     passing: PassedItems,
-    decided: Option<Decided>,
+    around: ObstaclesAround,
+    reports: TrafficReports,
+    over: OverGround,
+    alerts: Option<AlertWatch>,
+    decisions: Decisions,
+    keeper: Keeper,
     handover: Handover,
+    gap: Gap,
+    told: OperatorReports,
+    hand: Box<dyn Hand>,
     due: Due,
-    last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
-    counts: Counts,
 }
 
 impl Companion {
@@ -184,54 +161,37 @@ impl Companion {
             0 => FIRST_SYSTEM,
             system_id => system_id,
         });
-        let mut parameters = VehicleParameters::default();
-        if config.terrain.source == Some(TerrainSource::Vehicle) {
-            parameters.ask_for(TERRAIN_ENABLE);
-        }
         Ok(Self {
-            recorded: false,
             voice,
             session: Session::new(config.vehicle.system_id, dry_run),
-            ending_s: None,
-            undecided_s: Some(f64::NEG_INFINITY),
-            told: OperatorReports::default(),
-            rates: Rates::default(),
-            gap: gap::Gap::default(),
-            commands: Commands::default(),
-            parameters,
-            lists: Lists::new(config.safety.use_fence, take_over.contains(&Mode::RTL)),
-            boundary: Boundary::default(),
+            requests: VehicleRequests::new(&config, take_over.contains(&Mode::RTL)),
             ownship: OwnshipEstimate::default(),
             lead: Lead::new(&config.response),
+            boundary: Boundary::default(),
+            route: LaidRoute::default(),
+            passing: PassedItems::default(),
             around: ObstaclesAround::new(&config)?,
-            feeds: feeds::Feeds::default(),
-            defects: Defects::default(),
-            over: over_ground::OverGround::new(
+            reports: TrafficReports::default(),
+            over: OverGround::new(
                 config.terrain.source,
                 config.terrain.clearance_m.unwrap_or(0.0),
             ),
-            held_reports: Vec::new(),
-            trouble: String::new(),
+            alerts: AlertWatch::new(&config.alerts),
+            decisions: Decisions::default(),
             keeper: Keeper::new(target, config.safety.armed_at_start),
-            decider: None,
-            alerts: alerts::AlertWatch::new(&config.alerts),
+            handover: Handover::from_modes(take_over),
+            gap: Gap::default(),
+            told: OperatorReports::default(),
             hand,
-            route: LaidRoute::default(),
-            passing: PassedItems::default(),
-            decided: None,
-            handover: Handover::default(),
             due: Due::default(),
-            last_logged: None,
-            counts: Counts::default(),
-            take_over,
             config,
         })
     }
 
     /// Marks the vehicle as recorded: it follows the commands of its own flight, which
     /// need not be these, so that a difference is no fault.
-    pub fn set_recorded(&mut self) {
-        self.recorded = true;
+    pub const fn set_recorded(&mut self) {
+        self.session.set_recorded();
     }
 
     /// The messages to send, oldest first.
@@ -252,9 +212,20 @@ impl Companion {
     /// Counters.
     pub const fn counts(&self) -> Counts {
         Counts {
+            maneuvers: self.handover.maneuvers(),
+            decisions: self.decisions.count(),
             texts: self.voice.texts(),
-            ..self.counts
         }
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        self.reports.feeds().words()
+    }
+
+    /// The defects of reports so far.
+    pub const fn defects(&self) -> &Defects {
+        self.reports.defects()
     }
 
     /// Tracks of other aircraft.
@@ -264,7 +235,7 @@ impl Companion {
 
     /// The vehicle's planned limits.
     pub fn vehicle(&self) -> Option<&Vehicle> {
-        self.decider.as_ref().map(decider::CompanionPilot::vehicle)
+        self.decisions.pilot().map(CompanionPilot::vehicle)
     }
 
     /// How the vehicle follows, as estimated so far.
@@ -274,7 +245,7 @@ impl Companion {
 
     /// The last decision.
     pub fn decision(&self) -> Option<&Decision> {
-        self.decided.as_ref().map(|decided| &decided.decision)
+        self.decisions.last().map(|decided| &decided.decision)
     }
 
     /// System id of the vehicle, once heard.
@@ -324,7 +295,7 @@ impl Companion {
     pub fn shut_down(&mut self, now_s: f64) {
         self.voice.at(now_s);
         if self.keeper.commands() {
-            self.ending_s = Some(now_s);
+            self.handover.end(now_s);
             self.voice.warn(&format!(
                 "fga: program ends when clear, {LONGEST_END_S} s at most"
             ));
@@ -341,15 +312,7 @@ impl Companion {
         } else if self.vehicle_system().is_some() {
             self.voice.tell(Severity::Notice, "fga: program ends");
         }
-        let counts = Defect::ALL.map(|defect| {
-            let count = json!({
-                "reports": self.defects.reports(defect),
-                "aircraft": self.defects.aircraft(defect),
-            });
-            (defect.name().to_owned(), count)
-        });
-        self.voice
-            .note("defects", Value::Object(counts.into_iter().collect()));
+        self.reports.note_defects(&mut self.voice);
         self.over.note_heard(&mut self.voice);
         self.send_commands(now_s);
     }
@@ -361,16 +324,14 @@ impl Companion {
 
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
-        self.voice.at(now_s);
-        words.clone_into(&mut self.trouble);
-        self.voice.warn(words);
+        self.voice.at(now_s).tell_trouble(words);
     }
 
     /// Advances the time: sends due messages and decides if no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
         self.voice.at(now_s);
         self.watch_link(now_s);
-        self.take_held_reports(now_s);
+        self.take_held_reports();
         if !self.is_silent(now_s) {
             self.keep(now_s, |keeper| keeper.tick(now_s));
         }
@@ -378,11 +339,10 @@ impl Companion {
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
             if self.vehicle_system().is_some() {
-                self.feeds.tell(&mut self.voice);
+                self.reports.tell_left_out(&mut self.voice);
             }
-            let own = self
-                .decided
-                .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
+            let decided = self.decisions.last();
+            let own = decided.map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
             self.around.tracks_mut().tidy(now_s, own);
         }
         // Telemetry prompts decisions and commands; the clock stands in where it pauses.
@@ -417,13 +377,10 @@ impl Companion {
             self.fault(Fault::LinkLost, now_s);
         } else if flies && self.is_blind(now_s) && !flies_blind {
             self.end_gap(now_s);
-        } else if self.keeper.commands() && !self.can_decide(now_s) {
+        } else if self.keeper.commands() && !self.decisions.are_possible(now_s) {
             self.fault(Fault::NoDecision, now_s);
         }
-        let is_over = self
-            .ending_s
-            .is_some_and(|since_s| now_s - since_s >= LONGEST_END_S);
-        if is_over && self.keeper.commands() {
+        if self.handover.must_end(now_s) && self.keeper.commands() {
             self.fault(Fault::ProgramEnds, now_s);
         }
     }
@@ -441,18 +398,16 @@ impl Companion {
                     self.ask_for_mode(to, from, now_s);
                     self.voice.note("set-mode", json!({ "mode": to.name() }));
                 }
-                Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
+                Action::CancelSetMode => self.requests.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
                 Action::Tell(severity, words) => self.voice.tell(severity, words),
                 Action::Resumed => {
-                    self.counts.maneuvers += 1;
                     self.start_commanding(true, now_s);
                 }
                 Action::Began => {
-                    self.counts.maneuvers += 1;
                     self.session.date_note();
-                    let item = self.lists.item();
+                    let (lists, parameters) = (self.requests.lists(), self.requests.parameters());
                     self.passing
-                        .begin_maneuver(&self.route, item, &self.parameters);
+                        .begin_maneuver(&self.route, lists.item(), parameters);
                     self.start_commanding(false, now_s);
                     self.tell_threat();
                 }
@@ -465,7 +420,7 @@ impl Companion {
                 Action::Ended(fault) => {
                     self.voice
                         .note("released", json!({ "fault": format!("{fault:?}") }));
-                    self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
+                    self.requests.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if reaction(fault).hand_back == HandBack::LeaveAlone {
                         self.passing.leave_alone();
                     }
@@ -489,9 +444,8 @@ impl Companion {
 
     /// The next decision makes a new plan and a new way.
     fn forget_plan(&mut self) {
-        self.decider = None;
+        self.decisions.forget();
         self.route.fly_leg(0);
-        self.decided = None;
         self.handover.forget();
         self.lead.end();
     }

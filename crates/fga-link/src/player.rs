@@ -109,7 +109,7 @@ impl Played {
 
 /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line(pub Played);
+pub struct PlayerLine(pub Played);
 
 /// A text that is no line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -118,7 +118,7 @@ pub struct Line(pub Played);
 )]
 pub struct LineError(String);
 
-impl FromStr for Line {
+impl FromStr for PlayerLine {
     type Err = LineError;
 
     fn from_str(text: &str) -> Result<Self, LineError> {
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn a_line_flies_straight() {
-        let line: Line = "ABC123,37.0,-122.0,500,90,50,1,10".parse().unwrap();
+        let line: PlayerLine = "ABC123,37.0,-122.0,500,90,50,1,10".parse().unwrap();
         assert!(line.0.at(9.0).is_none());
         let sample = line.0.at(30.0).unwrap();
         // 1000 m east at 37°: 1000 / (111 320 · cos 37° · 1.0012…) ≈ 0.011 238°.
@@ -348,7 +348,7 @@ mod tests {
             // Found by fuzzing: beyond the other side of the earth, where no frame holds.
             "ABC,35,1,-122012200904,0904,0,3",
         ] {
-            assert!(wrong.parse::<Line>().is_err(), "{wrong}");
+            assert!(wrong.parse::<PlayerLine>().is_err(), "{wrong}");
         }
     }
 
@@ -403,7 +403,7 @@ mod tests {
 
     #[test]
     fn sent_lines_are_read_back() {
-        let line: Line = "ABC123,37.5,-122.25,500,45,50".parse().unwrap();
+        let line: PlayerLine = "ABC123,37.5,-122.25,500,45,50".parse().unwrap();
         let sample = line.0.at(0.0).unwrap();
         let text = sbs_lines(0x00AB_C123, "FGA1", &sample);
         let mut translator = LineTranslator::default();

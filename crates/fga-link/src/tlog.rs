@@ -1,14 +1,14 @@
 //! Telemetry logs (`.tlog`): every frame with the time at which it came or went.
 //!
 //! The format of the ground stations: a big-endian count of microseconds since 1970, then the
-//! frame, again and again. The crate `mavlink` reads the frames; it says nothing of the bytes between them, so that the length of each is
-//! read here.
+//! frame, again and again. The crate `mavlink` says how long a frame is and reads it.
 
 use std::io::{self, BufRead as _, BufReader, Read, Write};
 
 use fga_formats::tally::{LeftOut, Tally};
+use mavlink::consts::MAX_FRAME_SIZE;
 use mavlink::dialects::ardupilotmega::MavMessage;
-use mavlink::{MAV_STX, MAV_STX_V2};
+use mavlink::{MAV_STX, MAV_STX_V2, MAVLinkV1MessageRaw, MAVLinkV2MessageRaw};
 
 use crate::config::TrafficConfig;
 use crate::traffic::{PlaceReport, ReportSender, ReportSource};
@@ -103,6 +103,19 @@ const fn begins(byte: u8) -> bool {
     matches!(byte, MAV_STX | MAV_STX_V2)
 }
 
+/// Length of a frame of which the first three bytes are known, bytes.
+fn frame_length(frame: &[u8; MAX_FRAME_SIZE]) -> usize {
+    if let ([MAV_STX, ..], Some(version1)) = (frame, frame.first_chunk()) {
+        MAVLinkV1MessageRaw::from_bytes_unparsed(*version1)
+            .raw_bytes()
+            .len()
+    } else {
+        MAVLinkV2MessageRaw::from_bytes_unparsed(*frame)
+            .raw_bytes()
+            .len()
+    }
+}
+
 impl<R: Read> TlogReader<R> {
     /// A log that reads from `from`.
     pub fn new(from: R) -> Self {
@@ -137,19 +150,17 @@ impl<R: Read> TlogReader<R> {
                 }
             }
             let unix_us = u64::from_be_bytes(stamp);
-            let [start, payload, flags] = begin;
-            let length = if start == MAV_STX {
-                8 + usize::from(payload)
-            } else {
-                12 + usize::from(payload) + if flags & 1 == 0 { 0 } else { 13 }
-            };
-            let mut bytes = begin.to_vec();
-            bytes.resize(length, 0);
+            let mut frame = [0; MAX_FRAME_SIZE];
+            for (to, byte) in frame.iter_mut().zip(begin) {
+                *to = byte;
+            }
+            let length = frame_length(&frame);
+            let bytes = frame.get_mut(..length).unwrap_or_default();
             if !self.fill(bytes.get_mut(begin.len()..).unwrap_or_default())? {
                 break;
             }
             let mut found = None;
-            Framer::new(None).push(&bytes, |frame| found = Some(frame));
+            Framer::new(None).push(bytes, |frame| found = Some(frame));
             match found {
                 Some(frame) => {
                     self.is_one = true;
@@ -192,6 +203,33 @@ mod tests {
     use crate::wire::encode;
     use mavlink::MavHeader;
     use mavlink::dialects::ardupilotmega::{MavMessage, PING_DATA};
+
+    #[test]
+    fn each_frame_is_as_long_as_its_kind() {
+        let (mut file, ping) = (Vec::new(), MavMessage::PING(PING_DATA::DEFAULT));
+        let mut writer = TlogWriter::new(&mut file);
+        // Ids of 8 and of 32 bits.
+        for system_id in [1, 70_000, 2] {
+            let header = MavHeader {
+                system_id,
+                ..MavHeader::default()
+            };
+            let raw = encode(header, &ping, None);
+            writer
+                .write(1_700_000_000_000_000, raw.raw_bytes())
+                .unwrap();
+        }
+        let mut reader = TlogReader::new(file.as_slice());
+        let mut next = || {
+            reader
+                .next_frame()
+                .unwrap()
+                .map(|logged| logged.frame.header.system_id)
+        };
+        let heard = [next(), next(), next(), next()];
+        assert_eq!(heard, [Some(1), Some(70_000), Some(2), None]);
+        assert_eq!(reader.skipped, 0);
+    }
 
     #[test]
     fn a_written_log_is_read_and_a_cut_end_is_an_end() {

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use fga::Vec3;
 use fga::situation::Ownship;
 use fga_alerts::{
-    Aircraft, AircraftId, Monitor, Quantity, Region, Resolution, State, StepError, Way,
+    Aircraft, AircraftId, Monitor, Quantity, Region, Resolution, AircraftState, StepError, ManeuverSide,
 };
 use fga_formats::InputError;
 use fga_formats::conf::{self, Configuration};
@@ -175,8 +175,8 @@ pub(crate) fn bands(py: Python<'_>, recording: PathBuf, config: PathBuf) -> PyRe
 pub(crate) struct PyMonitor(Mutex<Monitor>);
 
 /// A state as the standards' side takes it: through the air.
-fn state(position_m: Vec3, velocity_mps: Vec3) -> State {
-    State {
+fn state(position_m: Vec3, velocity_mps: Vec3) -> AircraftState {
+    AircraftState {
         position_m,
         velocity_mps,
     }
@@ -270,7 +270,7 @@ impl PyMonitor {
             Resolution::Value(value) => Some(value),
             Resolution::Unneeded | Resolution::Unavailable => None,
         };
-        Ok((of(Way::Low), of(Way::High)))
+        Ok((of(ManeuverSide::Low), of(ManeuverSide::High)))
     }
 
     fn __repr__(&self) -> &'static str {

@@ -15,17 +15,17 @@ use crate::value::{properties, remade};
 /// A figure with its interval: the middle 90 % of what windows of the log give.
 #[pyclass(name = "Estimate", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PyEstimate(identification::Estimate);
+pub(crate) struct PyEstimate(identification::FigureEstimate);
 
 #[pymethods]
 impl PyEstimate {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (f64, f64, f64))> {
-        let identification::Estimate { value, low, high } = self.0;
+        let identification::FigureEstimate { value, low, high } = self.0;
         Ok((remade(py, "_estimate")?, (value, low, high)))
     }
 
     fn __repr__(&self) -> String {
-        let identification::Estimate { value, low, high } = self.0;
+        let identification::FigureEstimate { value, low, high } = self.0;
         format!("Estimate({value:.4}, {low:.4} to {high:.4})")
     }
 }
@@ -78,7 +78,7 @@ impl PyIdentified {
             .figures()
             .iter()
             .map(|(key, estimate, decimals)| {
-                let identification::Estimate { value, low, high } = estimate;
+                let identification::FigureEstimate { value, low, high } = estimate;
                 format!("{key}={value:.decimals$} ({low:.decimals$} to {high:.decimals$})")
             })
             .collect();
@@ -116,7 +116,7 @@ type IdentifiedParts = ([PyEstimate; 9], usize, usize);
 /// The estimate that was pickled.
 #[pyfunction]
 pub(crate) fn _estimate(value: f64, low: f64, high: f64) -> PyEstimate {
-    PyEstimate(identification::Estimate { value, low, high })
+    PyEstimate(identification::FigureEstimate { value, low, high })
 }
 
 /// What was pickled of a flight log.

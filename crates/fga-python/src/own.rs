@@ -11,7 +11,7 @@ use fga::maneuver::Maneuver;
 use fga::situation::{Obstacle, Passing, Situation};
 use fga::vehicle::Vehicle;
 use fga_sim::campaign::parse_policy;
-use fga_sim::own::{Answer, Failure, FailureKind, Outside, OwnPolicy, Silence, Worker};
+use fga_sim::own::{PolicyAnswer, PolicyFailure, FailureKind, Outside, OwnPolicy, Silence, Worker};
 use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
 use fga_sim::world::{WorldGround, WorldZone};
 use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use crate::airspace::{PyGround, PyZone};
 use crate::decision::{PyDecision, PyStage};
 use crate::settings::PySettings;
-use crate::situation::{Around, PyMission, PySituation};
+use crate::situation::{ObstacleForm, PyMission, PySituation};
 use crate::value::PyVehicle;
 
 /// Time limit of a step without another one, seconds.
@@ -117,7 +117,7 @@ pub(crate) fn own(
         name,
         sha256,
         Box::new(move |settings, vehicle| {
-            Box::new(Asked {
+            Box::new(AskedObject {
                 policy: Arc::clone(&policy),
                 limit_s,
                 settings: *settings,
@@ -209,18 +209,18 @@ struct Begins {
 }
 
 /// Asks an object in one flight after the other.
-struct Asked {
+struct AskedObject {
     policy: Arc<Py<PyAny>>,
     limit_s: f64,
     settings: PolicySettings,
     made_for: Vehicle,
     retuned: Option<Vehicle>,
     begins: bool,
-    thread: Option<Thread<Question, Answer>>,
+    thread: Option<Thread<Question, PolicyAnswer>>,
 }
 
-impl Outside for Asked {
-    fn answer(&mut self, situation: &Situation<'_>) -> Result<Answer, Failure> {
+impl Outside for AskedObject {
+    fn answer(&mut self, situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure> {
         let mission = &situation.mission;
         let question = Question {
             begins: self.begins.then(|| Begins {
@@ -254,7 +254,7 @@ impl Outside for Asked {
         let thread = if let Some(thread) = self.thread.take() {
             thread
         } else {
-            let mut flown = Flown::of(Arc::clone(&self.policy));
+            let mut flown = FlownObject::of(Arc::clone(&self.policy));
             Thread::start(move |py, question| flown.answer(py, question))?
         };
         let answer = thread.ask(question, limit_s)?;
@@ -274,15 +274,15 @@ impl Outside for Asked {
 
 /// A thread that runs Python code for each question.
 pub(crate) struct Thread<Q, A> {
-    worker: Worker<Q, Result<A, Failure>>,
+    worker: Worker<Q, Result<A, PolicyFailure>>,
     ident: Arc<AtomicU64>,
 }
 
 impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
     /// A thread that answers with `answer`.
     pub(crate) fn start(
-        mut answer: impl FnMut(Python<'_>, Q) -> Result<A, Failure> + Send + 'static,
-    ) -> Result<Self, Failure> {
+        mut answer: impl FnMut(Python<'_>, Q) -> Result<A, PolicyFailure> + Send + 'static,
+    ) -> Result<Self, PolicyFailure> {
         let ident = Arc::new(AtomicU64::new(0));
         let noted = Arc::clone(&ident);
         let worker = Worker::start(move |question| {
@@ -297,7 +297,7 @@ impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
             })
         })
         .map_err(|error| {
-            Failure::new(
+            PolicyFailure::new(
                 FailureKind::Ended,
                 format!("no thread can be started for it: {error}"),
             )
@@ -306,20 +306,20 @@ impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
     }
 
     /// The answer within the limit; without one the thread is given up, and its Python code interrupted.
-    pub(crate) fn ask(&self, question: Q, limit_s: f64) -> Result<Result<A, Failure>, Failure> {
+    pub(crate) fn ask(&self, question: Q, limit_s: f64) -> Result<Result<A, PolicyFailure>, PolicyFailure> {
         let silence = match self.worker.ask(question, Duration::from_secs_f64(limit_s)) {
             Ok(answer) => return Ok(answer),
             Err(silence) => silence,
         };
         if silence == Silence::Ended {
-            return Err(Failure::new(FailureKind::Ended, "its thread ended"));
+            return Err(PolicyFailure::new(FailureKind::Ended, "its thread ended"));
         }
         let ident = self.ident.load(Ordering::Relaxed);
         Python::attach(|py| {
             // What cannot be interrupted goes on, and nobody waits for it.
             let _ = helper(py, "interrupt").and_then(|interrupt| interrupt.call1((ident,)));
         });
-        Err(Failure::new(
+        Err(PolicyFailure::new(
             FailureKind::TimedOut,
             format!("no answer within {limit_s} s"),
         ))
@@ -327,11 +327,11 @@ impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
 }
 
 /// An exception of a policy.
-pub(crate) fn raised(py: Python<'_>, error: &PyErr) -> Failure {
+pub(crate) fn raised(py: Python<'_>, error: &PyErr) -> PolicyFailure {
     let said = helper(py, "said")
         .and_then(|said| said.call1((error.value(py),))?.extract::<String>())
         .unwrap_or_else(|_| format!("raised {error}"));
-    Failure::new(FailureKind::Raised, said)
+    PolicyFailure::new(FailureKind::Raised, said)
 }
 
 /// The calls of a policy made for a flight: a step, and changed limits.
@@ -352,14 +352,14 @@ pub(crate) fn made(
 }
 
 /// The object of a flight.
-struct Flown {
+struct FlownObject {
     policy: Arc<Py<PyAny>>,
     step: Option<Py<PyAny>>,
     retune: Option<Py<PyAny>>,
     mission: Option<Py<PyMission>>,
 }
 
-impl Flown {
+impl FlownObject {
     const fn of(policy: Arc<Py<PyAny>>) -> Self {
         Self {
             policy,
@@ -369,7 +369,7 @@ impl Flown {
         }
     }
 
-    fn answer(&mut self, py: Python<'_>, question: Question) -> Result<Answer, Failure> {
+    fn answer(&mut self, py: Python<'_>, question: Question) -> Result<PolicyAnswer, PolicyFailure> {
         let answer = self.ask(py, question).map_err(|error| raised(py, &error))?;
         answer_of(answer.bind(py))
     }
@@ -392,7 +392,7 @@ impl Flown {
         let situation = PySituation {
             time_s: question.time_s,
             ownship: question.ownship,
-            around: Around::Rows(question.obstacles),
+            around: ObstacleForm::Rows(question.obstacles),
             mission: mission.clone_ref(py),
             wind_mps: question.wind_mps,
         };
@@ -401,10 +401,10 @@ impl Flown {
 }
 
 /// What an object that a policy returned says.
-fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
+fn answer_of(answer: &Bound<'_, PyAny>) -> Result<PolicyAnswer, PolicyFailure> {
     let wrong = || {
         let kind = answer.get_type();
-        Failure::new(
+        PolicyFailure::new(
             FailureKind::WrongShape,
             format!(
                 "returned {kind}, expected None, a pair (course_rad, climb_rad), a Stage, a list of them, or a Decision"
@@ -413,13 +413,13 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
     };
     let flies = |maneuver: &Maneuver| {
         let decision = Decision::new(State::Avoiding, maneuver, Reason::ManeuverKept);
-        Answer::Decided(Box::new(decision))
+        PolicyAnswer::Decided(Box::new(decision))
     };
     if answer.is_none() {
-        return Ok(Answer::Mission);
+        return Ok(PolicyAnswer::Mission);
     }
     if let Ok(decision) = answer.cast::<PyDecision>() {
-        return Ok(Answer::Decided(Box::new(decision.get().decision)));
+        return Ok(PolicyAnswer::Decided(Box::new(decision.get().decision)));
     }
     if let Ok(stage) = answer.cast::<PyStage>() {
         let mut maneuver = Maneuver::hold();
@@ -432,7 +432,7 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
     let items = items.map_err(|_| wrong())?;
     let numbers = items.iter().map(PyAnyMethods::extract::<f64>);
     if let Ok([course_rad, climb_rad]) = numbers.collect::<PyResult<Vec<f64>>>().as_deref() {
-        return Ok(Answer::Heading {
+        return Ok(PolicyAnswer::Heading {
             course_rad: *course_rad,
             climb_rad: *climb_rad,
         });
@@ -441,7 +441,7 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
     for item in &items {
         let stage = item.cast::<PyStage>().map_err(|_| wrong())?;
         if !maneuver.push(stage.get().0) {
-            return Err(Failure::new(
+            return Err(PolicyFailure::new(
                 FailureKind::WrongShape,
                 format!(
                     "returned {} stages, expected at most {} in the order of their start_s",

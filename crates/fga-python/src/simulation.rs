@@ -17,7 +17,7 @@ use crate::decision::PyDecision;
 use crate::failure::{input, output};
 use crate::own::{LIMIT_S, Policy, choice, warn_of_failures};
 use crate::pilot::{PyVehicleModel, model_of, with_pilot};
-use crate::situation::{Around, PyMission, PySituation};
+use crate::situation::{ObstacleForm, PyMission, PySituation};
 use crate::table::{ArrayColumn, PyTable};
 use crate::value::{PyOwnship, PyVehicle, properties, refused};
 
@@ -83,7 +83,7 @@ impl PySimulation {
         PySituation {
             time_s: situation.time_s,
             ownship: situation.ownship,
-            around: Around::Rows(situation.obstacles.iter().collect()),
+            around: ObstacleForm::Rows(situation.obstacles.iter().collect()),
             mission: self.mission.clone_ref(py),
             wind_mps: situation.wind_mps,
         }

@@ -376,7 +376,7 @@ frozen! { PyMission, this,
 
 /// The obstacles of a situation.
 #[derive(Debug)]
-pub(crate) enum Around {
+pub(crate) enum ObstacleForm {
     Rows(Vec<Obstacle>),
     Columns(Py<PyObstacles>),
 }
@@ -392,7 +392,7 @@ pub(crate) enum Around {
 pub(crate) struct PySituation {
     pub(crate) time_s: f64,
     pub(crate) ownship: fga::situation::Ownship,
-    pub(crate) around: Around,
+    pub(crate) around: ObstacleForm,
     pub(crate) mission: Py<PyMission>,
     pub(crate) wind_mps: Vec3,
 }
@@ -411,10 +411,10 @@ impl PySituation {
         expect(time_s.is_finite(), "time_s", time_s, "a finite number")?;
         expect_finite("wind_mps", wind_mps.0)?;
         let around = match obstacles {
-            None => Around::Rows(Vec::new()),
+            None => ObstacleForm::Rows(Vec::new()),
             Some(object) => match object.cast::<PyObstacles>() {
-                Ok(columns) => Around::Columns(columns.clone().unbind()),
-                Err(_) => Around::Rows(rows(object)?),
+                Ok(columns) => ObstacleForm::Columns(columns.clone().unbind()),
+                Err(_) => ObstacleForm::Rows(rows(object)?),
             },
         };
         let situation = Self {
@@ -473,8 +473,8 @@ impl PySituation {
         arguments.set_item("ownship", self.ownship())?;
         arguments.set_item("mission", self.mission(py))?;
         match &self.around {
-            Around::Rows(_) => arguments.set_item("obstacles", self.obstacles())?,
-            Around::Columns(columns) => arguments.set_item("obstacles", columns)?,
+            ObstacleForm::Rows(_) => arguments.set_item("obstacles", self.obstacles())?,
+            ObstacleForm::Columns(columns) => arguments.set_item("obstacles", columns)?,
         }
         arguments.set_item("wind_mps", self.wind_mps())?;
         Ok(((), arguments))
@@ -519,8 +519,8 @@ impl PySituation {
             time_s: self.time_s,
             ownship: self.ownship,
             obstacles: match &self.around {
-                Around::Rows(rows) => Obstacles::Rows(rows),
-                Around::Columns(columns) => Obstacles::Columns(columns.get().columns()),
+                ObstacleForm::Rows(rows) => Obstacles::Rows(rows),
+                ObstacleForm::Columns(columns) => Obstacles::Columns(columns.get().columns()),
             },
             mission: Mission {
                 waypoints_m: &mission.waypoints_m,

@@ -7,7 +7,7 @@ use arrow_schema::DataType;
 use fga::situation::ProtectedVolume;
 use fga_sim::batch::{BatchError, BatchRow, BatchSettings, Questions, empty_world, fly_together};
 use fga_sim::drawn::RowTable;
-use fga_sim::own::{Answer, Failure, FailureKind};
+use fga_sim::own::{PolicyAnswer, PolicyFailure, FailureKind};
 use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;
 
@@ -41,8 +41,8 @@ pub(crate) fn fly(
     };
     let vehicle = settings.model.vehicle;
     let policy = std::sync::Arc::new(policy);
-    let mut thread: Result<Thread<ThreadQuestion, Vec<Answer>>, Failure> =
-        Err(Failure::new(FailureKind::Ended, "the policy has not begun"));
+    let mut thread: Result<Thread<ThreadQuestion, Vec<PolicyAnswer>>, PolicyFailure> =
+        Err(PolicyFailure::new(FailureKind::Ended, "the policy has not begun"));
     let thread = std::cell::RefCell::new(&mut thread);
     let begin = || {
         let policy = std::sync::Arc::clone(&policy);
@@ -57,7 +57,7 @@ pub(crate) fn fly(
                 ThreadQuestion::Step(tables) => tables,
             };
             let Some(step) = &step else {
-                return Err(Failure::new(FailureKind::Ended, "the policy was not made"));
+                return Err(PolicyFailure::new(FailureKind::Ended, "the policy was not made"));
             };
             answers(py, step, tables)
         });
@@ -68,7 +68,7 @@ pub(crate) fn fly(
     };
     let answer = |questions: &Questions<'_>| {
         if !shared.goes_on() {
-            return Err(Failure::new(FailureKind::Ended, "interrupted"));
+            return Err(PolicyFailure::new(FailureKind::Ended, "interrupted"));
         }
         let mut thread = thread.borrow_mut();
         let answer = match &**thread {
@@ -151,8 +151,8 @@ fn tables(questions: &Questions<'_>) -> ColumnTables {
 }
 
 /// The answers of the policy, one for each flight.
-fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec<Answer>, Failure> {
-    let wrong = |message: String| Failure::new(FailureKind::WrongShape, message);
+fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec<PolicyAnswer>, PolicyFailure> {
+    let wrong = |message: String| PolicyFailure::new(FailureKind::WrongShape, message);
     let [flights, obstacles] = tables.map(PyTable::of);
     let call = || -> PyResult<Py<PyAny>> { step.call1(py, (flights?, obstacles?)) };
     let answer = call().map_err(|error| raised(py, &error))?;
@@ -170,8 +170,8 @@ fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec
                 .into_iter()
                 .zip(climb_rad)
                 .map(|(course_rad, climb_rad)| match course_rad {
-                    None => Answer::Mission,
-                    Some(course_rad) => Answer::Heading {
+                    None => PolicyAnswer::Mission,
+                    Some(course_rad) => PolicyAnswer::Heading {
                         course_rad,
                         climb_rad: climb_rad.unwrap_or(0.0),
                     },
@@ -182,8 +182,8 @@ fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec
 }
 
 /// A column of numbers with gaps.
-fn reals(batch: &RecordBatch, name: &str) -> Result<Vec<Option<f64>>, Failure> {
-    let wrong = |message: String| Failure::new(FailureKind::WrongShape, message);
+fn reals(batch: &RecordBatch, name: &str) -> Result<Vec<Option<f64>>, PolicyFailure> {
+    let wrong = |message: String| PolicyFailure::new(FailureKind::WrongShape, message);
     let column = batch.column_by_name(name).ok_or_else(|| {
         wrong(format!(
             "returned a table without the column {name}, expected the columns course_rad and climb_rad"

@@ -1,7 +1,7 @@
 //! The league: every policy over sets of encounters, as one page.
 
 use crate::interval::Estimate;
-use crate::report::{Block, Cell, Column, Report, Section, Table};
+use crate::report::{Cell, Column, Report, Section, SectionBlock, Table};
 use crate::safety_case::cells::{self, count, facts, left, needless_of_clear, number, ratio};
 use crate::safety_case::{Lost, PolicyCase, WorstCase};
 
@@ -87,7 +87,7 @@ impl League {
 
     /// Each policy against each reaction, for the sets that were flown with several; `None` without one.
     fn reactions(&self) -> Option<Section> {
-        let tables: Vec<Block> = self
+        let tables: Vec<SectionBlock> = self
             .sets
             .iter()
             .filter(|set| set.intruders.is_none())
@@ -97,7 +97,7 @@ impl League {
                     .iter()
                     .filter(|other| other.name == set.name)
                     .collect();
-                (columns.len() > 1).then(|| Block::Table(matrix(set, &columns)))
+                (columns.len() > 1).then(|| SectionBlock::Table(matrix(set, &columns)))
             })
             .collect();
         let title = "Policies against reactions of the intruders";
@@ -105,13 +105,13 @@ impl League {
     }
 
     fn limitations(&self) -> Section {
-        let mut blocks: Vec<Block> = self
+        let mut blocks: Vec<SectionBlock> = self
             .left_out
             .iter()
             .cloned()
-            .map(Block::Paragraph)
+            .map(SectionBlock::Paragraph)
             .collect();
-        blocks.push(Block::Paragraph(
+        blocks.push(SectionBlock::Paragraph(
             "Where a set does not say how, intruders do not react. A loss of well clear or a near mid-air collision counts whoever makes it. Recorded encounters were flown on \
              purpose: they are a stress set, no airspace. Settings of the baselines were searched on other encounters than these (docs/baselines.md); \
              the default policy was developed with the recorded ones at hand. Decision times differ from run to run: they are in timing.csv."
@@ -168,15 +168,20 @@ impl LeagueSet {
     }
 
     fn section(&self) -> Section {
-        let mut blocks: Vec<Block> = self.about.iter().cloned().map(Block::Paragraph).collect();
+        let mut blocks: Vec<SectionBlock> = self
+            .about
+            .iter()
+            .cloned()
+            .map(SectionBlock::Paragraph)
+            .collect();
         if self.has_aircraft {
-            blocks.push(Block::Table(self.losses()));
+            blocks.push(SectionBlock::Table(self.losses()));
         }
-        blocks.push(Block::Table(self.volume()));
+        blocks.push(SectionBlock::Table(self.volume()));
         if !self.worst.is_empty() {
             let caption = "The worst encounters of each policy. Each leads to its replay, which also shows the default policy, and beside the default policy the \
                  first other one of the table that acts. Separations of aircraft: least horizontal, and vertical at that time, m.";
-            blocks.push(Block::Table(cells::worst(&self.worst, caption)));
+            blocks.push(SectionBlock::Table(cells::worst(&self.worst, caption)));
         }
         Section::new(self.title(), blocks)
     }
@@ -256,6 +261,6 @@ impl LeagueSet {
         let results: Vec<(String, String)> = results.collect();
         let title = format!("{}: conditions and results", self.title());
         let table = facts(self.assumed.iter().chain(&results));
-        Section::new(title, vec![Block::Table(table)])
+        Section::new(title, vec![SectionBlock::Table(table)])
     }
 }

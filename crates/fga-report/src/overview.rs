@@ -13,7 +13,7 @@ mod separation;
 mod top;
 
 pub use data::{
-    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, Sample,
+    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, PathSample,
 };
 
 pub(crate) use look::{FRAME, GRID_LINE, axis_titles};

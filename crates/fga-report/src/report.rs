@@ -7,13 +7,13 @@
 //!
 //! ```
 //! use fga_report::interval::Estimate;
-//! use fga_report::report::{Block, Cell, Column, Report, Section, Table};
+//! use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
 //!
 //! let mut report = Report::new("Success against distance");
 //! report.facts.push(("encounters".into(), "300 a row".into()));
 //! report.sections.push(Section {
 //!     title: "One static obstacle".into(),
-//!     blocks: vec![Block::Table(Table {
+//!     blocks: vec![SectionBlock::Table(Table {
 //!         caption: "Separated encounters.".into(),
 //!         columns: vec![Column::text("policy"), Column::number("separated (%)")],
 //!         rows: vec![vec![
@@ -49,12 +49,12 @@ pub struct Section {
     /// Heading.
     pub title: String,
     /// Its blocks, in order.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<SectionBlock>,
 }
 
 /// A block of a section.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Block {
+pub enum SectionBlock {
     /// Plain text.
     Paragraph(String),
     /// A table.
@@ -103,7 +103,7 @@ pub type CellOf<T> = fn(&T) -> Cell;
 
 impl Section {
     /// A section of some blocks.
-    pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
+    pub fn new(title: impl Into<String>, blocks: Vec<SectionBlock>) -> Self {
         let title = title.into();
         Self { title, blocks }
     }
@@ -287,7 +287,7 @@ impl Report {
     }
 }
 
-impl Block {
+impl SectionBlock {
     fn write(&self, page: &mut String) {
         match self {
             Self::Paragraph(text) => {

@@ -10,7 +10,7 @@ mod course;
 mod trace;
 mod verdict;
 
-use crate::report::{Block, Cell, Column, Report, Section, Table};
+use crate::report::{Cell, Column, Report, Section, SectionBlock, Table};
 
 use cells::{count, facts, left, ratio};
 use verdict::{judged, result, verdict, verdicts};
@@ -108,12 +108,12 @@ impl SafetyCase {
         let system = self.acting().next();
         let is_stress = self.is_stress;
         let first = system.map(|system| result(system, is_stress));
-        let mut blocks: Vec<Block> = first.into_iter().collect();
-        blocks.push(Block::Paragraph(format!(
+        let mut blocks: Vec<SectionBlock> = first.into_iter().collect();
+        blocks.push(SectionBlock::Paragraph(format!(
             "{} encounters (effective number {:.0}), each flown in closed loop by every policy in simulation.",
             self.encounters, self.effective
         )));
-        blocks.extend(self.met_by_all().map(Block::Paragraph));
+        blocks.extend(self.met_by_all().map(SectionBlock::Paragraph));
         Section::new("1. Result", blocks)
     }
 
@@ -125,12 +125,12 @@ impl SafetyCase {
             ..
         } = &self.assumed;
         let table = facts(conditions.iter().chain(sensors));
-        Section::new("2. Conditions and sensor", vec![Block::Table(table)])
+        Section::new("2. Conditions and sensor", vec![SectionBlock::Table(table)])
     }
 
     fn encounters(&self) -> Section {
-        let about = self.stands_for.iter().cloned().map(Block::Paragraph);
-        let table = Block::Table(facts(self.assumed.encounters.iter()));
+        let about = self.stands_for.iter().cloned().map(SectionBlock::Paragraph);
+        let table = SectionBlock::Table(facts(self.assumed.encounters.iter()));
         Section::new("3. Encounters", about.chain([table]).collect())
     }
 
@@ -141,7 +141,7 @@ impl SafetyCase {
              number. The thresholds of section 4 are second-hand.",
             self.reactions
         );
-        Section::new("7. Limitations", vec![Block::Paragraph(text)])
+        Section::new("7. Limitations", vec![SectionBlock::Paragraph(text)])
     }
 
     /// The thresholds that every one of several policies meets, in a sentence.
@@ -198,32 +198,32 @@ impl SafetyCase {
         Section {
             title: "4. Metrics: risk ratios against quoted thresholds".into(),
             blocks: vec![
-                Block::Paragraph(
+                SectionBlock::Paragraph(
                     "Ratio of weighted counts with and without avoidance, 95 % interval. “Met”: the whole interval is \
                      below the threshold; “not shown”: the interval contains it; “stress set”: the encounters stand for no airspace, and \
                      no threshold is judged on them. Induced: lost with the system only."
                         .into(),
                 ),
-                Block::Table(Table {
+                SectionBlock::Table(Table {
                     caption: "NMAC: closer than 500 ft and 100 ft at once.".into(),
                     columns: nmac_columns,
                     rows: nmac_rows,
                 }),
-                Block::Table(Table {
+                SectionBlock::Table(Table {
                     caption: "LoWC: closer than 2,000 ft and 250 ft at once (ASTM F3442).".into(),
                     columns: lowc_columns,
                     rows: lowc_rows,
                 }),
-                Block::Paragraph(
+                SectionBlock::Paragraph(
                     "The thresholds are second-hand: numbers that are quoted for systems like those of ASTM F3442, \
                      not copied from the standard. Check them against the edition that applies to you. \
                      Intervals are by bootstrap over the encounters, and Wilson’s where fewer than ten losses are left, or all."
                         .into(),
                 ),
-                Block::Table(self.rates()),
+                SectionBlock::Table(self.rates()),
             ]
             .into_iter()
-            .chain(self.hourly().map(Block::Table))
+            .chain(self.hourly().map(SectionBlock::Table))
             .collect(),
         }
     }
@@ -258,18 +258,18 @@ impl SafetyCase {
             Column::text(&format!("≤ {:.2} {}", threshold.ratio, threshold.intruders))
         }));
         let blocks = if rows.is_empty() {
-            vec![Block::Paragraph(
+            vec![SectionBlock::Paragraph(
                 "None: there are too few encounters, or so many NMAC are left that counting them is better.".into(),
             )]
         } else {
             vec![
-                Block::Paragraph(
+                SectionBlock::Paragraph(
                     "Where hardly any NMAC is left to count, the nearest encounters say how likely one is. Their distances, in units of the NMAC \
                      volume, continue by a generalized Pareto distribution; 95 % interval by bootstrap. This is an extrapolation: a fault that \
                      no encounter showed is not in it."
                         .into(),
                 ),
-                Block::Table(Table {
+                SectionBlock::Table(Table {
                     caption: "NMAC risk ratio from the tail of the nearest encounters.".into(),
                     columns,
                     rows,
@@ -379,7 +379,7 @@ mod tests {
             policies: vec![policy],
             ..SafetyCase::default()
         };
-        let Block::Table(table) = case.gave_way() else {
+        let SectionBlock::Table(table) = case.gave_way() else {
             panic!("a table");
         };
         assert_eq!(table.rows[0][1], Cell::Text("4 of 5".into()));

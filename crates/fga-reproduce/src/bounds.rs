@@ -15,7 +15,7 @@ use fga_paper::conflict::Relative;
 use fga_paper::timing::Geometry;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::batch::{self, BatchSettings};
 use fga_sim::campaign::CampaignScene;
 use fga_sim::campaign::parse_policy;
@@ -47,14 +47,14 @@ pub(crate) fn sections(
 }
 
 /// An encounter at the start of a flight along +x, as input of the bounds.
-struct Seen {
+struct SeenEncounter {
     ownship: Ownship,
     climb_rad: (f64, f64),
     turn_radius_m: f64,
     obstacles: Vec<Hazard>,
 }
 
-impl Seen {
+impl SeenEncounter {
     fn of(model: &VehicleModel, obstacles: &[Obstacle]) -> Self {
         let vehicle = &model.vehicle;
         Self {
@@ -137,13 +137,13 @@ const ORACLE: usize = NAMES.len() - 1;
 const TURN_AWARE: usize = ORACLE - 1;
 
 /// A bound and its test.
-type BoundsDecider = fn(&Seen, bool) -> bool;
+type BoundsDecider = fn(&SeenEncounter, bool) -> bool;
 
 fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, ReproduceError> {
     let bounds: [(&str, BoundsDecider); 3] = [
         ("1, distance", |seen, _| seen.distance()),
-        ("2, speed", Seen::speed),
-        ("3, direction", Seen::direction),
+        ("2, speed", SeenEncounter::speed),
+        ("3, direction", SeenEncounter::direction),
     ];
     let place = if planar { "plane" } else { "space" };
     let mut counted: Vec<Bound> = bounds
@@ -160,7 +160,7 @@ fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, ReproduceError> 
         let CampaignScene::Rows(encounter) = drawn.scene else {
             continue;
         };
-        let seen = Seen::of(&flights.campaign.model, &encounter.obstacles);
+        let seen = SeenEncounter::of(&flights.campaign.model, &encounter.obstacles);
         for ((_, holds), bound) in bounds.iter().zip(&mut counted) {
             let side = if holds(&seen, planar) { HOLDS } else { FAILS };
             let saved = &mut bound.sides[side];
@@ -225,7 +225,7 @@ fn shares(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
     Ok(Section {
         title: title.into(),
         blocks: vec![
-            Block::Paragraph(
+            SectionBlock::Paragraph(
                 "One to three threats, first seen at 40 to 200 m all round (farther away the bounds \
                  hold in nearly every encounter), 0 to 60 m/s; in the plane the aircraft is forbidden to \
                  climb. Each bound is evaluated once, at the \
@@ -233,17 +233,17 @@ fn shares(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
                  flown."
                     .into(),
             ),
-            Block::Figure {
+            SectionBlock::Figure {
                 svg: chart(&bounds, HOLDS, "Where the bound holds").to_svg(),
                 caption: "Share kept separated of the encounters within the bound, with 95 % \
                      intervals."
                     .into(),
             },
-            Block::Figure {
+            SectionBlock::Figure {
                 svg: chart(&bounds, FAILS, "Where the bound does not hold").to_svg(),
                 caption: "The same for the encounters outside of it; a gap means that there are none.".into(),
             },
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "Kept separated (%), with 95 % intervals.".into(),
                 columns: columns
                     .into_iter()
@@ -251,8 +251,8 @@ fn shares(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
                     .collect(),
                 rows,
             }),
-            Block::Reading(reading(&bounds)),
-            Block::Files(vec![("data/bounds.csv".into(), "the shares".into())]),
+            SectionBlock::Reading(reading(&bounds)),
+            SectionBlock::Files(vec![("data/bounds.csv".into(), "the shares".into())]),
         ],
     })
 }
@@ -433,14 +433,14 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Rep
     Ok(Section {
         title: title.into(),
         blocks: vec![
-            Block::Paragraph(
+            SectionBlock::Paragraph(
                 "One static obstacle ahead, known from the start. The least initial distance from which \
                  it, and every one farther away, is kept clear of, found by flying ever nearer in steps \
                  down to 0.1 m; single numbers without an interval, because nothing here is random. In \
                  the plane but for the last column."
                     .into(),
             ),
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "Least initial distance by bound 1 and in flight.".into(),
                 columns: columns.map(Column::number).into(),
                 rows: rows
@@ -452,7 +452,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Rep
                     })
                     .collect(),
             }),
-            Block::Reading(Reading {
+            SectionBlock::Reading(Reading {
                 paper: "r_0 > (ρ_min + d_m) / (cos θ_t0 + sin θ_t0) lets t_c > 0 exist (Eq. 29).".into(),
                 published: format!("Started at t_0: {}", told(5)),
                 turn_aware: told(6),
@@ -465,7 +465,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Rep
                     rows.len()
                 ),
             }),
-            Block::Files(vec![("data/bound-1.csv".into(), "the distances".into())]),
+            SectionBlock::Files(vec![("data/bound-1.csv".into(), "the distances".into())]),
         ],
     })
 }
@@ -488,7 +488,7 @@ fn least_distances(
     let printed_m = libm::hypot(turn_m + radius_m - across_m, across_m);
     let farthest_m = 3.0 * (turn_m + radius_m);
     let corrected_m = least_distance(farthest_m, radius_m, |r| {
-        ahead(r, radius_m, across_m).is_some_and(|o| Seen::of(&planar, &[o]).distance())
+        ahead(r, radius_m, across_m).is_some_and(|o| SeenEncounter::of(&planar, &[o]).distance())
     });
     let flown =
         |model: &VehicleModel, policy: PolicyChoice| -> Result<Option<f64>, ReproduceError> {

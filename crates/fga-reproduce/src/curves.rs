@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, Claim, LineChart, LinePoint, PlotLine};
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::campaign::Row;
 
 use crate::ReproduceError;
@@ -170,7 +170,7 @@ fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, ReproduceE
             }
             rows.push(row);
         }
-        blocks.push(Block::Figure {
+        blocks.push(SectionBlock::Figure {
             svg: chart(curve, &flights).to_svg(),
             caption: format!(
                 "{}: share kept separated, with 95 % intervals.",
@@ -179,15 +179,15 @@ fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, ReproduceE
         });
     }
     let columns = ["curve", "at"].map(Column::text).into_iter();
-    blocks.push(Block::Table(Table {
+    blocks.push(SectionBlock::Table(Table {
         caption: "Kept separated (%), with 95 % intervals.".into(),
         columns: columns.chain(NAMES.map(Column::number)).collect(),
         rows,
     }));
-    blocks.push(Block::Reading(everything.reading(figure.paper)));
+    blocks.push(SectionBlock::Reading(everything.reading(figure.paper)));
     let file = format!("{}.csv", figure.file);
     atomic::write(&setting.data().join(&file), csv)?;
-    blocks.push(Block::Files(vec![(
+    blocks.push(SectionBlock::Files(vec![(
         format!("data/{file}"),
         "every point".into(),
     )]));

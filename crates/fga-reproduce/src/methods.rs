@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::campaign::Totals;
 
 use crate::ReproduceError;
@@ -110,7 +110,7 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
     Ok(Section {
         title: "Section 2.3: every method on identical encounters".into(),
         blocks: vec![
-            Block::Paragraph(
+            SectionBlock::Paragraph(
                 "Threats first seen at 300 m and at 100 to 500 m all round, standing and in the speed \
                  ranges of section 2.3, in space, in the plane (where the aircraft is forbidden to climb), \
                  and among bystanders (10 to 20 objects in all). A cell is named threats:COUNT:FIRST \
@@ -118,13 +118,13 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
                  searched for these encounters."
                     .into(),
             ),
-            Block::Figure {
+            SectionBlock::Figure {
                 svg: chart(groups).to_svg(),
                 caption: "Share saved of what the oracle saves, all cells of a kind together, with 95 % \
                      intervals."
                     .into(),
             },
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "Share saved of the encounters that the oracle saves (%), with 95 % intervals.".into(),
                 columns: columns
                     .into_iter()
@@ -132,8 +132,8 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
                     .collect(),
                 rows,
             }),
-            Block::Reading(standing.reading()),
-            Block::Files(vec![("data/methods.csv".into(), "every count".into())]),
+            SectionBlock::Reading(standing.reading()),
+            SectionBlock::Files(vec![("data/methods.csv".into(), "every count".into())]),
         ],
     })
 }

@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, LineChart, LinePoint, PlotLine};
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::campaign::Row;
 
 use crate::ReproduceError;
@@ -74,7 +74,7 @@ impl ComparedPaths {
 pub(crate) fn section(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
     let title = "L_1 < L_3 (§3.4.3, Fig. 9): starting at t_c or at t_0";
     setting.begin(title)?;
-    let mut blocks = vec![Block::Paragraph(
+    let mut blocks = vec![SectionBlock::Paragraph(
         "By geometry: one static obstacle dead ahead, protected radius 30 m, turn radius k_1 times \
          as large. L_1 is counted from Q, where the late turn begins, L_3 from U, where the \
          obstacle is seen; with the straight way from U to Q added both begin in the same place."
@@ -86,24 +86,24 @@ pub(crate) fn section(setting: &Setting<'_>) -> Result<Section, ReproduceError> 
         .map(|seen| format!("threats:1:{seen}:0{PLANAR}"))
         .collect();
     let flights = fly(setting, &cells, &POLICIES)?;
-    let flown: Vec<[FlownPath; 2]> = (0..SEEN_M.len())
-        .map(|cell| MEASURES.map(|measure| FlownPath::of(&flights, cell, &measure)))
+    let flown: Vec<[CellPaths; 2]> = (0..SEEN_M.len())
+        .map(|cell| MEASURES.map(|measure| CellPaths::of(&flights, cell, &measure)))
         .collect();
-    blocks.push(Block::Paragraph(
-        "FlownPath: one static obstacle drawn anywhere across the course, in the plane; the encounters \
+    blocks.push(SectionBlock::Paragraph(
+        "Flown: one static obstacle drawn anywhere across the course, in the plane; the encounters \
          in which all four flights stayed separated and came back to the line."
             .into(),
     ));
     for (index, measure) in MEASURES.iter().enumerate() {
-        blocks.push(Block::Figure {
+        blocks.push(SectionBlock::Figure {
             svg: flown_chart(&flown, index).to_svg(),
             caption: format!("Mean {} with 95 % intervals.", measure.label),
         });
     }
-    blocks.push(Block::Table(table(&flown)));
+    blocks.push(SectionBlock::Table(table(&flown)));
     atomic::write(&setting.data().join("paths.csv"), csv(&flown))?;
-    blocks.push(Block::Reading(reading(&flown)));
-    blocks.push(Block::Files(vec![(
+    blocks.push(SectionBlock::Reading(reading(&flown)));
+    blocks.push(SectionBlock::Files(vec![(
         "data/paths.csv".into(),
         "every mean".into(),
     )]));
@@ -118,7 +118,7 @@ fn sweep() -> impl Iterator<Item = f64> {
     (6..=60).map(|tens| f64::from(tens) * 10.0)
 }
 
-fn geometry_charts() -> [Block; 2] {
+fn geometry_charts() -> [SectionBlock; 2] {
     let chart = |title: &str, y: &str, value: fn(&ComparedPaths) -> f64| LineChart {
         title: title.into(),
         x: Axis::linear("initial distance (m)"),
@@ -141,7 +141,7 @@ fn geometry_charts() -> [Block; 2] {
         claims: Vec::new(),
     };
     [
-        Block::Figure {
+        SectionBlock::Figure {
             svg: chart(
                 "Away from the heading: L_3 less L_1",
                 "start at t_0 longer by (m)",
@@ -152,7 +152,7 @@ fn geometry_charts() -> [Block; 2] {
                 "As the paper counts: above 0 the late start is away from the heading for less."
                     .into(),
         },
-        Block::Figure {
+        SectionBlock::Figure {
             svg: chart(
                 "Whole path from U to D: L_3 less (U to Q and L_1)",
                 "start at t_0 longer by (m)",
@@ -185,7 +185,7 @@ const MEASURES: [PathMeasure; 2] = [
 ];
 
 /// One measure in one cell.
-struct FlownPath {
+struct CellPaths {
     encounters: usize,
     /// Mean of each policy.
     means: [Option<Estimate>; POLICIES.len()],
@@ -193,7 +193,7 @@ struct FlownPath {
     differences: [Option<Estimate>; 2],
 }
 
-impl FlownPath {
+impl CellPaths {
     fn of(flights: &Flights, cell: usize, measure: &PathMeasure) -> Self {
         let rows: Vec<&Vec<Row>> = flights
             .rows
@@ -222,7 +222,7 @@ impl FlownPath {
     }
 }
 
-fn flown_chart(flown: &[[FlownPath; 2]], measure: usize) -> LineChart {
+fn flown_chart(flown: &[[CellPaths; 2]], measure: usize) -> LineChart {
     let label = MEASURES[measure].label;
     LineChart {
         title: format!("One static obstacle: {label}"),
@@ -249,7 +249,7 @@ fn flown_chart(flown: &[[FlownPath; 2]], measure: usize) -> LineChart {
     }
 }
 
-fn table(flown: &[[FlownPath; 2]]) -> Table {
+fn table(flown: &[[CellPaths; 2]]) -> Table {
     let mut columns = vec![
         Column::text("first seen at"),
         Column::text("mean"),
@@ -279,7 +279,7 @@ fn table(flown: &[[FlownPath; 2]]) -> Table {
     }
 }
 
-fn csv(flown: &[[FlownPath; 2]]) -> String {
+fn csv(flown: &[[CellPaths; 2]]) -> String {
     let mut csv = String::from("first_seen_m,measure,series,encounters,mean,low,high\n");
     for (seen, cell) in SEEN_M.iter().zip(flown) {
         for (measure, flown) in MEASURES.iter().zip(cell) {
@@ -297,7 +297,7 @@ fn csv(flown: &[[FlownPath; 2]]) -> String {
     csv
 }
 
-fn reading(flown: &[[FlownPath; 2]]) -> Reading {
+fn reading(flown: &[[CellPaths; 2]]) -> Reading {
     // Cells in which the early start costs more, or less, by more than the interval.
     let dearer = |measure: usize, kind: usize| {
         let all = || {

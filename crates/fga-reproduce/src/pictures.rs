@@ -6,7 +6,7 @@ use fga::Vec3;
 use fga_files::TomlText;
 use fga_formats::atomic;
 use fga_formats::export::{self, Format};
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::campaign::parse_policy;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::run::{RunLog, fly};
@@ -105,7 +105,7 @@ fn section(
         let svg = flight_files::overview(&log).to_svg();
         let file = file_name(case, name, "svg");
         atomic::write(&setting.data().join(&file), &svg)?;
-        blocks.push(Block::Figure {
+        blocks.push(SectionBlock::Figure {
             svg,
             caption: format!("{name} (data/{file})."),
         });
@@ -113,7 +113,7 @@ fn section(
     }
     blocks.insert(
         0,
-        Block::Table(Table {
+        SectionBlock::Table(Table {
             caption: "Results of the flights.".into(),
             columns: vec![
                 Column::text("policy"),
@@ -143,8 +143,8 @@ fn section(
             files.push((format!("data/{file}"), format!("{name}, for Google Earth")));
         }
     }
-    blocks.push(Block::Files(files));
-    blocks.push(Block::Reading(reading(case, &flown)));
+    blocks.push(SectionBlock::Files(files));
+    blocks.push(SectionBlock::Reading(reading(case, &flown)));
     Ok(Section {
         title: case.title.into(),
         blocks,

@@ -1,6 +1,6 @@
 //! Tables 3, 4 and 7: settings and the cost table.
 
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::vehicle_file::VehicleModel;
 
 /// Steps of the grid that Table 7 implies, radians.
@@ -28,7 +28,7 @@ fn table_4(model: &VehicleModel) -> Section {
     let radius_m = vehicle.airspeed_mps / vehicle.course_rate_radps();
     Section {
         title: "Table 4: settings".into(),
-        blocks: vec![Block::Table(Table {
+        blocks: vec![SectionBlock::Table(Table {
             caption: "The paper's settings and those flown here.".into(),
             columns: ["setting", "paper", "flown"].map(Column::text).into(),
             rows: vec![
@@ -99,12 +99,12 @@ fn tables_3_and_7() -> Section {
     Section {
         title: "Tables 3 and 7: the cost of a heading and pitch".into(),
         blocks: vec![
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "Cost about the present direction, in the steps that Table 7 implies.".into(),
                 columns,
                 rows,
             }),
-            Block::Reading(Reading {
+            SectionBlock::Reading(Reading {
                 paper: "Table 7 prints 0.4137, 0.3987 … and 0.4137, 0.3937 …: neighbours differ by 0.015 along the pitch and by 0.02 along the heading.".into(),
                 published: "0.5 × 0.03 rad = 0.015 and 0.2 × 0.1 rad = 0.02, with absolute deviations.".into(),
                 turn_aware: "The same cost ranks its certified manoeuvres.".into(),

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 use fga_sim::campaign::Row;
 
 use crate::ReproduceError;
@@ -128,20 +128,20 @@ pub(crate) fn section(
     Ok(Section {
         title: "\"67 % shorter than optimal path planning\" (section 1)".into(),
         blocks: vec![
-            Block::Paragraph(
+            SectionBlock::Paragraph(
                 "One to three threats first seen at 300 m, moving ones at 0 to 60 m/s; of each pair the \
                  encounters in which both stayed separated and came back to the route within 60 s. Shorter \
                  by: one less the sum of the one over the sum of the other. The paper does not say which \
                  length it means, so three are given."
                     .into(),
             ),
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "How much shorter than the waypoint planners (%), with 95 % intervals; below 0: longer.".into(),
                 columns,
                 rows,
             }),
-            Block::Reading(reading(&compared)),
-            Block::Files(vec![("data/shorter.csv".into(), "the shares".into())]),
+            SectionBlock::Reading(reading(&compared)),
+            SectionBlock::Files(vec![("data/shorter.csv".into(), "the shares".into())]),
         ],
     })
 }

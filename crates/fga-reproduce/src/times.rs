@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
-use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
 
 use crate::ReproduceError;
 use crate::Setting;
@@ -75,7 +75,7 @@ pub(crate) fn section(
     Ok(Section {
         title: "Tables 5 and 6: computing time of a case".into(),
         blocks: vec![
-            Block::Table(Table {
+            SectionBlock::Table(Table {
                 caption: "Mean wall-clock time of a whole closed-loop flight (one to three threats \
                      first seen at 300 m; moving: 0 to 60 m/s), plant and measuring included, all methods \
                      on identical encounters; its median and its longest decision, means over the flights; \
@@ -94,8 +94,8 @@ pub(crate) fn section(
                 ],
                 rows,
             }),
-            Block::Reading(reading(still, moving)),
-            Block::Files(vec![("data/tables-5-6.csv".into(), "the times".into())]),
+            SectionBlock::Reading(reading(still, moving)),
+            SectionBlock::Files(vec![("data/tables-5-6.csv".into(), "the times".into())]),
         ],
     })
 }

@@ -40,7 +40,7 @@ pub fn write_guided(
     log: &RunLog,
     overlaid: &[RunLog],
     document: &Value,
-    guidance: Option<&fga_alerts::Settings>,
+    guidance: Option<&fga_alerts::AlertSettings>,
 ) -> Result<(), OutputError> {
     atomic::write(&folder.join("track.csv"), track_csv(log))?;
     let events = events(log);
@@ -238,7 +238,7 @@ pub fn overview(log: &RunLog) -> Overview {
         samples: log
             .samples
             .iter()
-            .map(|sample| overview::Sample {
+            .map(|sample| overview::PathSample {
                 time_s: sample.time_s,
                 position_m: sample.position_m,
                 state: sample.state,

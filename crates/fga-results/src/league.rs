@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 
 use crate::campaign::safety::safety_case;
 use crate::campaign::{decision_times, finish};
-use crate::named_rows::{Row, csv, objects};
+use crate::named_rows::{NamedRow, csv, objects};
 use crate::parquet_rows::parquet;
 use crate::provenance::{Provenance, TARGET};
 use sets::{Set, part, sets};
@@ -122,7 +122,7 @@ pub fn run(
         left_out: left_out.clone(),
         sets: Vec::new(),
     };
-    let mut timing: Vec<Row<String>> = Vec::new();
+    let mut timing: Vec<NamedRow<String>> = Vec::new();
     for set in &sets {
         let mut shown = LeagueSet {
             name: set.name.clone(),
@@ -158,7 +158,7 @@ pub fn run(
         }
         league.sets.push(shown);
     }
-    let rows: Vec<Row<String>> = league
+    let rows: Vec<NamedRow<String>> = league
         .sets
         .iter()
         .flat_map(|set| set.standings.iter().map(|standing| row(set, standing)))
@@ -295,7 +295,7 @@ fn fly_one(
 }
 
 /// A row of `timing.csv`, of the run that completed the campaign; none where others flew it.
-fn timing_row(folder: &Folder, set: &str) -> Option<Row<String>> {
+fn timing_row(folder: &Folder, set: &str) -> Option<NamedRow<String>> {
     let text = std::fs::read_to_string(folder.file("run.json")).ok()?;
     let document: Value = serde_json::from_str(&text).ok()?;
     let times = document

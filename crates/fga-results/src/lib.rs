@@ -3,11 +3,11 @@
 //! | module | question |
 //! |---|---|
 //! | [`flight`] | how did a flight end? |
-//! | [`flight_files`] | which files tell of a flight? |
+//! | [`flight_files`] | which files describe a flight? |
 //! | [`flight_file`] | what does another program get of a flight? |
 //! | `replay_guidance` | which alerts and bands does that page show? |
 //! | [`replay_page`] | what does the page show that replays a flight? |
-//! | [`campaign`] | which files tell of a campaign? |
+//! | [`campaign`] | which files describe a campaign? |
 //! | [`league`] | how do policies compare over sets of encounters? |
 //! | [`stress`] | in which motions does a policy fail? |
 //! | [`worst`] | which results deserve a look? |

@@ -4,7 +4,7 @@ use fga_formats::words::push_csv_field;
 use serde_json::{Map, Value};
 
 /// A row: names and values in order.
-pub(crate) type Row<N> = Vec<(N, Value)>;
+pub(crate) type NamedRow<N> = Vec<(N, Value)>;
 
 /// Six decimals.
 pub(crate) fn rounded(value: f64) -> f64 {
@@ -12,7 +12,7 @@ pub(crate) fn rounded(value: f64) -> f64 {
 }
 
 /// The rows as CSV, under the names of the first.
-pub(crate) fn csv<N: AsRef<str>>(rows: &[Row<N>]) -> Vec<u8> {
+pub(crate) fn csv<N: AsRef<str>>(rows: &[NamedRow<N>]) -> Vec<u8> {
     let mut csv = Vec::new();
     let mut push = |fields: &mut dyn Iterator<Item = String>| {
         for (index, field) in fields.enumerate() {
@@ -37,7 +37,7 @@ pub(crate) fn csv<N: AsRef<str>>(rows: &[Row<N>]) -> Vec<u8> {
 }
 
 /// The rows as JSON objects.
-pub(crate) fn objects<N: Into<String>>(rows: Vec<Row<N>>) -> Value {
+pub(crate) fn objects<N: Into<String>>(rows: Vec<NamedRow<N>>) -> Value {
     rows.into_iter()
         .map(|row| {
             let named = row.into_iter().map(|(name, value)| (name.into(), value));

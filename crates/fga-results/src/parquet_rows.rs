@@ -10,10 +10,10 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use serde_json::Value;
 
-use crate::named_rows::Row;
+use crate::named_rows::NamedRow;
 
 /// The type of a column: of its first value; numbers where it has none.
-fn kind(rows: &[Row<String>], column: usize) -> &'static str {
+fn kind(rows: &[NamedRow<String>], column: usize) -> &'static str {
     let values = rows.iter().filter_map(|row| Some(&row.get(column)?.1));
     let mut kinds = values.filter(|value| !value.is_null());
     match kinds.next() {
@@ -27,7 +27,7 @@ fn kind(rows: &[Row<String>], column: usize) -> &'static str {
 ///
 /// # Errors
 /// Errors of the writer.
-pub(crate) fn parquet(rows: &[Row<String>], version: &str) -> Result<Vec<u8>, ParquetError> {
+pub(crate) fn parquet(rows: &[NamedRow<String>], version: &str) -> Result<Vec<u8>, ParquetError> {
     let names = rows.first().map_or(&[][..], |first| first.as_slice());
     let kinds: Vec<&str> = (0..names.len()).map(|column| kind(rows, column)).collect();
     let mut schema = String::from("message rows {");

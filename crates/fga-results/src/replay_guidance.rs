@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga_alerts::{
-    Aircraft, AircraftId, Band, Monitor, Quantity, Recovery, Region, Settings, State,
+    Aircraft, AircraftId, AircraftState, AlertSettings, Band, Monitor, Quantity, Recovery, Region,
 };
 use fga_report::replay::{
     ReplayAlert, ReplayBand, ReplayBands, ReplayEvent, ReplayGuidance, ReplayRegion, ReplayRun,
@@ -17,7 +17,7 @@ const EVERY_S: f64 = 1.0;
 ///
 /// The states are the true ones: what a perfect sensor would show. An aircraft counts from when it
 /// was first seen; what never moves is no aircraft.
-pub(crate) fn add(run: &mut ReplayRun, log: &RunLog, settings: &Settings) {
+pub(crate) fn add(run: &mut ReplayRun, log: &RunLog, settings: &AlertSettings) {
     let mut monitor = Monitor::new(settings.clone());
     run.alert_levels = settings.most_levels();
     let mut level = 0;
@@ -53,7 +53,7 @@ pub(crate) fn add(run: &mut ReplayRun, log: &RunLog, settings: &Settings) {
 fn aircraft(log: &RunLog, id: u64, place_m: Vec3, velocity_mps: Vec3) -> Aircraft {
     let frame = log.plan.frame.as_ref();
     let above_sea_m = frame.map_or(0.0, |frame| frame.origin().altitude_m);
-    let state = State {
+    let state = AircraftState {
         position_m: place_m + Vec3::new(0.0, 0.0, above_sea_m),
         velocity_mps,
     };

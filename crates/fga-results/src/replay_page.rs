@@ -47,7 +47,7 @@ pub fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
 /// The same with alerts and bands as settings give them.
 pub fn guided_page<'a>(
     logs: impl IntoIterator<Item = &'a RunLog>,
-    settings: Option<&fga_alerts::Settings>,
+    settings: Option<&fga_alerts::AlertSettings>,
 ) -> String {
     let mut logs = logs.into_iter().peekable();
     let title = logs

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic};
-use fga_report::report::{Block, Cell, Column, Report, Section, Table};
+use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
 use fga_sim::campaign::{CampaignError, CampaignStamp};
 use fga_sim::own::FailureKind;
 use fga_sim::stress::{FoundEncounter, Stress, StressFailure, StressFlight, search, show};
 use serde_json::{Value, json};
 
-use crate::named_rows::{Row, csv, objects, rounded};
+use crate::named_rows::{NamedRow, csv, objects, rounded};
 use crate::provenance::{TARGET, fingerprint};
 use crate::replay_page;
 
@@ -137,7 +137,7 @@ pub fn write(
             replay_page::page([&log]),
         )?;
     }
-    let rows: Vec<Row<String>> = (1..)
+    let rows: Vec<NamedRow<String>> = (1..)
         .zip(&found.failures)
         .map(|(number, failure)| row(stress, number, failure))
         .collect();
@@ -153,7 +153,7 @@ pub fn write(
     Ok(Written { words, document })
 }
 
-fn row(stress: &Stress, number: usize, failure: &StressFailure) -> Row<String> {
+fn row(stress: &Stress, number: usize, failure: &StressFailure) -> NamedRow<String> {
     let first: [(&str, Value); 6] = [
         ("failure", json!(number)),
         ("deviations", json!(rounded(failure.distance))),
@@ -172,7 +172,7 @@ fn row(stress: &Stress, number: usize, failure: &StressFailure) -> Row<String> {
         .collect()
 }
 
-fn document(stress: &Stress, found: &FoundEncounter, rows: Vec<Row<String>>) -> Value {
+fn document(stress: &Stress, found: &FoundEncounter, rows: Vec<NamedRow<String>>) -> Value {
     let stamp = CampaignStamp::of_this_build(TARGET);
     // Flights that all keep out give no estimate.
     let estimate = (found.entered > 0).then_some(found.probability);
@@ -285,8 +285,8 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
         Section::new(
             "The likeliest failures",
             vec![
-                Block::Paragraph(result(stress, found)),
-                Block::Table(Table {
+                SectionBlock::Paragraph(result(stress, found)),
+                SectionBlock::Table(Table {
                     caption: "Each leads to its replay. Deviations: distance from the most usual flight, in standard deviations; the less, the likelier. \
                          Avoidable: the oracle, which knows all motions, finds a manoeuvre that keeps out. Needed: the parameters that are not at \
                          their medians; without any one of them the policy keeps out."
@@ -307,7 +307,7 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
         Section::new(
             "What is searched",
             vec![
-                Block::Paragraph(format!(
+                SectionBlock::Paragraph(format!(
                     "The ownship flies straight on its mission and hears each intruder once a second, without noise. Intruders: {}. Each keeps to bounds that the policy knows: turns of \
                      {:.0} °/s and {:.0}°, {:.1} m/s of climb. {} flights begin within three radii of the ownship and count as no failure. {gusts}",
                     stress.intruders,
@@ -316,7 +316,7 @@ fn page(stress: &Stress, found: &FoundEncounter) -> String {
                     stress.bounds.climb_change_mps,
                     found.too_near
                 )),
-                Block::Table(Table::of(
+                SectionBlock::Table(Table::of(
                     &parameters,
                     "The parameters and their usual distributions: assumptions, not measurements.",
                     [

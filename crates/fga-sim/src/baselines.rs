@@ -40,7 +40,7 @@ pub(crate) use pilot::{avoiding, returning};
 pub use potential::PotentialField;
 pub use rules::{Eyes, RightOfWay};
 pub use velocity::VelocityObstacles;
-pub use view::{Route, Sphere, View};
+pub use view::{RelativeRoute, Sphere, View};
 pub use voltage::VoltagePotential;
 pub use waypoints::{Cube, Waypoints};
 

@@ -20,7 +20,7 @@ pub use row::{
     SURROUNDINGS_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS, push_sample, result_columns,
 };
 pub use together::{Questions, fly_together};
-pub use tracks::{Tracks, fly_tracks};
+pub use tracks::{EncounterTracks, fly_tracks};
 pub use world::{BatchSettings, empty_world, populate, volume_of};
 
 use row::{BLOCK, row_of};

@@ -15,7 +15,7 @@ mod figures;
 mod lag;
 mod text;
 
-pub use figures::{Estimate, Identified, MARGIN_AHEAD_S};
+pub use figures::{FigureEstimate, Identified, MARGIN_AHEAD_S};
 
 use figures::{mean, percentile, rows_of};
 
@@ -33,14 +33,14 @@ const FEWEST_WINDOWS: usize = 4;
 
 /// What turns and straight flight of the windows say.
 #[derive(Default)]
-struct Turns {
+struct IdentifiedTurns {
     speeds_mps: Vec<f64>,
     factors: Vec<f64>,
     held_deg: Vec<f64>,
     mean_deg: Vec<f64>,
 }
 
-impl Turns {
+impl IdentifiedTurns {
     fn take(&mut self, piece: &SeriesPiece, period_s: f64) {
         let length = rows_of(TURN_WINDOW_S, period_s);
         let mut begin = 0;
@@ -139,7 +139,7 @@ impl ClimbFit {
 /// sentence.
 pub fn identify(log: &FlightLog) -> Result<Identified, String> {
     let period_s = log.period_s;
-    let (mut turns, mut climbs) = (Turns::default(), ClimbFit::default());
+    let (mut turns, mut climbs) = (IdentifiedTurns::default(), ClimbFit::default());
     for piece in &log.pieces {
         turns.take(piece, period_s);
         climbs.take(piece, period_s);
@@ -158,26 +158,30 @@ pub fn identify(log: &FlightLog) -> Result<Identified, String> {
     let no_turn = || "has no 3 s with a mean bank above 5 degrees, expected turns".to_owned();
     let steepest_deg = turns.steepest_deg();
     let mut identified = Identified {
-        airspeed_mps: Estimate::of(turns.speeds_mps).ok_or_else(no_turn)?,
-        max_bank_deg: Estimate::of(steepest_deg).ok_or_else(no_turn)?,
-        dead_time_s: Estimate::of(fitted.fits.iter().map(|fit| fit.dead_time_s).collect())
+        airspeed_mps: FigureEstimate::of(turns.speeds_mps).ok_or_else(no_turn)?,
+        max_bank_deg: FigureEstimate::of(steepest_deg).ok_or_else(no_turn)?,
+        dead_time_s: FigureEstimate::of(fitted.fits.iter().map(|fit| fit.dead_time_s).collect())
             .unwrap_or_default(),
-        bank_time_constant_s: Estimate::of(
+        bank_time_constant_s: FigureEstimate::of(
             fitted.fits.iter().map(|fit| fit.time_constant_s).collect(),
         )
         .unwrap_or_default(),
-        turn_rate_factor: Estimate::of(turns.factors).ok_or_else(no_turn)?,
-        climb_min_deg: Estimate::of(climbs.limits_deg([0.0, 0.01, 0.02], |angle| angle.min(0.0)))
-            .unwrap_or_default(),
-        climb_max_deg: Estimate::of(climbs.limits_deg([0.98, 0.99, 1.0], |angle| angle.max(0.0)))
-            .unwrap_or_default(),
-        climb_rate_radps: Estimate::of(climbs.fastest_radps()).unwrap_or_default(),
-        position_error_m: Estimate::default(),
+        turn_rate_factor: FigureEstimate::of(turns.factors).ok_or_else(no_turn)?,
+        climb_min_deg: FigureEstimate::of(
+            climbs.limits_deg([0.0, 0.01, 0.02], |angle| angle.min(0.0)),
+        )
+        .unwrap_or_default(),
+        climb_max_deg: FigureEstimate::of(
+            climbs.limits_deg([0.98, 0.99, 1.0], |angle| angle.max(0.0)),
+        )
+        .unwrap_or_default(),
+        climb_rate_radps: FigureEstimate::of(climbs.fastest_radps()).unwrap_or_default(),
+        position_error_m: FigureEstimate::default(),
         windows,
         windows_left_out: fitted.left_out,
     };
     identified.cap(&log.limits);
     let errors_m = lag::position_errors_m(log, &identified);
-    identified.position_error_m = Estimate::of(errors_m).unwrap_or_default();
+    identified.position_error_m = FigureEstimate::of(errors_m).unwrap_or_default();
     Ok(identified)
 }

@@ -14,7 +14,7 @@ mod pipe;
 mod worker;
 
 pub(crate) use outside::Nobody;
-pub use outside::{Answer, Failure, FailureKind, Make, Outside};
+pub use outside::{FailureKind, Make, Outside, PolicyAnswer, PolicyFailure};
 pub use pilot::{OwnPilot, OwnPolicy};
 pub use pipe::{PREFIX, piped};
 pub use worker::{Silence, Worker};

@@ -24,7 +24,7 @@ use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::words::counted;
 use toml::Spanned;
 
-use self::places::Places;
+use self::places::FilePlaces;
 use crate::plan::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
@@ -66,7 +66,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         (None, None) => VehicleModel::built_in()?,
     };
     let frame = frame(&file, &text)?;
-    let places = Places { text, frame };
+    let places = FilePlaces { text, frame };
     let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;
     let mission_m = waypoints(&file.mission, &places)?;
     let passing = passing(&file.mission, &text, mission_m.len())?;
@@ -208,7 +208,7 @@ fn passing(
 }
 
 /// The mission's waypoints, local, metres.
-fn waypoints(mission: &MissionTable, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
+fn waypoints(mission: &MissionTable, places: &FilePlaces<'_>) -> Result<Vec<Vec3>, InputError> {
     let text = places.text;
     let (list, is_local) = match (&mission.waypoints_m, &mission.waypoints_deg) {
         (Some(list), None) => (list, true),
@@ -245,7 +245,7 @@ fn waypoints(mission: &MissionTable, places: &Places<'_>) -> Result<Vec<Vec3>, I
 
 fn start_state(
     file: &ScenarioFile,
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
     model: &VehicleModel,
     mission_m: &[Vec3],
     wind_mps: Vec3,
@@ -300,7 +300,7 @@ fn start_state(
 fn obstacle(
     entry: &Spanned<ObstacleTable>,
     number: u32,
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
     model: &VehicleModel,
 ) -> Result<WorldObstacle, InputError> {
     let text = places.text;

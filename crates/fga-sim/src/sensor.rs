@@ -16,12 +16,12 @@ use fga::Vec3;
 use fga::situation::Obstacle;
 
 use crate::obstacle::WorldObstacle;
-use source::SensorSource;
+use source::SourceInUse;
 
 /// The sources in use.
 #[derive(Debug, Clone, Default)]
 pub struct Sensor {
-    sources: Vec<SensorSource>,
+    sources: Vec<SourceInUse>,
     /// The best of what the sources see.
     fused: Vec<Obstacle>,
     first_seen_s: Vec<Option<f64>>,
@@ -49,7 +49,7 @@ impl Sensor {
     ) {
         let settings = core::iter::once(&first).chain(more);
         self.sources
-            .resize_with(1 + more.len(), SensorSource::default);
+            .resize_with(1 + more.len(), SourceInUse::default);
         for ((source, settings), place) in self.sources.iter_mut().zip(settings).zip(0_u64..) {
             let seed = seed ^ place.wrapping_mul(noise::NEXT_SOURCE);
             source.begin(*settings, obstacles, seed, stream);

@@ -87,7 +87,7 @@ impl Stepped {
 
 /// One of the worlds.
 #[derive(Debug)]
-struct Place {
+struct WorldPlace {
     flight: SteppedFlight,
     shield: Option<Shield>,
 }
@@ -97,7 +97,7 @@ struct Place {
 pub struct Worlds {
     settings: WorldsSettings,
     empty: World,
-    places: Vec<Place>,
+    places: Vec<WorldPlace>,
     nearest: Vec<(f64, Obstacle)>,
 }
 
@@ -144,7 +144,7 @@ impl Worlds {
                     Shield::new(worlds.empty.settings.avoider, vehicle)
                 })
                 .transpose()?;
-            worlds.places.push(Place { flight, shield });
+            worlds.places.push(WorldPlace { flight, shield });
         }
         Ok(worlds)
     }

@@ -165,12 +165,12 @@ fn compare(before: &[String], after: &[String]) -> Result<(), String> {
 }
 
 /// A run of the program: its arguments without `--out`, and the folder of its results.
-struct Run {
+struct ProgramRun {
     arguments: Vec<String>,
     name: String,
 }
 
-impl Run {
+impl ProgramRun {
     fn new(name: String, arguments: &[&str]) -> Self {
         let arguments = arguments.iter().map(|&text| text.to_owned()).collect();
         Self { arguments, name }
@@ -226,7 +226,7 @@ fn is_there(file: &str) -> bool {
 }
 
 /// The runs that a change of the decision core must not change.
-fn core_runs(out: &Path) -> Result<Vec<Run>, String> {
+fn core_runs(out: &Path) -> Result<Vec<ProgramRun>, String> {
     let crowded = out.join("crowded.toml");
     fs::write(&crowded, CROWDED).map_err(|error| format!("{}: {error}", crowded.display()))?;
     let mut runs = Vec::new();
@@ -236,7 +236,7 @@ fn core_runs(out: &Path) -> Result<Vec<Run>, String> {
         let vehicle = format!("vehicles/{vehicle}.toml");
         let run = ["campaign", "run", file, "--encounters", encounters, "--csv"];
         let rest = ["--policy", "turn-aware", "--vehicle", &vehicle];
-        runs.push(Run::new(name, &[&run[..], &rest, more].concat()));
+        runs.push(ProgramRun::new(name, &[&run[..], &rest, more].concat()));
     };
     for vehicle in CORE_VEHICLES {
         for (file, encounters) in CORE_CAMPAIGNS {
@@ -262,14 +262,17 @@ fn core_runs(out: &Path) -> Result<Vec<Run>, String> {
     for scenario in scenarios {
         let stem = scenario.file_stem().unwrap_or_default().display();
         let file = scenario.display().to_string();
-        runs.push(Run::new(format!("run/{stem}"), &["run", &file]));
+        runs.push(ProgramRun::new(format!("run/{stem}"), &["run", &file]));
     }
     for recording in FLOWN.map(data) {
         if is_there(&recording) {
             let stem = Path::new(&recording).file_stem().unwrap_or_default();
             let vehicle = "vehicles/general-aviation-well-clear.toml";
             let name = format!("recording/{}", stem.display());
-            runs.push(Run::new(name, &["run", &recording, "--vehicle", vehicle]));
+            runs.push(ProgramRun::new(
+                name,
+                &["run", &recording, "--vehicle", vehicle],
+            ));
         }
     }
     Ok(runs)
@@ -289,13 +292,13 @@ fn build() -> Result<PathBuf, String> {
 }
 
 /// All runs, after writing their encounter file into `out`.
-fn runs(out: &Path) -> Result<Vec<Run>, String> {
+fn runs(out: &Path) -> Result<Vec<ProgramRun>, String> {
     let encounters = out.join("encounters.csv");
     fs::write(&encounters, encounter_file())
         .map_err(|error| format!("{}: {error}", encounters.display()))?;
     let encounters = encounters.display().to_string();
     let mut runs = Vec::new();
-    let mut add = |name: String, arguments: &[&str]| runs.push(Run::new(name, arguments));
+    let mut add = |name: String, arguments: &[&str]| runs.push(ProgramRun::new(name, arguments));
     for (policy, start) in POLICIES {
         let mut chosen = vec!["--policy", policy];
         chosen.extend(start.iter().flat_map(|start| ["--start", *start]));
@@ -418,7 +421,7 @@ fn encounter_file() -> String {
 }
 
 /// Flies every run; a line with hash and name for each of its files.
-fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<Vec<String>, String> {
+fn fly_all(program: &Path, runs: &[ProgramRun], out: &Path) -> Result<Vec<String>, String> {
     let mut lines = Vec::new();
     for run in runs {
         let folder = out.join(&run.name);

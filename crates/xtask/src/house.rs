@@ -240,6 +240,7 @@ mod tests {
         let text = "struct A; mod inner { enum A { X } } impl T for A { type A = u8; }
             #[cfg(test)] use x::{y, z}; #[cfg(test)] mod faults; #[cfg(test)] mod tests { struct A; }
             const REAL: [f64; 2] = [0.5, 0.0]; const WHOLE: u32 = 1_000; const fn f<const N: usize>() -> u32 { 3 }
+            impl A { const fn f(self) -> u8 { self.1 } fn g() -> impl Iterator<Item = u8> { [7].into_iter() } }
             const TINY: f64 = 1e-9; const FAR: f64 = 1e15; const NAME: &str = \"7\"; const SUM: u32 = WHOLE;";
         let sources = sources(&[("lib", text)]);
         assert_eq!(sources.types["A"].len(), 2);

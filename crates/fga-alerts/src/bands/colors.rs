@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 /// The side of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Way {
+pub enum ManeuverSide {
     /// Left or down.
     #[default]
     Low,
@@ -143,20 +143,24 @@ impl Colors {
     }
 
     /// Bands, with their indices, from one to one side, on a circular scale around it.
-    pub(crate) fn walk(&self, from: usize, way: Way) -> impl Iterator<Item = (usize, &Band)> {
+    pub(crate) fn walk(
+        &self,
+        from: usize,
+        way: ManeuverSide,
+    ) -> impl Iterator<Item = (usize, &Band)> {
         core::iter::successors(Some(from), move |at| self.beside(*at, way))
             .map_while(|at| Some((at, self.bands.get(at)?)))
             .take(self.bands.len())
     }
 
     /// The next band to one side, on a circular scale around it.
-    fn beside(&self, index: usize, way: Way) -> Option<usize> {
+    fn beside(&self, index: usize, way: ManeuverSide) -> Option<usize> {
         let (is_around, count) = (self.modulus > 0.0, self.bands.len());
         match way {
-            Way::Low if index == 0 => is_around.then_some(count - 1),
-            Way::Low => Some(index - 1),
-            Way::High if index + 1 == count => is_around.then_some(0),
-            Way::High => Some(index + 1),
+            ManeuverSide::Low if index == 0 => is_around.then_some(count - 1),
+            ManeuverSide::Low => Some(index - 1),
+            ManeuverSide::High if index + 1 == count => is_around.then_some(0),
+            ManeuverSide::High => Some(index + 1),
         }
     }
 
@@ -172,11 +176,11 @@ impl Colors {
         let way = if band.region.is_some_and(|region| !region.is_conflict()) {
             return Some(index);
         } else if Edge.same(value, band.low) {
-            Way::Low
+            ManeuverSide::Low
         } else if Edge.less(value, band.high) {
             return Some(index);
         } else {
-            Way::High
+            ManeuverSide::High
         };
         let other = self.beside(index, way)?;
         // A neighbour below the second band is only a fallback: the tables of the reference
@@ -217,11 +221,11 @@ impl Colors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aircraft::{Aircraft, AircraftId, State};
+    use crate::aircraft::{Aircraft, AircraftId, AircraftState};
     use crate::monitor::Monitor;
     use crate::quantity::Quantity;
     use crate::schemes::f3442;
-    use crate::settings::Settings;
+    use crate::settings::AlertSettings;
     use alloc::vec;
     use core::f64::consts::TAU;
     use glam::DVec3;
@@ -283,13 +287,13 @@ mod tests {
         // The ownship flies north and turns left only; the intruder hovers.
         let colors_with = |intruder_m: DVec3| {
             let at = |id, position_m, velocity_mps| {
-                let state = State {
+                let state = AircraftState {
                     position_m,
                     velocity_mps,
                 };
                 Aircraft::new(AircraftId(id), state)
             };
-            let settings = Settings {
+            let settings = AlertSettings {
                 left_rad: 1.0,
                 right_rad: 0.0,
                 ..f3442()

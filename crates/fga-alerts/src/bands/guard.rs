@@ -2,12 +2,12 @@
 
 use crate::aircraft::Pair;
 use crate::bands::path::FlownLine;
-use crate::settings::Settings;
+use crate::settings::AlertSettings;
 use crate::volume::Volume;
 
 /// What the ownship stays out of.
 pub(super) struct Guard<'a> {
-    settings: &'a Settings,
+    settings: &'a AlertSettings,
     /// The intruder, and the ownship as it flies now.
     pair: &'a Pair,
     /// Volumes, and between which times each of them counts, seconds.
@@ -19,7 +19,7 @@ pub(super) struct Guard<'a> {
 impl<'a> Guard<'a> {
     /// A volume; in recovery `kept` instead until a time, for good where that comes after `until_s`.
     pub(super) fn new(
-        settings: &'a Settings,
+        settings: &'a AlertSettings,
         pair: &'a Pair,
         volume: &'a Volume,
         kept: Option<&'a (Volume, f64)>,

@@ -1,9 +1,9 @@
 //! Altitude manoeuvres: accelerate, hold the rate, level out.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use crate::bands::path::{FlownLine, way_m};
 use crate::bands::span::counted;
-use crate::settings::Settings;
+use crate::settings::AlertSettings;
 use alloc::vec::Vec;
 
 /// A line on the way to an altitude, and until when the ownship flies it, seconds; `None` for a moment while the
@@ -14,8 +14,8 @@ pub(super) type LevelLeg = (FlownLine, Option<f64>);
 /// vertical speed changes each second counts. The settings' vertical rate and acceleration are positive.
 pub(super) fn legs_to(
     target_m: f64,
-    settings: &Settings,
-    ownship: &State,
+    settings: &AlertSettings,
+    ownship: &AircraftState,
     at_once: bool,
 ) -> Vec<LevelLeg> {
     let (s, v) = (ownship.position_m, ownship.velocity_mps);

@@ -2,11 +2,11 @@
 
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
-use crate::bands::colors::{Band, Colors, Way};
+use crate::bands::colors::{Band, Colors, ManeuverSide};
 use crate::bands::recovery::Recovery;
 use crate::bands::span::BandSpan;
 use crate::hysteresis::MOfN;
-use crate::settings::{Region, Settings};
+use crate::settings::{AlertSettings, Region};
 use alloc::vec::Vec;
 
 /// The nearest resolution to one side.
@@ -46,7 +46,7 @@ pub(crate) struct BandMemory {
     entered: Option<Band>,
     /// Start of the persistence of a conflict band.
     entered_since_s: Option<f64>,
-    preferred: Way,
+    preferred: ManeuverSide,
     preferred_since_s: Option<f64>,
     /// To the low and to the high side.
     sides: [SideAnswer; 2],
@@ -63,7 +63,7 @@ struct SideAnswer {
 
 /// The input of a step to the memory.
 pub(crate) struct Step<'a> {
-    pub(crate) settings: &'a Settings,
+    pub(crate) settings: &'a AlertSettings,
     pub(crate) time_s: f64,
     pub(crate) span: &'a BandSpan,
     pub(crate) recovery: Recovery,
@@ -83,16 +83,16 @@ impl Step<'_> {
     }
 
     /// How far a value lies to one side of another.
-    fn distance(&self, way: Way, of: f64, value: f64) -> f64 {
+    fn distance(&self, way: ManeuverSide, of: f64, value: f64) -> f64 {
         let distance = match way {
-            Way::Low => of - value,
-            Way::High => value - of,
+            ManeuverSide::Low => of - value,
+            ManeuverSide::High => value - of,
         };
         wrapped(distance, self.span.modulus)
     }
 
     /// Whether a value lies to one side of another or counts as the same.
-    fn is_ahead(&self, way: Way, of: f64, value: f64) -> bool {
+    fn is_ahead(&self, way: ManeuverSide, of: f64, value: f64) -> bool {
         let modulus = self.span.modulus;
         Edge.same(of, value)
             || if modulus > 0.0 {
@@ -109,15 +109,15 @@ impl Step<'_> {
 }
 
 impl BandMemory {
-    pub(crate) fn preferred(&self) -> Way {
+    pub(crate) fn preferred(&self) -> ManeuverSide {
         self.preferred
     }
 
-    pub(crate) fn resolution(&self, way: Way) -> Resolution {
+    pub(crate) fn resolution(&self, way: ManeuverSide) -> Resolution {
         let [low, high] = self.sides;
         match way {
-            Way::Low => low.kept,
-            Way::High => high.kept,
+            ManeuverSide::Low => low.kept,
+            ManeuverSide::High => high.kept,
         }
     }
 
@@ -151,7 +151,7 @@ impl BandMemory {
     }
 
     /// Lets M of the last N colors decide, value by value.
-    fn vote(&mut self, colors: &mut Colors, settings: &Settings) {
+    fn vote(&mut self, colors: &mut Colors, settings: &AlertSettings) {
         let (m, n) = (settings.hysteresis.agreeing, settings.hysteresis.remembered);
         if self.votes.is_empty() {
             let votes = colors.bands.iter().map(|band| Votes {
@@ -234,18 +234,18 @@ impl BandMemory {
         let (is_held, preferred) = match (low.now.value(), high.now.value()) {
             (None, None) => {
                 self.preferred_since_s = None;
-                self.preferred = Way::Low;
+                self.preferred = ManeuverSide::Low;
                 return;
             }
-            (Some(_), None) => (false, Way::Low),
-            (None, Some(_)) => (false, Way::High),
+            (Some(_), None) => (false, ManeuverSide::Low),
+            (None, Some(_)) => (false, ManeuverSide::High),
             (Some(low_value), Some(high_value)) => {
-                let down = step.distance(Way::Low, step.span.value, low_value);
-                let up = step.distance(Way::High, step.span.value, high_value);
+                let down = step.distance(ManeuverSide::Low, step.span.value, low_value);
+                let up = step.distance(ManeuverSide::High, step.span.value, high_value);
                 let nearer = if Edge.at_most(up, down) {
-                    Way::High
+                    ManeuverSide::High
                 } else {
-                    Way::Low
+                    ManeuverSide::Low
                 };
                 let Some(since_s) = self.preferred_since_s else {
                     self.preferred = nearer;
@@ -253,8 +253,8 @@ impl BandMemory {
                     return;
                 };
                 let shrank_less = match self.preferred {
-                    Way::High => low.kept_shrinkings > high.kept_shrinkings,
-                    Way::Low => high.kept_shrinkings > low.kept_shrinkings,
+                    ManeuverSide::High => low.kept_shrinkings > high.kept_shrinkings,
+                    ManeuverSide::Low => high.kept_shrinkings > low.kept_shrinkings,
                 };
                 let is_close = (up - down).abs() < step.tolerance();
                 (step.persists(since_s) || is_close || shrank_less, nearer)
@@ -273,13 +273,13 @@ impl BandMemory {
     }
 }
 
-const WAYS: [Way; 2] = [Way::Low, Way::High];
+const WAYS: [ManeuverSide; 2] = [ManeuverSide::Low, ManeuverSide::High];
 
 /// The nearest resolution to one side, and the band at which the walk there ends.
 fn nearest_way_out(
     shown: &Colors,
     here: Option<usize>,
-    way: Way,
+    way: ManeuverSide,
     step: &Step,
 ) -> (Resolution, Option<usize>) {
     let is_corrective =
@@ -289,8 +289,8 @@ fn nearest_way_out(
     };
     for (at, band) in shown.walk(start, way) {
         let (near, far) = match way {
-            Way::Low => (band.high, band.low),
-            Way::High => (band.low, band.high),
+            ManeuverSide::Low => (band.high, band.low),
+            ManeuverSide::High => (band.low, band.high),
         };
         if !step.is_corrective(band) {
             let value = Resolution::Value(wrapped(near, step.span.modulus));

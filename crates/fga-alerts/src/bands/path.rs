@@ -5,10 +5,10 @@
 //! Maneuvers", and Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned
 //! Systems", DASC 2015.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use crate::bands::span::{BandSpan, counted, turning_speed_mps};
 use crate::quantity::Quantity;
-use crate::settings::Settings;
+use crate::settings::AlertSettings;
 use alloc::vec::Vec;
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub(crate) struct FlownLine {
     /// Start of the line, seconds from now.
     pub(crate) since_s: f64,
     /// Its state on the line, extrapolated back to now.
-    pub(crate) state: State,
+    pub(crate) state: AircraftState,
 }
 
 impl FlownLine {
@@ -26,7 +26,7 @@ impl FlownLine {
     pub(super) fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
         Self {
             since_s,
-            state: State {
+            state: AircraftState {
                 position_m: position_m - velocity_mps * since_s,
                 velocity_mps,
             },
@@ -37,8 +37,8 @@ impl FlownLine {
 /// The lines after each step of a turn or a change of speed, from the current value to either side, and the time of one
 /// step, seconds; 0 for a manoeuvre that takes none.
 pub(super) fn steps(
-    settings: &Settings,
-    ownship: &State,
+    settings: &AlertSettings,
+    ownship: &AircraftState,
     span: &BandSpan,
 ) -> ([Vec<FlownLine>; 2], f64) {
     let mut start = *ownship;
@@ -74,7 +74,7 @@ pub(super) fn steps(
 }
 
 /// The velocity with another horizontal speed; north without a direction.
-fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
+fn with_speed(state: &AircraftState, speed_mps: f64) -> DVec3 {
     let (v, now_mps) = (state.velocity_mps, state.speed_mps());
     if now_mps > 0.0 {
         let factor = speed_mps / now_mps;
@@ -85,7 +85,7 @@ fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
 }
 
 /// Position and velocity after a turn; right turns are clockwise from above.
-fn turned(start: &State, turn_rad: f64, time_s: f64) -> (DVec3, DVec3) {
+fn turned(start: &AircraftState, turn_rad: f64, time_s: f64) -> (DVec3, DVec3) {
     let (s, v) = (start.position_m, start.velocity_mps);
     let (sin, cos) = libm::sincos(turn_rad);
     let velocity_mps = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
@@ -100,7 +100,7 @@ fn turned(start: &State, turn_rad: f64, time_s: f64) -> (DVec3, DVec3) {
 
 /// Position and velocity after an acceleration along the flight. No aircraft flies backwards: such a line has no
 /// velocity and meets nothing.
-fn accelerated(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3, DVec3) {
+fn accelerated(start: &AircraftState, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3, DVec3) {
     let (s, v, now_mps) = (start.position_m, start.velocity_mps, start.speed_mps());
     if now_mps + change_mps < 0.0 {
         return (s, DVec3::NAN);
@@ -112,7 +112,7 @@ fn accelerated(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3
 }
 
 /// Position and velocity after a change of the vertical speed.
-fn climbing(start: &State, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3, DVec3) {
+fn climbing(start: &AircraftState, change_mps: f64, time_s: f64, mps2: f64) -> (DVec3, DVec3) {
     let (s, v) = (start.position_m, start.velocity_mps);
     let climbed_m = way_m(v.z, mps2, time_s);
     let position_m = (s + v * time_s).with_z(s.z + climbed_m);

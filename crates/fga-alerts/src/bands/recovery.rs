@@ -1,10 +1,10 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use crate::bands::colors::Colors;
 use crate::bands::search::BandSearch;
 use crate::picture::Contribution;
-use crate::settings::Settings;
+use crate::settings::AlertSettings;
 use crate::units::FOOT_M;
 use crate::volume::{Advisory, Cylinder, Sensitivity};
 use alloc::vec::Vec;
@@ -111,7 +111,7 @@ impl BandSearch<'_> {
 }
 
 /// The distances of recovery, as they shrink down to the NMAC volume.
-fn distances(settings: &Settings, ownship: &State) -> Vec<Cylinder> {
+fn distances(settings: &AlertSettings, ownship: &AircraftState) -> Vec<Cylinder> {
     let (radius_m, half_height_m) = (settings.nmac_distance_m, settings.nmac_height_m);
     let factor = 1.0 - settings.recovery_shrinking;
     let shrink = |kept: &Cylinder| {
@@ -133,7 +133,7 @@ fn distances(settings: &Settings, ownship: &State) -> Vec<Cylinder> {
 }
 
 /// The first distances of recovery.
-fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
+fn least_recovery(settings: &AlertSettings, ownship: &AircraftState) -> Cylinder {
     let or_table = |value_m: f64, pick: fn(&Sensitivity) -> f64| {
         if value_m > 0.0 {
             return value_m;
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn recovery_begins_with_directions_behind_that_two_steps_share() {
         let at = |id, x, y, z, vx, vy, vz| {
-            let state = State {
+            let state = AircraftState {
                 position_m: DVec3::new(x, y, z),
                 velocity_mps: DVec3::new(vx, vy, vz),
             };
@@ -175,7 +175,7 @@ mod tests {
             ),
         ];
         // 333 steps to either side pass half a turn by 0.007 degrees, which is within the tolerance of an edge.
-        let settings = Settings {
+        let settings = AlertSettings {
             direction_step_rad: 0.540_561_756_f64.to_radians(),
             shrinks_recovery: false,
             alerters: do_365b().alerters,

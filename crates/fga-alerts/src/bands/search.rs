@@ -1,6 +1,6 @@
 //! Which values of a quantity are free of conflicts with some aircraft.
 
-use crate::aircraft::{Pair, State};
+use crate::aircraft::{AircraftState, Pair};
 use crate::bands::colors::Colors;
 use crate::bands::guard::Guard;
 use crate::bands::span::BandSpan;
@@ -20,7 +20,7 @@ pub(crate) struct BandSearch<'a> {
 
 impl<'a> BandSearch<'a> {
     /// The manoeuvres from a state to the values of a span.
-    pub(crate) fn new(picture: &'a Picture, ownship: &State, span: &'a BandSpan) -> Self {
+    pub(crate) fn new(picture: &'a Picture, ownship: &AircraftState, span: &'a BandSpan) -> Self {
         Self {
             picture,
             span,

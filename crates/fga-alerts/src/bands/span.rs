@@ -1,16 +1,16 @@
 //! The values of a quantity that a manoeuvre can reach.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
 use crate::picture::Picture;
 use crate::quantity::Quantity;
-use crate::settings::{Reach, Settings};
+use crate::settings::{AlertSettings, ValueRange};
 use crate::units::GRAVITY_MPS2;
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 /// Speed for the computation of turns: a standing aircraft turns nowhere.
-pub(super) fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
+pub(super) fn turning_speed_mps(settings: &AlertSettings, ownship: &AircraftState) -> f64 {
     let least_mps = settings.horizontal_speed.step;
     let least_mps = least_mps.max(settings.least_airspeed_mps);
     least_mps.max(ownship.speed_mps())
@@ -24,7 +24,7 @@ pub(super) fn counted(first: f64, last: f64) -> impl Iterator<Item = f64> {
 
 impl Quantity {
     /// Change of the quantity per second; 0 for a manoeuvre that takes no time.
-    pub(super) fn rate(self, settings: &Settings, ownship: &State) -> f64 {
+    pub(super) fn rate(self, settings: &AlertSettings, ownship: &AircraftState) -> f64 {
         match self {
             Self::Direction if settings.turn_rate_radps == 0.0 && settings.bank_rad != 0.0 => {
                 GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(FRAC_PI_2))
@@ -37,9 +37,9 @@ impl Quantity {
         }
     }
 
-    fn reach(self, settings: &Settings) -> Reach {
+    fn reach(self, settings: &AlertSettings) -> ValueRange {
         match self {
-            Self::Direction => Reach {
+            Self::Direction => ValueRange {
                 least: 0.0,
                 greatest: TAU,
                 below: settings.left_rad,

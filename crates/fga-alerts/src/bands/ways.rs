@@ -1,12 +1,12 @@
 //! The lines on which the ownship flies to the values of a span, and which values it reaches without conflict.
 
-use crate::aircraft::State;
+use crate::aircraft::AircraftState;
 use crate::bands::guard::Guard;
 use crate::bands::level::{LevelLeg, legs_to};
 use crate::bands::path::{FlownLine, steps};
 use crate::bands::span::BandSpan;
 use crate::quantity::Quantity;
-use crate::settings::Settings;
+use crate::settings::AlertSettings;
 use alloc::vec::Vec;
 use core::iter::repeat_n;
 
@@ -24,7 +24,7 @@ pub(crate) enum Ways {
 
 impl Ways {
     /// The ways from a state to the values of a span.
-    pub(super) fn new(settings: &Settings, ownship: &State, span: &BandSpan) -> Self {
+    pub(super) fn new(settings: &AlertSettings, ownship: &AircraftState, span: &BandSpan) -> Self {
         if span.quantity == Quantity::Altitude {
             let legs = |target_m| legs_to(target_m, settings, ownship, span.at_once);
             return Self::Altitudes(span.values().map(legs).collect());
@@ -79,7 +79,7 @@ mod tests {
         settings.altitude.step = 1e-6;
         let mut monitor = Monitor::new(settings);
         let at = |id, height_m| {
-            let mut state = State::default();
+            let mut state = AircraftState::default();
             state.position_m.z = height_m;
             Aircraft::new(AircraftId(id), state)
         };

@@ -15,7 +15,7 @@ use std::time::{Instant, SystemTime};
 
 use crate::live::{self, AHEAD_M, Live, RADIUS_M};
 use crate::support::decisions_follow_their_schema;
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 
 /// The program; it ends with the test.
 struct Program(Child);
@@ -93,7 +93,7 @@ fn sigint_sigterm_sighup_hand_back_alike() {
         live.wait_for_maneuver();
         program.signal(signal);
         assert!(program.ended().success(), "{signal}");
-        assert_eq!(live.mode(), Mode::Auto, "{signal}");
+        assert_eq!(live.mode(), PlaneMode::Auto, "{signal}");
         let written = fs::read_dir(folder.join("out"));
         let log = written
             .expect("a folder")
@@ -120,12 +120,12 @@ fn stopped_and_continued_after_the_pilots_choice() {
     live.wait_for_maneuver();
     program.signal("STOP");
     thread::sleep(Duration::from_millis(300));
-    live.emulator().pilot_mode(Mode::Manual);
+    live.emulator().pilot_mode(PlaneMode::Manual);
     thread::sleep(Duration::from_secs(6));
     let before = live.commands();
     program.signal("CONT");
     thread::sleep(Duration::from_secs(4));
-    assert_eq!(live.mode(), Mode::Manual);
+    assert_eq!(live.mode(), PlaneMode::Manual);
     assert_eq!(live.commands(), before);
 }
 
@@ -137,7 +137,7 @@ fn stopped_and_continued_without_a_pilot_the_mode_is_given_back() {
     program.signal("STOP");
     thread::sleep(Duration::from_secs(5));
     program.signal("CONT");
-    live.wait_until("AUTO", |live| live.mode() == Mode::Auto);
+    live.wait_until("AUTO", |live| live.mode() == PlaneMode::Auto);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use fga::situation::{
 };
 
 use super::setting::{PERIOD_S, RADIUS_M, VEHICLE};
-use super::traffic::{Intruder, Random};
+use super::traffic::{Intruder, SplitMix64};
 
 /// Longest step of the integration, seconds.
 const STEP_S: f64 = 0.02;
@@ -124,7 +124,7 @@ impl Conditions {
 
 /// The result of a flight.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Flown {
+pub(crate) struct FlownEncounter {
     pub(crate) margin_m: f64,
     pub(crate) acted: bool,
     pub(crate) cross_m: f64,
@@ -168,8 +168,8 @@ pub(crate) fn fly(
     intruders: &mut [Intruder],
     conditions: &Conditions,
     horizon_s: f64,
-    random: &mut Random,
-) -> Flown {
+    random: &mut SplitMix64,
+) -> FlownEncounter {
     let settings = Settings {
         decision_period_s: PERIOD_S,
         surveillance_radius_m: f64::INFINITY,
@@ -183,7 +183,7 @@ pub(crate) fn fly(
     let mut gust_mps = Vec3::ZERO;
     let mut heard: Vec<HeardTraffic> = intruders.iter().map(|_| HeardTraffic::default()).collect();
     let mut last = State::Cruise;
-    let mut flown = Flown {
+    let mut flown = FlownEncounter {
         margin_m: f64::INFINITY,
         acted: false,
         cross_m: 0.0,

@@ -18,13 +18,13 @@ const ENOUGH_M: f64 = 60.0;
 
 /// Turn, fly straight, turn again; climb angles of both turns.
 #[derive(Debug, Clone, Copy)]
-struct Way {
+struct TwoTurns {
     first: (f64, f64),
     straight_s: f64,
     second: (f64, f64),
 }
 
-impl Way {
+impl TwoTurns {
     /// Margin of the rest of the manoeuvre from a state, with the positions of the intruders.
     fn margin_m(&self, own: &Own, places_m: &[Vec<Vec3>], enough_m: f64) -> f64 {
         let step_s = EVERY as f64 * 0.05;
@@ -94,7 +94,7 @@ pub(crate) fn margin_m(intruders: &[Intruder], horizon_s: f64) -> f64 {
     news_s.sort_by(f64::total_cmp);
     news_s.dedup();
     news_s.push(horizon_s);
-    let ways = Way::all();
+    let ways = TwoTurns::all();
     let mut own = Own::START;
     let mut least_m = f64::INFINITY;
     for pair in news_s.windows(2) {
@@ -103,7 +103,7 @@ pub(crate) fn margin_m(intruders: &[Intruder], horizon_s: f64) -> f64 {
             .iter()
             .map(|intruder| intruder.expected_m(now_s, AHEAD_S, EVERY))
             .collect();
-        let mut best: Option<(f64, &Way)> = None;
+        let mut best: Option<(f64, &TwoTurns)> = None;
         for way in &ways {
             let floor_m = best.map_or(f64::MIN, |best| best.0);
             let margin_m = way.margin_m(&own, &places_m, floor_m);

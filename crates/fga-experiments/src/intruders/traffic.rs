@@ -5,9 +5,9 @@ use fga::Vec3;
 use super::setting::{PERIOD_S, RADIUS_M, VEHICLE};
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
-pub(crate) struct Random(pub(crate) u64);
+pub(crate) struct SplitMix64(pub(crate) u64);
 
-impl Random {
+impl SplitMix64 {
     /// Of a flight with a number, drawn with a seed.
     pub(crate) fn of(seed: u64, number: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9).wrapping_add(number) << 8)
@@ -206,7 +206,7 @@ impl Intruder {
 /// A start from which an intruder with these pieces meets the aircraft on its mission within the sphere,
 /// and begins some way off.
 pub(crate) fn meeting(
-    random: &mut Random,
+    random: &mut SplitMix64,
     limits: TrafficLimits,
     meets_s: (f64, f64),
     pieces: &[TurnPiece],
@@ -232,7 +232,7 @@ pub(crate) fn meeting(
 }
 
 /// Random pieces up to a time, with turns at some rate at most.
-pub(crate) fn pieces(random: &mut Random, until_s: f64, most_radps: f64) -> Vec<TurnPiece> {
+pub(crate) fn pieces(random: &mut SplitMix64, until_s: f64, most_radps: f64) -> Vec<TurnPiece> {
     let mut pieces = Vec::new();
     let mut time_s = random.within(0.0, 4.0);
     pieces.push(TurnPiece {

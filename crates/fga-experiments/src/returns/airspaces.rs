@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::draw::ReturnFlight;
 use super::flier::Flier;
 use crate::common::{DrawnArgs, model};
-use crate::intruders::traffic::Random;
+use crate::intruders::traffic::SplitMix64;
 
 /// Radius of every protected sphere, metres.
 const RADIUS_M: f64 = 30.0;
@@ -90,7 +90,7 @@ fn fly(missions_m: &[Vec<Vec3>], is_planar: bool) -> Result<Sum, String> {
 
 /// Waypoints at random in a square, far enough from those of the others at the beginning.
 fn in_square(
-    random: &mut Random,
+    random: &mut SplitMix64,
     (count, side_m): (usize, f64),
     is_planar: bool,
 ) -> Result<Vec<Vec<Vec3>>, String> {
@@ -159,7 +159,7 @@ pub(crate) fn run(args: &DrawnArgs) -> Result<(), String> {
             let sum = (0..args.count)
                 .into_par_iter()
                 .map(|number| {
-                    let mut random = Random::of(args.seed, number);
+                    let mut random = SplitMix64::of(args.seed, number);
                     let missions_m = in_square(&mut random, (count, side_m), is_planar)?;
                     fly(&missions_m, is_planar)
                 })

@@ -11,7 +11,7 @@ use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
 
 use super::flier::Flier;
-use crate::intruders::traffic::Random;
+use crate::intruders::traffic::SplitMix64;
 
 /// What makes the aircraft avoid.
 pub(super) const FAMILIES: [&str; 5] = [
@@ -54,7 +54,7 @@ pub(super) struct ReturnFlight {
 
 /// Waypoints from a place, with legs of some length and corners up to some angle.
 fn mission_m(
-    random: &mut Random,
+    random: &mut SplitMix64,
     from_m: Vec3,
     legs: usize,
     turn_rad: f64,
@@ -95,7 +95,7 @@ impl ReturnFlight {
     }
 
     pub(super) fn drawn(seed: u64, number: u64) -> Self {
-        let mut random = Random::of(seed, number);
+        let mut random = SplitMix64::of(seed, number);
         let family = number as usize % FAMILIES.len();
         let airspeed_mps = random.within(12.0, 25.0);
         let bank_rad = random.within(0.45, 0.85);
@@ -105,7 +105,7 @@ impl ReturnFlight {
         } else {
             random.within(0.08, 0.25)
         };
-        let late_s = |random: &mut Random| {
+        let late_s = |random: &mut SplitMix64| {
             if random.unit() < 0.5 {
                 0.0
             } else {
@@ -172,7 +172,7 @@ impl ReturnFlight {
     }
 
     /// Adds traffic that meets the aircraft on its mission.
-    fn conflict(&mut self, random: &mut Random, family: usize) {
+    fn conflict(&mut self, random: &mut SplitMix64, family: usize) {
         let Some(flier) = self.fliers.first() else {
             return;
         };

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::draw::{ReturnFlight, Straight};
 use super::flier::Flier;
 use super::{ReturnCount, ReturnsArgs};
-use crate::intruders::traffic::Random;
+use crate::intruders::traffic::SplitMix64;
 
 /// Length of a leg, metres.
 const LEG_M: f64 = 1500.0;
@@ -58,7 +58,7 @@ const TRAPS: [(&str, Trap); 4] = [
 ];
 
 fn drawn(trap: Trap, (seed, number): (u64, u64)) -> ReturnFlight {
-    let mut random = Random::of(seed, number);
+    let mut random = SplitMix64::of(seed, number);
     let airspeed_mps = random.within(12.0, 25.0);
     let bank_rad = random.within(0.45, 0.85);
     let lag_s = if random.unit() < 0.5 { 0.0 } else { 0.5 };

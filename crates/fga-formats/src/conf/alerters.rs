@@ -8,13 +8,13 @@ use fga_alerts::volume::{
     Advisory, Cylinder, DeviationFactors, HorizontalTime, Sensitivity, UncertainWellClear,
     VerticalTime, Volume, WellClear,
 };
-use fga_alerts::{AlertLevel, Alerter, PerManeuver, Region, Settings, TerminalGuidance};
+use fga_alerts::{AlertLevel, AlertSettings, Alerter, PerManeuver, Region, TerminalGuidance};
 
 /// The most levels of an alerter.
 const MOST_LEVELS: usize = 100;
 
 /// Reads the alerters.
-pub(super) fn read(entries: &mut Entries, settings: &mut Settings) -> Result<(), InputError> {
+pub(super) fn read(entries: &mut Entries, settings: &mut AlertSettings) -> Result<(), InputError> {
     let factors = settings.deviation_factors;
     if let Some((line, text)) = entries.text("conflict_level") {
         // A file of DAIDALUS 1: one alerter without a prefix.

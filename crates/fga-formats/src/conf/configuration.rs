@@ -1,6 +1,6 @@
 //! What a configuration says.
 
-use fga_alerts::Settings;
+use fga_alerts::AlertSettings;
 
 /// A unit in which tables show a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ impl Default for ShownUnits {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The settings.
-    pub settings: Settings,
+    pub settings: AlertSettings,
     /// The units in which tables show it.
     pub units: ShownUnits,
 }

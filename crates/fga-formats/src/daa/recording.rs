@@ -90,27 +90,9 @@ impl Recording {
             vertical_m: offset_m.z.abs(),
         }
     }
-
-    /// The separation of the ownship and the aircraft `index` of [`Recording::aircraft`] at a
-    /// time at which both have a row; `None` otherwise. See [`Recording::separation`].
-    pub fn separation_at(&self, index: usize, time_s: f64) -> Option<DaaSeparation> {
-        let own = self.ownship()?.sample_at(time_s)?;
-        let other = self.aircraft.get(index)?.sample_at(time_s)?;
-        Some(Self::separation(own, other))
-    }
 }
 
 impl Track {
-    /// The row at exactly this time.
-    pub fn sample_at(&self, time_s: f64) -> Option<&TrackSample> {
-        let index = self
-            .samples
-            .partition_point(|sample| sample.time_s < time_s);
-        self.samples
-            .get(index)
-            .filter(|sample| sample.time_s == time_s)
-    }
-
     /// Position and velocity at a time, linear between the rows; `None` before the first and after the
     /// last. The velocity is the slope of that line; at a single row it is the recorded one.
     pub fn state_at(&self, time_s: f64) -> Option<(DVec3, DVec3)> {

@@ -12,7 +12,7 @@ use super::report::{DaaMotion, DaaReport, EarthPlace, Place};
 use crate::geodesy::DAIDALUS_RADIUS_M;
 use crate::units::NAUTICAL_MILE_M;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
-use fga_alerts::{Ahead, Aircraft, AircraftId, Deviation, State};
+use fga_alerts::{Aircraft, AircraftId, AircraftState, Deviation, FutureStates};
 use glam::DVec3;
 
 /// Time between the two positions that give a velocity, seconds.
@@ -201,7 +201,7 @@ impl DaaScene {
     }
 
     /// The state of an aircraft after a time, in the plane.
-    fn state_after(&self, seen: &Seen, after_s: f64) -> State {
+    fn state_after(&self, seen: &Seen, after_s: f64) -> AircraftState {
         let place = advanced(seen.place, &seen.ground, after_s);
         let position_m = self.to_plane(place);
         let velocity_mps = if self.plane.is_some() {
@@ -210,7 +210,7 @@ impl DaaScene {
         } else {
             seen.air.velocity_mps
         };
-        State {
+        AircraftState {
             position_m,
             velocity_mps,
         }
@@ -254,14 +254,16 @@ impl DaaScene {
     }
 }
 
-impl Ahead for DaaScene {
-    fn ownship(&self, after_s: f64) -> State {
+impl FutureStates for DaaScene {
+    fn ownship(&self, after_s: f64) -> AircraftState {
         self.state_after(&self.ownship, after_s)
     }
 
-    fn intruder(&self, index: usize, after_s: f64) -> State {
+    fn intruder(&self, index: usize, after_s: f64) -> AircraftState {
         self.traffic
             .get(index)
-            .map_or_else(State::default, |seen| self.state_after(seen, after_s))
+            .map_or_else(AircraftState::default, |seen| {
+                self.state_after(seen, after_s)
+            })
     }
 }

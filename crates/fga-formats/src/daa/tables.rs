@@ -7,8 +7,8 @@ use crate::number::trimmed;
 use crate::units::NAUTICAL_MILE_M;
 use core::fmt::Write as _;
 use fga_alerts::{
-    LastTime, Loss, Monitor, Pair, PairDeviation, Quantity, Recovery, Region, Resolution,
-    TerminalGuidance, Way,
+    LastTime, Loss, ManeuverSide, Monitor, Pair, PairDeviation, Quantity, Recovery, Region,
+    Resolution, TerminalGuidance,
 };
 
 /// Decimals of every number.
@@ -193,7 +193,7 @@ impl DaaTables<'_> {
 
     /// The approach of two aircraft.
     fn approach_fields(&self, scene: &DaaScene, index: usize, out: &mut String) {
-        use fga_alerts::Ahead as _;
+        use fga_alerts::FutureStates as _;
         let pair = Pair {
             ownship: scene.ownship(0.0),
             intruder: scene.intruder(index, 0.0),
@@ -405,19 +405,22 @@ impl DaaTables<'_> {
                 "Peripheral {title} Bands Aircraft ({name}): {aircraft}"
             );
         }
-        for (way, side) in [(Way::High, words.high), (Way::Low, words.low)] {
+        for (way, side) in [
+            (ManeuverSide::High, words.high),
+            (ManeuverSide::Low, words.low),
+        ] {
             let value = match (bands.resolution(way), way) {
                 (Resolution::Unneeded, _) => f64::NAN,
-                (Resolution::Unavailable, Way::High) => f64::INFINITY,
-                (Resolution::Unavailable, Way::Low) => f64::NEG_INFINITY,
+                (Resolution::Unavailable, ManeuverSide::High) => f64::INFINITY,
+                (Resolution::Unavailable, ManeuverSide::Low) => f64::NEG_INFINITY,
                 (Resolution::Value(value), _) => value,
             };
             let value = with_unit(value, unit);
             let _ = writeln!(out, "{title} Resolution ({side}): {value}");
         }
         let preferred = match bands.preferred() {
-            Way::High => words.high,
-            Way::Low => words.low,
+            ManeuverSide::High => words.high,
+            ManeuverSide::Low => words.low,
         };
         let _ = writeln!(out, "Preferred {title}: {preferred}");
         let recovery = bands.recovery();

@@ -26,7 +26,7 @@ use crate::units::{Feet, FeetPerMinute, Knots};
 const OLDEST_S: f64 = 60.0;
 
 /// A state vector as a document gives it, in SI units.
-struct State<'a> {
+struct StateVector<'a> {
     name: &'a str,
     address: Option<u32>,
     callsign: Option<&'a str>,
@@ -42,7 +42,7 @@ struct State<'a> {
     on_ground: bool,
 }
 
-impl State<'_> {
+impl StateVector<'_> {
     fn heard(&self) -> Result<Heard, LeftOut> {
         if self.on_ground {
             return Err(LeftOut::OnGround);
@@ -171,7 +171,7 @@ impl StateVectorReader<'_> {
                 "is at {latitude}, {longitude}, expected a place on the earth"
             ));
         }
-        self.take(&State {
+        self.take(&StateVector {
             name,
             address: words("icao24").and_then(address_of),
             callsign: words("callsign"),
@@ -197,7 +197,7 @@ impl StateVectorReader<'_> {
         };
         let number = |key: &str| number(row.get(key));
         let first = |keys: [&str; 2]| keys.iter().find_map(|key| number(key));
-        self.take(&State {
+        self.take(&StateVector {
             name,
             address: address_of(name),
             callsign: row.get("flight").and_then(Value::as_str),
@@ -222,7 +222,7 @@ impl StateVectorReader<'_> {
         };
         let time_s = seconds(field(3));
         let age_s = now_s.zip(time_s).map(|(now_s, time_s)| now_s - time_s);
-        self.take(&State {
+        self.take(&StateVector {
             name,
             address: address_of(name),
             callsign: field(1).and_then(Value::as_str),
@@ -238,7 +238,7 @@ impl StateVectorReader<'_> {
         });
     }
 
-    fn take(&mut self, state: &State<'_>) {
+    fn take(&mut self, state: &StateVector<'_>) {
         let heard = state.heard();
         self.tally.take(&heard);
         if let Ok(heard) = heard {

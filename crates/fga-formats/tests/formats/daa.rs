@@ -7,7 +7,7 @@
 )]
 
 use crate::common::data;
-use fga_formats::daa::{self, Recording};
+use fga_formats::daa::{self, Recording, Track, TrackSample};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::path::Path;
@@ -18,6 +18,11 @@ const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 fn parse(text: &str) -> Result<Recording, String> {
     daa::parse(text, Path::new("a.daa")).map_err(|error| error.to_string())
+}
+
+/// The row of an aircraft at exactly this time.
+fn row_at(track: &Track, time_s: f64) -> Option<&TrackSample> {
+    track.samples.iter().find(|row| row.time_s == time_s)
 }
 
 /// DAIDALUS's own output for this file: columns 9 and 10 are the separations at each row.
@@ -38,12 +43,12 @@ fn separations_equal_those_of_daidalus_row_by_row() {
         let horizontal_nmi: f64 = fields[8].parse().unwrap();
         let vertical_ft: f64 = fields[9].parse().unwrap();
         // The file has six decimals: half a unit of the last one, plus the rounding of the input.
-        let found = recording.separation_at(1, time_s).unwrap();
+        let [own, other] = [0, 1].map(|i| row_at(&recording.aircraft[i], time_s).unwrap());
+        let found = Recording::separation(own, other);
         let difference = (found.horizontal_m / NAUTICAL_MILE_M - horizontal_nmi).abs();
         assert!(difference < 6e-7, "{time_s} s: {difference} nmi");
         assert!((found.vertical_m / FOOT_M - vertical_ft).abs() < 1e-6);
         // The single fixed frame differs from it by less than 20 parts per million.
-        let [own, other] = [0, 1].map(|i| recording.aircraft[i].sample_at(time_s).unwrap());
         let offset_m = other.position_m - own.position_m;
         let fixed_m = offset_m.x.hypot(offset_m.y);
         let relative = fixed_m / (horizontal_nmi * NAUTICAL_MILE_M) - 1.0;
@@ -227,7 +232,7 @@ fn cartesian_positions_stay_as_they_are() {
     assert!((sample.position_m - DVec3::new(1852.0, 3704.0, 304.8)).length() < 1e-9);
     assert!((sample.velocity_mps - DVec3::new(0.0, 10.0 * KNOT_MPS, 0.0)).length() < 1e-9);
     // B has a row only at 5 s, A none at that time: linear between its rows.
-    assert!(recording.separation_at(1, 5.0).is_none());
+    assert!(row_at(&recording.aircraft[0], 5.0).is_none());
     let (position_m, velocity_mps) = recording.aircraft[0].state_at(5.0).unwrap();
     assert!((position_m.y - 2.5 * 1852.0).abs() < 1e-9 && (velocity_mps.y - 185.2).abs() < 1e-9);
     assert!(recording.aircraft[0].state_at(10.5).is_none());

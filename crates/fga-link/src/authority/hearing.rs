@@ -373,7 +373,7 @@ mod tests {
                 let now_s = 2.05 + 0.1 * f64::from(n);
                 let sequence = 80 + 4 * n;
                 hearing.hear(beat(sequence.wrapping_add(ahead), Mode::GUIDED), now_s);
-                // The true ones, four a second, tell MANUAL.
+                // The true ones, four a second, report MANUAL.
                 if n % 3 == 1 {
                     let verdict = hearing.hear(beat(sequence, Mode(0)), now_s + 0.05);
                     if verdict != BeatOrder::Overtaken {

@@ -117,7 +117,7 @@ fn aircraft(
     over_ground_mps: fga::Vec3,
     own: &OwnState,
 ) -> Aircraft {
-    let state = fga_alerts::State {
+    let state = fga_alerts::AircraftState {
         position_m,
         velocity_mps: over_ground_mps - own.wind_mps,
     };

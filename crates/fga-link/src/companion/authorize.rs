@@ -56,7 +56,7 @@ impl Companion {
         // The vehicle answers while the aircraft settles on the leg.
         let is_set = self.handover.settles() && self.item_is_set();
         let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
-        let ends = self.ending_s.is_some()
+        let ends = self.handover.is_ending()
             && !self.handover.listens(now_s)
             && (is_back || !self.given_back_collides(state, clear_m));
         if !(is_back && is_set || ends && self.item_is_set()) {
@@ -114,8 +114,8 @@ impl Companion {
 
     /// Whether the vehicle goes on with its mission where it should, once its mode is restored.
     fn item_is_set(&mut self) -> bool {
-        let (lists, parameters) = (&self.lists, &self.parameters);
-        let (commands, voice) = (&mut self.commands, &mut self.voice);
+        let (lists, parameters, commands) = self.requests.for_commands();
+        let voice = &mut self.voice;
         self.keeper.owed() != Some(Mode::AUTO)
             || self
                 .passing

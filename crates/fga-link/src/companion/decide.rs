@@ -10,15 +10,14 @@ use fga::vehicle::{Response, Vehicle};
 use fga::zone::Zone;
 use serde_json::json;
 
+use super::Companion;
 use super::decider::CompanionPilot;
+use super::decisions::Decided;
 use super::route::RouteMoment;
-use super::{Companion, Decided};
 use crate::mode::Mode;
 use crate::ownship::OwnState;
 use crate::telling;
 
-/// A change of airspeed or response that requires new limits, as a share.
-const LIMITS_CHANGE: f64 = 0.02;
 /// A mission climbs or descends where its waypoint is this much higher or lower, metres.
 const CLIMBS_M: f64 = 10.0;
 
@@ -30,7 +29,7 @@ impl Companion {
             return;
         };
         let Some(decision) = self.decision_for(&state, now_s) else {
-            self.undecided_s.get_or_insert(now_s);
+            self.decisions.miss(now_s);
             return;
         };
         self.report(&decision, &state, now_s);
@@ -49,7 +48,8 @@ impl Companion {
         let slack_s = 0.2 * self.config.command.decision_period_s;
         if now_s >= self.due.decision_s - slack_s {
             self.decide(now_s);
-            let reason = self.decided.map(|decided| decided.decision.record.reason);
+            let decided = self.decisions.last();
+            let reason = decided.map(|decided| decided.decision.record.reason);
             let is_new = matches!(
                 reason,
                 Some(
@@ -84,49 +84,45 @@ impl Companion {
     /// The decision about a state; `None` until the vehicle's limits are known.
     fn decision_for(&mut self, state: &OwnState, now_s: f64) -> Option<Decision> {
         self.renew_way(state);
-        self.renew_decider()?;
+        self.renew_pilot()?;
         self.look_around(state, now_s);
-        let decider = self.decider.take()?;
-        let zones = self
-            .boundary
-            .zones(&self.parameters, state.ownship.position_m);
+        let pilot = self.decisions.lend_pilot()?;
+        let own_m = state.ownship.position_m;
+        let zones = self.boundary.zones(self.requests.parameters(), own_m);
         let ground = self.over.raised(self.growth_m(now_s));
-        let step = |mut decider: CompanionPilot, bounds| {
-            let decision = decider.step(&self.situation(state, bounds, now_s));
-            (decider, decision)
+        let step = |mut pilot: CompanionPilot, bounds| {
+            let decision = pilot.step(&self.situation(state, bounds, now_s));
+            (pilot, decision)
         };
         // Fence and ground bound manoeuvres and begin none: a vehicle that flies by itself among nothing else is left alone.
         let is_bounded = !zones.is_empty() || ground.is_some();
         let free =
-            (is_bounded && !self.keeper.is_engaged()).then(|| step(decider.clone(), (&[], None)));
+            (is_bounded && !self.keeper.is_engaged()).then(|| step(pilot.clone(), (&[], None)));
         let quiet = free.filter(|(_, decision)| decision.state == AvoiderState::Cruise);
-        let (decider, mut decision, without) = if let Some((decider, decision)) = quiet {
-            (decider, decision, None)
+        let (pilot, mut decision, without) = if let Some((pilot, decision)) = quiet {
+            (pilot, decision, None)
         } else {
-            let before = self.over.known().map(|_| decider.clone());
-            let (decider, decision) = step(decider, (&zones, ground.as_ref()));
+            let before = self.over.known().map(|_| pilot.clone());
+            let (pilot, decision) = step(pilot, (&zones, ground.as_ref()));
             let before = before.filter(|_| self.over.asks_without(&decision));
             let without = before.map(|before| step(before, (&zones, None)).1);
-            (decider, decision, without)
+            (pilot, decision, without)
         };
         drop(zones);
         self.over.note_bounds(&decision, without.as_ref());
-        self.route.fly_leg(decider.leg_index());
-        self.decider = Some(decider);
-        self.counts.decisions += 1;
-        self.undecided_s = None;
-        self.passing
-            .watch(self.route.way(), state.ownship.position_m);
+        self.route.fly_leg(pilot.leg_index());
+        self.passing.watch(self.route.way(), own_m);
         let is_back = decision.state == AvoiderState::Cruise;
         if self.keeper.commands() && self.handover.listens(now_s) && is_back {
             // The course of the manoeuvre: the way back may lead to what was not heard yet.
             decision.command = Maneuver::hold();
         }
-        self.decided = Some(Decided {
+        let decided = Decided {
             decision,
             for_s: self.lead.acts_s(now_s),
             own: *state,
-        });
+        };
+        self.decisions.take(pilot, &decided);
         Some(decision)
     }
 
@@ -139,18 +135,18 @@ impl Companion {
         if owed.is_some() && owed == self.route.mode() && !is_engaged {
             return;
         }
-        let decider = self.decider.as_ref();
+        let has_pilot = self.decisions.pilot().is_some();
         let moment = RouteMoment {
             own_m: state.ownship.position_m,
             track_rad: course_of(state.ground_velocity_mps),
             mode: owed.unwrap_or(heard),
-            is_engaged: is_engaged && decider.is_some(),
-            is_busy: decider.is_some_and(|decider| decider.state() != AvoiderState::Cruise),
+            is_engaged: is_engaged && has_pilot,
+            is_busy: self.decisions.is_busy(),
         };
-        let (lists, ownship) = (&self.lists, &self.ownship);
-        let (parameters, voice) = (&self.parameters, &mut self.voice);
+        let (lists, parameters) = (self.requests.lists(), self.requests.parameters());
+        let (ownship, voice) = (&self.ownship, &mut self.voice);
         if self.route.renew(&moment, lists, ownship, parameters, voice) {
-            self.decider = None;
+            self.decisions.begin_way();
             self.passing
                 .begin_way(&self.route, moment.own_m, lists, ownship);
         }
@@ -161,23 +157,24 @@ impl Companion {
         let at = (state, self.lead.acts_s(now_s));
         let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
         self.around.gather(at, frame, route, &self.config, voice);
-        let vehicle = self.decider.as_ref().map(CompanionPilot::vehicle);
+        let vehicle = self.decisions.pilot().map(CompanionPilot::vehicle);
         if vehicle.is_some_and(Vehicle::can_climb) {
             self.around.add_layers(state, route, &self.config);
         }
-        if let (Some(alerts), Some(decider)) = (&mut self.alerts, &mut self.decider) {
-            let threat = self.decided.and_then(|d| d.decision.record.threat);
+        if let (Some(alerts), Some(_)) = (&mut self.alerts, vehicle) {
+            let threat = self.decisions.threat();
             if let Some(start) = alerts.watch(state, threat, &self.around, voice) {
-                decider.set_start(start);
+                self.decisions.set_start(start);
             }
         }
         // Until the vehicle has answered which kinds of fence count, all do.
-        if route.mode() == Some(Mode::AUTO) && self.parameters.is_complete() {
+        let parameters = self.requests.parameters();
+        if route.mode() == Some(Mode::AUTO) && parameters.is_complete() {
             let (met_m, left_m) = route.left_m(state.ownship.position_m);
             let way_m: Vec<Vec3> = core::iter::once(met_m)
                 .chain(left_m.iter().copied())
                 .collect();
-            let (mission, parameters) = (self.lists.mission_number(), &self.parameters);
+            let mission = self.requests.lists().mission_number();
             self.boundary
                 .watch_crossing(mission, &way_m, parameters, voice);
         }
@@ -233,60 +230,34 @@ impl Companion {
             dead_time_s: 0.0,
             ..self.lead.steep_response()
         };
-        self.parameters
+        self.requests
+            .parameters()
             .vehicle(bank_rad, &self.config, airspeed_mps, response)
     }
 
-    /// Makes the decider, or gives it the vehicle's present limits.
-    fn renew_decider(&mut self) -> Option<()> {
+    /// Makes the pilot, or gives it the vehicle's present limits.
+    fn renew_pilot(&mut self) -> Option<()> {
         let mut response = self.lead.response();
-        // The decider's state is after the dead time, so its response has no dead time; the rest stays in the plan.
+        // The pilot's state is after the dead time, so its response has no dead time; the rest stays in the plan.
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
         let bank_rad = self.bank_limit_rad()?;
-        let wanted = self
-            .parameters
-            .vehicle(bank_rad, &self.config, airspeed_mps, response)?;
+        let parameters = self.requests.parameters();
+        let wanted = parameters.vehicle(bank_rad, &self.config, airspeed_mps, response)?;
         let in_need = self.vehicle_in_need(airspeed_mps);
-        if let Some(decider) = &mut self.decider {
-            decider.set_vehicle_in_need(in_need);
-            let known = decider.vehicle();
-            // Worse limits count at once; better ones only between manoeuvres, or where no proof rests on the limits.
-            let worse = wanted.course_rate_radps() < known.course_rate_radps();
-            let idle = decider.state() == AvoiderState::Cruise;
-            if differs(&wanted, known) && (worse || idle || !decider.certifies()) {
-                decider.retune(&wanted);
-            }
-            return Some(());
+        let tuned = self.decisions.tune(&self.config, &wanted, in_need);
+        if let Err(error) = &tuned {
+            self.voice
+                .note("limits", json!({ "error": error.to_string() }));
         }
-        match CompanionPilot::new(&self.config, wanted) {
-            Ok(decider) => {
-                self.decider = Some(decider);
-                Some(())
-            }
-            Err(error) => {
-                self.voice
-                    .note("limits", json!({ "error": error.to_string() }));
-                None
-            }
-        }
+        tuned.ok()
     }
 
     fn log_decision(&mut self, now_s: f64) {
-        let Some(decided) = self.decided else { return };
-        let (state, reason) = (decided.decision.state, decided.decision.record.reason);
-        let again = match self.last_logged {
-            Some((last_state, last_reason, at_s)) => {
-                (last_state, last_reason) != (state, reason)
-                    || (state != AvoiderState::Cruise && now_s - at_s >= 1.0)
-            }
-            None => true,
-        };
-        if !again {
+        let Some(decided) = self.decisions.news(now_s) else {
             return;
-        }
-        self.last_logged = Some((state, reason, now_s));
+        };
         let line = telling::decision_line(
             now_s,
             &decided.decision,
@@ -299,18 +270,4 @@ impl Companion {
         );
         self.voice.log(line);
     }
-}
-
-/// Whether limits differ enough to plan with the new ones.
-fn differs(wanted: &Vehicle, known: &Vehicle) -> bool {
-    let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
-    // Also the limits of a climb: their parameters may come later than the others.
-    off(wanted.airspeed_mps, known.airspeed_mps)
-        || off(wanted.climb_max_rad, known.climb_max_rad)
-        || off(wanted.climb_min_rad, known.climb_min_rad)
-        || off(wanted.course_rate_radps(), known.course_rate_radps())
-        || off(
-            wanted.response.bank_time_constant_s,
-            known.response.bank_time_constant_s,
-        )
 }

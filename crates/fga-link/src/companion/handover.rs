@@ -2,6 +2,8 @@
 
 use fga::avoider::{Decision, State};
 
+use crate::mode::Mode;
+
 /// The companion takes over when a manoeuvre begins within this time, seconds.
 const PREPARE_S: f64 = 0.6;
 /// The vehicle gets its mode back after this long on the leg, seconds.
@@ -16,9 +18,18 @@ const PAUSE_S: f64 = 5.0;
 /// After this many refusals in a row the operator must arm the companion again.
 const MOST_REFUSALS: u32 = 3;
 
-/// The times that decide over a handover.
+/// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
+pub const LONGEST_END_S: f64 = 60.0;
+
+/// What decides over a handover.
 #[derive(Debug, Default)]
 pub(super) struct Handover {
+    /// The modes from which the companion takes over.
+    take_over: Vec<Mode>,
+    /// Number of manoeuvres begun.
+    maneuvers: u32,
+    /// Since when the program is to end, seconds.
+    ending_s: Option<f64>,
     /// Since when it flies on a manoeuvre of an earlier run, or from before a lost link, without a threat known yet,
     /// seconds.
     resumed_s: Option<f64>,
@@ -30,6 +41,40 @@ pub(super) struct Handover {
 }
 
 impl Handover {
+    /// Nothing is taken over yet, and later only from these modes.
+    pub(super) fn from_modes(take_over: Vec<Mode>) -> Self {
+        Self {
+            take_over,
+            ..Self::default()
+        }
+    }
+
+    /// Whether the companion takes over from a mode.
+    pub(super) fn takes_over(&self, mode: Mode) -> bool {
+        self.take_over.contains(&mode)
+    }
+
+    /// Number of manoeuvres begun.
+    pub(super) const fn maneuvers(&self) -> u32 {
+        self.maneuvers
+    }
+
+    /// The program is to end once the mode can be given back.
+    pub(super) const fn end(&mut self, now_s: f64) {
+        self.ending_s = Some(now_s);
+    }
+
+    /// Whether the program is to end.
+    pub(super) const fn is_ending(&self) -> bool {
+        self.ending_s.is_some()
+    }
+
+    /// Whether the program that is to end must not wait any longer.
+    pub(super) fn must_end(&self, now_s: f64) -> bool {
+        self.ending_s
+            .is_some_and(|since_s| now_s - since_s >= LONGEST_END_S)
+    }
+
     /// Whether a decision is to be flown now.
     pub(super) fn wants_control(&self, decision: &Decision, now_s: f64) -> bool {
         let wants = match decision.state {
@@ -41,7 +86,8 @@ impl Handover {
     }
 
     /// The companion begins to command; `resumed` where it goes on with a manoeuvre from before.
-    pub(super) fn begin(&mut self, resumed: bool, now_s: f64) {
+    pub(super) const fn begin(&mut self, resumed: bool, now_s: f64) {
+        self.maneuvers += 1;
         self.on_way_since_s = None;
         if resumed {
             self.resumed_s = Some(now_s);
@@ -157,6 +203,15 @@ mod tests {
             !handover.wants_control(&avoiding, 24.9) && handover.wants_control(&avoiding, 25.0)
         );
         assert!(handover.is_refused_too_often() && !handover.is_refused_too_often());
+    }
+
+    #[test]
+    fn a_program_that_is_to_end_waits_for_a_minute_at_most() {
+        let mut handover = Handover::from_modes(vec![Mode::AUTO]);
+        assert!(handover.takes_over(Mode::AUTO) && !handover.takes_over(Mode::RTL));
+        assert!(!handover.is_ending() && !handover.must_end(1e3));
+        handover.end(10.0);
+        assert!(handover.is_ending() && !handover.must_end(69.9) && handover.must_end(70.0));
     }
 
     #[test]

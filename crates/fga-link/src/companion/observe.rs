@@ -1,13 +1,11 @@
 //! What is known now: the state, how old it is, and what is missing to act on it.
 
-use fga::avoider::State as AvoiderState;
 use fga_formats::geodesy::LocalFrame;
 use mavlink::dialects::ardupilotmega::TIMESYNC_DATA;
 use serde_json::json;
 
 use super::Companion;
 use super::boundary::acts_in_guided;
-use super::decider::CompanionPilot;
 use super::gap::{self, MOST_BLIND_S};
 use super::lacking::Lacking;
 use super::session::SILENT_S;
@@ -17,9 +15,6 @@ use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
 use crate::ownship::{FLYING_SPEED_MPS, OwnState};
 use crate::parameters::TERRAIN_ENABLE;
-
-/// After this long without a decision no decision is possible, seconds.
-const NO_DECISION_S: f64 = 0.5;
 
 /// Telemetry is stale after this many of its measured intervals, if these are long.
 const STALE_INTERVALS: f64 = 2.5;
@@ -44,9 +39,9 @@ impl Companion {
             self.forget_plan();
         }
         // Before the take-off too: a ground station needs minutes.
-        let (route, lists, voice) = (&self.route, &self.lists, &mut self.voice);
+        let (route, lists, voice) = (&self.route, self.requests.lists(), &mut self.voice);
         self.over.follow_arming(self.session.is_armed());
-        let has_terrain = self.parameters.get(TERRAIN_ENABLE) != Some(0.0);
+        let has_terrain = self.requests.parameters().get(TERRAIN_ENABLE) != Some(0.0);
         self.over
             .order(route, lists, (&self.ownship, has_terrain), voice);
         let state = state?;
@@ -62,14 +57,8 @@ impl Companion {
 
     /// The state at the moment at which a command sent now takes effect.
     pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<OwnState> {
-        let in_need = self.is_in_need();
+        let in_need = self.decisions.is_in_need();
         self.lead.state(&mut self.ownship, in_need, now_s)
-    }
-
-    /// Whether the last decision uses the bank in need.
-    fn is_in_need(&self) -> bool {
-        self.decided
-            .is_some_and(|decided| decided.decision.record.in_need)
     }
 
     /// Age of the telemetry, seconds; infinite before the first.
@@ -85,8 +74,7 @@ impl Companion {
     /// Whether the companion flies on without telemetry.
     pub(super) fn flies_blind(&self, now_s: f64) -> bool {
         self.keeper.commands()
-            && self.decider.as_ref().is_some_and(CompanionPilot::certifies)
-            && self.decided.is_some()
+            && self.decisions.is_certified()
             && self.is_blind(now_s)
             && self.telemetry_age_s(now_s) <= MOST_BLIND_S
     }
@@ -109,7 +97,7 @@ impl Companion {
     /// if the vehicle sends them slowly.
     pub(super) fn stale_s(&self) -> f64 {
         let configured_s = self.config.safety.telemetry_stale_s;
-        let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
+        let interval_s = self.requests.usable_interval_s();
         interval_s.map_or(configured_s, |s| configured_s.max(STALE_INTERVALS * s))
     }
 
@@ -119,18 +107,20 @@ impl Companion {
             .ownship
             .airspeed_mps()
             .filter(|v| *v > FLYING_SPEED_MPS);
-        measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
+        measured.or_else(|| self.requests.parameters().get("AIRSPEED_CRUISE"))
     }
 
     /// The largest bank to command now, radians.
     pub(super) fn bank_limit_rad(&self) -> Option<f64> {
-        self.parameters
+        self.requests
+            .parameters()
             .bank_limit_rad(&self.config, self.airspeed_mps()?)
     }
 
     /// The largest bank to command in need, radians; `None` without a separate one.
     pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
-        self.parameters
+        self.requests
+            .parameters()
             .bank_in_need_rad(&self.config, self.airspeed_mps()?)
     }
 
@@ -160,18 +150,14 @@ impl Companion {
     /// Moves the local frame if the aircraft is far from its origin and nothing threatens;
     /// the companion then learns everything in the old frame again.
     pub(super) fn renew_frame(&mut self, now_s: f64) {
-        let busy = self
-            .decider
-            .as_ref()
-            .is_some_and(|decider| decider.state() != AvoiderState::Cruise);
-        if self.keeper.is_engaged() || busy || !self.ownship.move_frame() {
+        if self.keeper.is_engaged() || self.decisions.is_busy() || !self.ownship.move_frame() {
             return;
         }
         self.around.tracks_mut().clear();
         self.boundary.forget();
         self.over.forget();
         self.route.forget();
-        self.lists.mode_changed(now_s);
+        self.requests.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
             self.voice.note(
@@ -184,15 +170,9 @@ impl Companion {
         }
     }
 
-    /// Whether decisions are made.
-    pub(super) fn can_decide(&self, now_s: f64) -> bool {
-        self.undecided_s
-            .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
-    }
-
     /// Whether the vehicle is too slow to fly on its wing: a quadplane that hovers in AUTO would speed up in GUIDED.
     fn is_slow(&self) -> bool {
-        let least_mps = self.parameters.get("AIRSPEED_MIN");
+        let least_mps = self.requests.parameters().get("AIRSPEED_MIN");
         let airspeed_mps = self.ownship.airspeed_mps();
         airspeed_mps
             .zip(least_mps)
@@ -201,8 +181,9 @@ impl Companion {
 
     /// Whether the vehicle takes off or lands in its mission.
     fn takes_off_or_lands(&self) -> bool {
-        let item = self.lists.item();
-        item.and_then(|item| self.lists.mission_item(item))
+        let lists = self.requests.lists();
+        let item = lists.item();
+        item.and_then(|item| lists.mission_item(item))
             .is_some_and(is_take_off_or_landing)
     }
 
@@ -214,6 +195,7 @@ impl Companion {
             return Some(lacking);
         }
         let mode = self.session.mode()?;
+        let (lists, parameters) = (self.requests.lists(), self.requests.parameters());
         let owed = self.keeper.owed().filter(|_| engaged);
         let in_auto = owed.unwrap_or(mode) == Mode::AUTO;
         let takes_off_or_lands = self.takes_off_or_lands();
@@ -224,26 +206,29 @@ impl Companion {
         let is_high = state.is_some_and(|state| state.above_home_m >= lowest_m);
         let conditions = [
             // Before all that changes with the mode: two avoiders would take turns.
-            (!engaged && self.parameters.avoids_by_itself()).then_some(Lacking::OtherAvoider),
+            (!engaged && parameters.avoids_by_itself()).then_some(Lacking::OtherAvoider),
             (!engaged && self.lead.is_too_long(now_s)).then_some(Lacking::SlowLink),
-            (!self.rates.is_usable()).then_some(Lacking::Rate),
+            self.requests
+                .usable_interval_s()
+                .is_none()
+                .then_some(Lacking::Rate),
             self.is_blind(now_s).then_some(Lacking::Telemetry),
             // Before the vehicle is armed the operator can still mend it.
-            self.feeds.lacking().filter(|_| !engaged),
+            self.reports.feeds().lacking().filter(|_| !engaged),
             (!self.session.is_armed()).then_some(Lacking::Disarmed),
             // Without a state it stands or rolls.
             (state.is_none() && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
             state.is_none().then_some(Lacking::Slow),
             (!is_high).then_some(Lacking::Height),
             (!engaged && self.is_slow()).then_some(Lacking::Slow),
-            (!engaged && !self.take_over.contains(&mode)).then_some(Lacking::Mode),
-            (in_auto && !self.lists.is_way_known(now_s)).then_some(Lacking::Mission),
+            (!engaged && !self.handover.takes_over(mode)).then_some(Lacking::Mode),
+            (in_auto && !lists.is_way_known(now_s)).then_some(Lacking::Mission),
             (in_auto && !engaged && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),
-            (!self.parameters.is_sufficient()).then_some(Lacking::Limits),
-            (!engaged && acts_in_guided(&self.parameters)).then_some(Lacking::FenceAction),
+            (!parameters.is_sufficient()).then_some(Lacking::Limits),
+            (!engaged && acts_in_guided(parameters)).then_some(Lacking::FenceAction),
             (!engaged && self.over.is_awaited()).then_some(Lacking::Ground),
             (!can_bank).then_some(Lacking::BankLimit),
-            (!self.can_decide(now_s)).then_some(Lacking::Decision),
+            (!self.decisions.are_possible(now_s)).then_some(Lacking::Decision),
         ];
         conditions.into_iter().flatten().next()
     }

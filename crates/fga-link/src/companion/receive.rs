@@ -2,25 +2,29 @@
 
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
+    ATTITUDE_DATA, GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
 };
 use serde_json::json;
 
 use super::Companion;
 use super::over_ground::distance_m;
 use super::session::{News, Noted, SILENT_S};
+use super::traffic::{ReportContext, TrafficReports};
 use crate::authority::{Beat, Fault, reaction};
 use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
 use crate::parameters::FENCE_OPTIONS;
+use crate::traffic::PlaceReport;
+use crate::traffic::receiver::FeedStatus;
 
 impl Companion {
     /// Takes a message.
     pub fn receive(&mut self, header: &MavHeader, message: &MavMessage, now_s: f64) {
         self.voice.at(now_s);
-        if self.take_traffic(*header, message, now_s) {
+        let (reports, mut at) = self.reports_here();
+        if reports.take_message(*header, message, &mut at) {
             return;
         }
         if let MavMessage::TERRAIN_DATA(data) = message {
@@ -36,18 +40,25 @@ impl Companion {
         }
         if let MavMessage::HEARTBEAT(data) = message {
             self.take_heartbeat(*header, system, data, now_s);
-            if self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT {
-                self.rates.heard(message, now_s);
-            }
+            self.hear_vehicle(system, header.component_id, message);
             return;
         }
-        let from_vehicle =
-            self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
-        if from_vehicle {
+        if self.hear_vehicle(system, header.component_id, message) {
             self.take_telemetry(header.sequence, message, now_s);
-            self.take_held_reports(now_s);
+            self.take_held_reports();
         }
         self.take_request(system, header.component_id, message, now_s);
+    }
+
+    /// Takes what the vehicle was asked for; `false` for a message of somebody else.
+    fn hear_vehicle(&mut self, system: u8, component: u8, message: &MavMessage) -> bool {
+        let is_vehicle = self.vehicle_system() == Some(system) && component == AUTOPILOT;
+        if is_vehicle {
+            let in_auto = self.session.mode() == Some(Mode::AUTO);
+            let (ownship, voice) = (&self.ownship, &mut self.voice);
+            self.requests.hear(message, ownship, in_auto, voice);
+        }
+        is_vehicle
     }
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
@@ -58,7 +69,7 @@ impl Companion {
         };
         match session.hear(system, beat, voice) {
             News::Nothing => {}
-            News::First => self.lists.begin(),
+            News::First => self.requests.begin(),
             News::Overtaken => self.keep(now_s, |keeper| keeper.overtaken(beat, now_s)),
             News::Next {
                 mode,
@@ -68,7 +79,7 @@ impl Companion {
                 disarmed,
             } => {
                 if mode != mode_was {
-                    self.lists.mode_changed(now_s);
+                    self.requests.mode_changed(now_s);
                 }
                 if silent_s > SILENT_S {
                     self.keeper.excuse(silent_s);
@@ -79,8 +90,8 @@ impl Companion {
                     self.passing.mission_goes_on();
                 }
                 if mode == Mode::AUTO && mode_was == self.keeper.target() {
-                    let (lists, ownship) = (&self.lists, &self.ownship);
-                    let (commands, voice) = (&mut self.commands, &mut self.voice);
+                    let (lists, _, commands) = self.requests.for_commands();
+                    let (ownship, voice) = (&self.ownship, &mut self.voice);
                     self.passing.has_auto_back(lists, ownship, commands, voice);
                 }
                 if contradicts {
@@ -123,7 +134,6 @@ impl Companion {
     }
 
     fn take_telemetry(&mut self, sequence: u8, message: &MavMessage, now_s: f64) {
-        self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
                 self.session
@@ -169,36 +179,16 @@ impl Companion {
                 }
             }
             MavMessage::GPS_RAW_INT(data) => self.take_geoid(data),
-            MavMessage::PARAM_VALUE(data) => {
-                self.parameters.take(data);
-            }
-            MavMessage::MISSION_COUNT(data) => {
-                self.lists.take_count(data, &mut self.voice);
-                self.lay_fence();
-            }
-            MavMessage::MISSION_ITEM_INT(data) => {
-                self.lists.take_item(data, &mut self.voice);
-                self.lay_fence();
-            }
-            MavMessage::MISSION_CURRENT(data) => self.lists.take_current(data),
-            MavMessage::MISSION_ACK(data) => self.lists.take_ack(data),
-            MavMessage::STATUSTEXT(data) => self.lists.take_text(data),
-            MavMessage::POSITION_TARGET_GLOBAL_INT(_) | MavMessage::NAV_CONTROLLER_OUTPUT(_) => {
-                let in_auto = self.session.mode() == Some(Mode::AUTO);
-                self.lists
-                    .take_target(message, &self.ownship, in_auto, now_s);
-            }
+            MavMessage::MISSION_COUNT(_) | MavMessage::MISSION_ITEM_INT(_) => self.lay_fence(),
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
             MavMessage::COMMAND_ACK(data) => {
-                // An answer to nobody in particular may be to somebody else's request.
                 if data.command == MavCmd::MAV_CMD_DO_SET_MODE
                     && data.target_component == OWN_COMPONENT
                 {
                     let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
                     self.keep(now_s, |keeper| keeper.answered(sequence, accepted, now_s));
                 }
-                let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
-                if for_us && let Some(outcome) = self.commands.acknowledge(data, now_s) {
+                if let Some(outcome) = self.requests.acknowledge(data, now_s) {
                     self.command_ended(outcome, now_s);
                 }
             }
@@ -206,8 +196,51 @@ impl Companion {
         }
     }
 
+    /// A receiver that sends both altitudes gives the height of the geoid.
+    fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
+        let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
+        // Zero: the extension field is missing.
+        if fixed && data.alt_ellipsoid != 0 {
+            self.around.tracks_mut().levels_mut().take_geoid(
+                f64::from(data.alt_ellipsoid) * 1e-3,
+                f64::from(data.alt) * 1e-3,
+            );
+        }
+    }
+
+    /// Takes a report of traffic, from a receiver or a message.
+    pub fn take_report(&mut self, report: &PlaceReport, now_s: f64) {
+        self.voice.at(now_s);
+        let (reports, mut at) = self.reports_here();
+        reports.take(report, &mut at);
+    }
+
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.reports.take_feed(status, self.voice.at(now_s));
+    }
+
+    pub(super) fn take_held_reports(&mut self) {
+        let (reports, mut at) = self.reports_here();
+        reports.take_held(&mut at);
+    }
+
+    /// The reports of traffic, and what they need.
+    fn reports_here(&mut self) -> (&mut TrafficReports, ReportContext<'_>) {
+        let at = ReportContext {
+            config: &self.config,
+            system: self.session.system(),
+            lead: &self.lead,
+            ownship: &mut self.ownship,
+            around: &mut self.around,
+            voice: &mut self.voice,
+        };
+        (&mut self.reports, at)
+    }
+
     fn take_distance(&mut self, distance_m: f64, now_s: f64) {
-        if let (Some(at_m), Some(decided)) = (self.ownship.position_m(now_s), &self.decided) {
+        if let (Some(at_m), Some(decided)) = (self.ownship.position_m(now_s), self.decisions.last())
+        {
             self.over
                 .take_distance(distance_m, at_m, &decided.own, &mut self.voice);
         }
@@ -216,7 +249,7 @@ impl Companion {
     fn after_update(&mut self, update: Update, now_s: f64) {
         if update == Update::Restarted {
             self.fault(Fault::AutopilotRestarted, now_s);
-            self.rates.restart();
+            self.requests.restart();
             self.forget_plan();
         }
     }
@@ -232,13 +265,14 @@ impl Companion {
 
     /// Lays the fence in the local frame, once both are known.
     pub(super) fn lay_fence(&mut self) {
-        let (Some(fence), Some(frame)) = (self.lists.fence(), self.ownship.frame()) else {
+        let (Some(fence), Some(frame)) = (self.requests.lists().fence(), self.ownship.frame())
+        else {
             return;
         };
         if !self.boundary.lay(fence, frame, &mut self.voice) {
             return;
         }
-        self.parameters.ask_for(FENCE_OPTIONS);
+        self.requests.ask_for(FENCE_OPTIONS);
         if self.config.command.mode == CommandMode::Paper {
             self.voice.warn("fga: Algorithm 4 knows no fence");
         }

@@ -28,11 +28,8 @@ impl Companion {
         };
         // Each target answers an attitude.
         let attitude_s = 1.0 / self.config.command.rate_hz;
-        self.rates
-            .tick(attitude_s, now_s, system, self.voice.outbox());
-        self.parameters.tick(now_s, system, self.voice.outbox());
         let engaged = self.keeper.is_engaged();
-        self.lists.tick(engaged, &mut self.voice);
+        self.requests.tick(engaged, attitude_s, &mut self.voice);
         self.lay_fence();
         let age_s = self.telemetry_age_s(now_s);
         if let Some(request) = self.lead.request(age_s, system, now_s) {
@@ -45,9 +42,9 @@ impl Companion {
     }
 
     pub(super) fn send_commands(&mut self, now_s: f64) {
-        let Some(system) = self.vehicle_system() else {
+        if self.vehicle_system().is_none() {
             return;
-        };
+        }
         let (session, keeper) = (&mut self.session, &mut self.keeper);
         let asks = |change| {
             let may = session.ask(change, now_s);
@@ -56,7 +53,7 @@ impl Companion {
             }
             may
         };
-        let outcome = self.commands.tick(now_s, system, asks, self.voice.outbox());
+        let outcome = self.requests.send_commands(asks, &mut self.voice);
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
         }
@@ -66,7 +63,7 @@ impl Companion {
         if self.session.is_dry_run() {
             return;
         }
-        self.commands.send(VehicleCommand::set_mode(to, from), true);
+        self.requests.command(VehicleCommand::set_mode(to, from));
         self.send_commands(now_s);
     }
 
@@ -99,7 +96,7 @@ impl Companion {
     fn send_state(&mut self, now_s: f64) {
         let state = match self.keeper.state() {
             Authority::Ready | Authority::Taking { .. } | Authority::InCommand { .. }
-                if !self.can_decide(now_s) =>
+                if !self.decisions.are_possible(now_s) =>
             {
                 0.0
             }
@@ -116,7 +113,9 @@ impl Companion {
 
     fn send_values(&mut self, now_s: f64) {
         self.send_state(now_s);
-        let Some(decided) = self.decided else { return };
+        let Some(decided) = self.decisions.last() else {
+            return;
+        };
         let own = decided.own.ownship.position_m;
         let margin = |obstacle: &Obstacle| obstacle.volume.margin_m(own - obstacle.position_m);
         let least_m = self
@@ -148,7 +147,9 @@ impl Companion {
         if now_s < self.due.collision_s {
             return;
         }
-        let Some(decided) = self.decided else { return };
+        let Some(decided) = self.decisions.last() else {
+            return;
+        };
         let Some(threat) = decided.decision.record.threat else {
             return;
         };
@@ -188,14 +189,14 @@ impl Companion {
 
     /// Commands the decision; returns the bank that the vehicle should take up, radians.
     fn fly(&mut self, state: &OwnState, now_s: f64) -> Option<f64> {
-        let decided = self.decided?;
+        let decided = *self.decisions.last()?;
         let normal_rad = self.bank_limit_rad()?;
-        let decider = self.decider.as_ref()?;
-        let in_need = decider
+        let pilot = self.decisions.pilot()?;
+        let in_need = pilot
             .vehicle_in_need()
             .zip(self.bank_in_need_rad())
             .filter(|_| decided.decision.record.in_need);
-        let (vehicle, bank_limit_rad) = in_need.unwrap_or((decider.vehicle(), normal_rad));
+        let (vehicle, bank_limit_rad) = in_need.unwrap_or((pilot.vehicle(), normal_rad));
         let vehicle = *vehicle;
         let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
         let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
@@ -229,10 +230,11 @@ impl Companion {
         act: impl FnOnce(&mut dyn Hand, &mut HandReach<'_>) -> T,
     ) -> Option<T> {
         let system = self.session.commanded_system()?;
+        let (_, parameters, commands) = self.requests.for_commands();
         let mut reach = HandReach {
             outbox: self.voice.outbox(),
-            commands: &mut self.commands,
-            parameters: &self.parameters,
+            commands,
+            parameters,
             frame: self.ownship.frame(),
             system,
             boot_ms: self.session.boot_ms(),
@@ -255,7 +257,7 @@ impl Companion {
 
     fn watch_following(&mut self, now_s: f64) {
         let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
-        let is_watched = commands && !self.recorded && !self.is_blind(now_s);
+        let is_watched = commands && !self.session.is_recorded() && !self.is_blind(now_s);
         let bank_rad = self.ownship.bank_rad().filter(|_| is_watched);
         let tolerance_rad = self.config.safety.follow_tolerance_deg.to_radians();
         let apart_s = self.lead.apart_s(bank_rad, tolerance_rad, now_s);

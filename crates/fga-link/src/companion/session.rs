@@ -61,6 +61,8 @@ pub(super) struct Session {
     /// The configured vehicle; `None` takes the first plane.
     configured: Option<u8>,
     dry_run: bool,
+    /// Whether the vehicle is recorded: it follows the commands of its own flight.
+    recorded: bool,
     /// System id of the vehicle, and when it was first heard, seconds.
     heard: Option<(u8, f64)>,
     /// The vehicle's heartbeats, which decide whether the companion may command a mode.
@@ -84,6 +86,7 @@ impl Session {
         Self {
             configured: Some(system_id).filter(|id| *id != 0),
             dry_run,
+            recorded: false,
             heard: None,
             hearing: Hearing::default(),
             boot_ms: 0,
@@ -104,6 +107,16 @@ impl Session {
     /// Whether the companion only reports.
     pub(super) const fn is_dry_run(&self) -> bool {
         self.dry_run
+    }
+
+    /// Marks the vehicle as recorded.
+    pub(super) const fn set_recorded(&mut self) {
+        self.recorded = true;
+    }
+
+    /// Whether the vehicle follows the commands of its own flight.
+    pub(super) const fn is_recorded(&self) -> bool {
+        self.recorded
     }
 
     /// System id of the vehicle, once heard.

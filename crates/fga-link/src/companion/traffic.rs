@@ -1,17 +1,21 @@
-//! Messages about other aircraft: ADS-B, Remote ID, and radars or cameras on board.
+//! Who reports other aircraft: ADS-B, Remote ID, radars or cameras on board, and receivers beside the link?
 
 use fga::Vec3;
 use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, GPS_RAW_INT_DATA, GpsFixType, MavFrame, MavMessage,
-    OBSTACLE_DISTANCE_3D_DATA,
+    ADSB_VEHICLE_DATA, MavFrame, MavMessage, OBSTACLE_DISTANCE_3D_DATA,
 };
+use serde_json::{Value, json};
 
-use super::Companion;
-use crate::config::GeometricDatum;
+use super::around::ObstaclesAround;
+use super::feeds::Feeds;
+use super::lead::Lead;
+use super::voice::Voice;
+use crate::config::{Config, GeometricDatum};
 use crate::outgoing::AUTOPILOT;
+use crate::ownship::OwnshipEstimate;
 use crate::traffic::receiver::FeedStatus;
 use crate::traffic::report::{Quality, TrackKey, adsb_address, adsb_place};
 use crate::traffic::{
@@ -37,28 +41,59 @@ const MOST_HELD: usize = 64;
 /// An obstacle without a number of its own.
 const UNNUMBERED: u16 = u16::MAX;
 
-impl Companion {
+/// The reports of traffic and their faults.
+#[derive(Debug, Default)]
+pub(super) struct TrafficReports {
+    feeds: Feeds,
+    defects: Defects,
+    /// Reports that broke a silence of the telemetry, and when, seconds.
+    held: Vec<(MavHeader, ADSB_VEHICLE_DATA, f64)>,
+}
+
+/// What a report needs: where the aircraft is, whose traffic counts, and where it goes.
+pub(super) struct ReportContext<'a> {
+    pub(super) config: &'a Config,
+    /// System id of the vehicle, once heard.
+    pub(super) system: Option<u8>,
+    pub(super) lead: &'a Lead,
+    pub(super) ownship: &'a mut OwnshipEstimate,
+    pub(super) around: &'a mut ObstaclesAround,
+    pub(super) voice: &'a mut Voice,
+}
+
+impl ReportContext<'_> {
+    /// σ of a configured sensor, metres.
+    fn sensor_sigma_m(&self, system: u8, component: u8) -> Option<f64> {
+        let mut sensors = self.config.traffic.sensor.iter();
+        let sensor = sensors
+            .find(|sensor| sensor.system_id == system && sensor.component_id == component)?;
+        Some(sensor.position_sigma_m)
+    }
+}
+
+impl TrafficReports {
     /// Takes a message about other aircraft; `false` for any other message.
-    pub(super) fn take_traffic(
+    pub(super) fn take_message(
         &mut self,
         header: MavHeader,
         message: &MavMessage,
-        now_s: f64,
+        at: &mut ReportContext<'_>,
     ) -> bool {
+        let now_s = at.voice.now_s();
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
-        let on_board = Some(system) == self.vehicle_system();
+        let on_board = Some(system) == at.system;
         let sender = |source| ReportSender::mavlink(source, system, header.component_id);
         let remote = sender(ReportSource::RemoteId);
         let report = match message {
             MavMessage::ADSB_VEHICLE(data)
-                if self.ownship.is_silent(now_s) && self.held_reports.len() < MOST_HELD =>
+                if at.ownship.is_silent(now_s) && self.held.len() < MOST_HELD =>
             {
-                self.held_reports.push((header, data.clone(), now_s));
+                self.held.push((header, data.clone(), now_s));
                 None
             }
-            MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
+            MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s, at),
             MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
-                let (remote_id, _) = self.around.tracks_mut().remote_id();
+                let (remote_id, _) = at.around.tracks_mut().remote_id();
                 remote_id.take_basic_id(data, remote, now_s);
                 None
             }
@@ -73,21 +108,21 @@ impl Companion {
                 None
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
-                let (remote_id, levels) = self.around.tracks_mut().remote_id();
+                let (remote_id, levels) = at.around.tracks_mut().remote_id();
                 let taken = remote_id.take_location(data, remote, levels, now_s);
-                self.with_position(taken, now_s)
+                self.with_position(taken, at)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
-                let (remote_id, levels) = self.around.tracks_mut().remote_id();
+                let (remote_id, levels) = at.around.tracks_mut().remote_id();
                 let taken = remote_id.take_pack(data, remote, levels, now_s);
-                self.with_position(taken, now_s)
+                self.with_position(taken, at)
             }
             MavMessage::OBSTACLE_DISTANCE_3D(data) => {
                 let sender = sender(ReportSource::Sensor);
-                let sigma_m = self.sensor_sigma_m(system, header.component_id);
+                let sigma_m = at.sensor_sigma_m(system, header.component_id);
                 // A stranger's sensor sees from another place.
                 if on_board || sigma_m.is_some() {
-                    self.sensor_report(data, sender, sigma_m.unwrap_or(SENSOR_SIGMA_M), now_s)
+                    sensor_report(data, sender, sigma_m.unwrap_or(SENSOR_SIGMA_M), at)
                 } else {
                     None
                 }
@@ -95,7 +130,7 @@ impl Companion {
             _ => return false,
         };
         if let Some(report) = report {
-            self.take_report(&report, now_s);
+            self.take(&report, at);
         }
         true
     }
@@ -104,25 +139,26 @@ impl Companion {
     fn with_position(
         &mut self,
         taken: Result<Option<PlaceReport>, TrackKey>,
-        now_s: f64,
+        at: &mut ReportContext<'_>,
     ) -> Option<PlaceReport> {
         taken.unwrap_or_else(|key| {
-            self.count_defect(Defect::NoPosition, key, None, now_s);
+            self.count_defect(Defect::NoPosition, key, None, at);
             None
         })
     }
 
     /// Takes the reports that broke a silence: the telemetry behind them shows whether they waited in its queue, or does not
     /// come.
-    pub(super) fn take_held_reports(&mut self, now_s: f64) {
-        let waits = |heard_s: f64| self.ownship.is_silent(now_s) && now_s - heard_s < HELD_S;
-        let first = self.held_reports.first();
+    pub(super) fn take_held(&mut self, at: &mut ReportContext<'_>) {
+        let now_s = at.voice.now_s();
+        let waits = |heard_s: f64| at.ownship.is_silent(now_s) && now_s - heard_s < HELD_S;
+        let first = self.held.first();
         if first.is_none_or(|(_, _, heard_s)| waits(*heard_s)) {
             return;
         }
-        for (header, data, heard_s) in core::mem::take(&mut self.held_reports) {
-            if let Some(report) = self.adsb_report(&data, header, heard_s) {
-                self.take_report(&report, now_s);
+        for (header, data, heard_s) in core::mem::take(&mut self.held) {
+            if let Some(report) = self.adsb_report(&data, header, heard_s, at) {
+                self.take(&report, at);
             }
         }
     }
@@ -131,30 +167,31 @@ impl Companion {
         &mut self,
         data: &ADSB_VEHICLE_DATA,
         header: MavHeader,
-        now_s: f64,
+        heard_s: f64,
+        at: &mut ReportContext<'_>,
     ) -> Option<PlaceReport> {
         let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
-        let own = self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
-        let configured = self.sensor_sigma_m(system, header.component_id);
+        let own = at.system == Some(system) && header.component_id == AUTOPILOT;
+        let configured = at.sensor_sigma_m(system, header.component_id);
         let source = match configured {
             _ if own => ReportSource::AutopilotList,
             Some(_) => ReportSource::Sensor,
             None => ReportSource::Mavlink,
         };
-        let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
+        let sigma_m = configured.unwrap_or(at.config.traffic.position_sigma_m);
         let sender = ReportSender::mavlink(source, system, header.component_id);
-        let sent_s = now_s - self.ownship.queued_s();
+        let sent_s = heard_s - at.ownship.queued_s();
         let report = PlaceReport::from_adsb(data, sender, sent_s, sigma_m);
         if let Err(defect) = report {
             let key = match adsb_address(data) {
                 0 => TrackKey::Unnamed(sender),
                 icao => TrackKey::Address(icao),
             };
-            self.count_defect(defect, key, adsb_place(data), now_s);
+            self.count_defect(defect, key, adsb_place(data), at);
         }
         let mut report = report.ok()?;
         if report.quality.altitude == AltitudeReference::Geometric {
-            report.quality.altitude = match self.config.traffic.geometric {
+            report.quality.altitude = match at.config.traffic.geometric {
                 GeometricDatum::Unconfirmed => AltitudeReference::Geometric,
                 GeometricDatum::SeaLevel => AltitudeReference::MeanSeaLevel,
                 GeometricDatum::Ellipsoid => AltitudeReference::Ellipsoid,
@@ -170,13 +207,13 @@ impl Companion {
     }
 
     /// Takes a report of traffic, from a receiver or a message.
-    pub fn take_report(&mut self, report: &PlaceReport, now_s: f64) {
-        self.voice.at(now_s);
-        let Some(frame) = self.ownship.frame() else {
+    pub(super) fn take(&mut self, report: &PlaceReport, at: &mut ReportContext<'_>) {
+        let now_s = at.voice.now_s();
+        let Some(frame) = at.ownship.frame() else {
             return;
         };
         let mut report = report.clone();
-        let home_m = self.ownship.home_altitude_m().unwrap_or(0.0);
+        let home_m = at.ownship.home_altitude_m().unwrap_or(0.0);
         let is_slow = report.class != AircraftClass::GliderBalloon
             && report.velocity_mps.is_some_and(|v| v.length() < SLOW_MPS);
         let highest_m = if is_slow { HIGHEST_SLOW_M } else { HIGHEST_M };
@@ -185,123 +222,118 @@ impl Companion {
             report.quality.altitude = AltitudeReference::Unknown;
         }
         let report = &report;
-        self.around.tracks_mut().take(report, frame, now_s);
+        let tracks = at.around.tracks_mut();
+        tracks.take(report, frame, now_s);
         let key = report.key();
+        let has_no_altitude = report.quality.altitude == AltitudeReference::Unknown;
         let defects = [
-            (Defect::Old, self.around.tracks_mut().is_old(report, now_s)),
-            (
-                Defect::NoAltitude,
-                report.quality.altitude == AltitudeReference::Unknown,
-            ),
-            (
-                Defect::FalseVelocity,
-                self.around.tracks_mut().contradicts_itself(key),
-            ),
+            (Defect::Old, tracks.is_old(report, now_s)),
+            (Defect::NoAltitude, has_no_altitude),
+            (Defect::FalseVelocity, tracks.contradicts_itself(key)),
         ];
         let first = defects.into_iter().find(|(_, has)| *has);
         if let Some((defect, _)) = first {
-            self.count_defect(defect, key, Some(report.place), now_s);
+            self.count_defect(defect, key, Some(report.place), at);
         }
     }
 
     /// Counts a defect, and reports the first of its kind within the surveillance radius to the operator; an aircraft
     /// without any position may be near.
-    fn count_defect(&mut self, defect: Defect, key: TrackKey, place: Option<Geodetic>, now_s: f64) {
-        let range_m = place.zip(self.ownship.frame()).and_then(|(place, frame)| {
-            let off_m = frame.to_local_m(place) - self.ownship.position_m(now_s)?;
+    fn count_defect(
+        &mut self,
+        defect: Defect,
+        key: TrackKey,
+        place: Option<Geodetic>,
+        at: &mut ReportContext<'_>,
+    ) {
+        let (ownship, config) = (&at.ownship, at.config);
+        let range_m = place.zip(ownship.frame()).and_then(|(place, frame)| {
+            let off_m = frame.to_local_m(place) - ownship.position_m(at.voice.now_s())?;
             Some(libm::hypot(off_m.x, off_m.y))
         });
-        let airspeed_mps = self.ownship.airspeed_mps().unwrap_or_default();
-        let surveillance_m = self.config.surveillance_m(airspeed_mps);
+        let airspeed_mps = ownship.airspeed_mps().unwrap_or_default();
+        let surveillance_m = config.surveillance_m(airspeed_mps);
         let is_near = range_m.is_none_or(|m| m <= surveillance_m);
-        let is_own =
-            matches!(key, TrackKey::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
+        let is_own = matches!(key, TrackKey::Address(icao) if config.own_icao() == Ok(Some(icao)));
         if is_own {
             return;
         }
         if let Some(words) = self.defects.count(defect, key, is_near) {
-            self.voice.warn(&words);
+            at.voice.warn(&words);
         }
     }
 
     /// Takes what a receiver has given so far.
-    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
-        self.feeds.take(status, self.voice.at(now_s));
+    pub(super) fn take_feed(&mut self, status: FeedStatus, voice: &mut Voice) {
+        self.feeds.take(status, voice);
     }
 
-    /// The end of the status line about feeds; empty while all of them are well.
-    pub fn feeds_in_words(&self) -> String {
-        self.feeds.words()
+    /// The receivers of traffic.
+    pub(super) const fn feeds(&self) -> &Feeds {
+        &self.feeds
+    }
+
+    /// Tells the operator once of each reason for which a feed's parts are left out.
+    pub(super) fn tell_left_out(&mut self, voice: &mut Voice) {
+        self.feeds.tell(voice);
     }
 
     /// The defects of reports so far.
-    pub const fn defects(&self) -> &Defects {
+    pub(super) const fn defects(&self) -> &Defects {
         &self.defects
     }
 
-    /// σ of a configured sensor, metres.
-    fn sensor_sigma_m(&self, system: u8, component: u8) -> Option<f64> {
-        let sensors = self.config.traffic.sensor.iter();
-        sensors
-            .filter(|sensor| sensor.system_id == system && sensor.component_id == component)
-            .map(|sensor| sensor.position_sigma_m)
-            .next()
+    /// Notes the number of reports and aircraft with each defect.
+    pub(super) fn note_defects(&self, voice: &mut Voice) {
+        let counts = Defect::ALL.map(|defect| {
+            let count = json!({
+                "reports": self.defects.reports(defect),
+                "aircraft": self.defects.aircraft(defect),
+            });
+            (defect.name().to_owned(), count)
+        });
+        voice.note("defects", Value::Object(counts.into_iter().collect()));
     }
+}
 
-    /// A place relative to the vehicle.
-    fn sensor_report(
-        &mut self,
-        data: &OBSTACLE_DISTANCE_3D_DATA,
-        sender: ReportSender,
-        sigma_m: f64,
-        now_s: f64,
-    ) -> Option<PlaceReport> {
-        let offset = Vec3::new(f64::from(data.x), f64::from(data.y), f64::from(data.z));
-        let distance_m = offset.length();
-        let farthest_m = f64::from(data.max_distance).min(SENSOR_REACH_M);
-        if !offset.is_finite()
-            || distance_m > farthest_m
-            || distance_m < f64::from(data.min_distance)
-        {
-            return None;
-        }
-        let state = self.lead.state_now(&mut self.ownship, now_s)?;
-        let heading_rad = self.ownship.heading_rad()?;
-        let (bank_rad, pitch_rad) = match data.frame {
-            // The body's axes: forward, right, down.
-            MavFrame::MAV_FRAME_BODY_FRD => (-state.ownship.bank_rad, state.pitch_rad),
-            // The same, but level.
-            MavFrame::MAV_FRAME_LOCAL_FRD => (0.0, 0.0),
-            _ => return None,
-        };
-        let east_north_up = from_body(offset, bank_rad, pitch_rad, heading_rad);
-        let frame = self.ownship.frame()?;
-        let place = frame.to_geodetic(state.ownship.position_m + east_north_up);
-        let key = match data.obstacle_id {
-            UNNUMBERED => TrackKey::Unnamed(sender),
-            number => TrackKey::Seen(sender, number),
-        };
-        let sigma_m = libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m);
-        let quality = Quality::of_position(sigma_m, AltitudeReference::MeanSeaLevel);
-        Some(PlaceReport {
-            key: Some(key),
-            // It may be any flying object.
-            movement: Movement::SMALL_UAS,
-            ..PlaceReport::of_position(sender, place, now_s, quality)
-        })
+/// A place relative to the vehicle.
+fn sensor_report(
+    data: &OBSTACLE_DISTANCE_3D_DATA,
+    sender: ReportSender,
+    sigma_m: f64,
+    at: &mut ReportContext<'_>,
+) -> Option<PlaceReport> {
+    let now_s = at.voice.now_s();
+    let offset = Vec3::new(f64::from(data.x), f64::from(data.y), f64::from(data.z));
+    let distance_m = offset.length();
+    let farthest_m = f64::from(data.max_distance).min(SENSOR_REACH_M);
+    if !offset.is_finite() || distance_m > farthest_m || distance_m < f64::from(data.min_distance) {
+        return None;
     }
-
-    /// A receiver that sends both altitudes gives the height of the geoid.
-    pub(super) fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
-        let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
-        // Zero: the extension field is missing.
-        if fixed && data.alt_ellipsoid != 0 {
-            self.around.tracks_mut().levels_mut().take_geoid(
-                f64::from(data.alt_ellipsoid) * 1e-3,
-                f64::from(data.alt) * 1e-3,
-            );
-        }
-    }
+    let state = at.lead.state_now(at.ownship, now_s)?;
+    let heading_rad = at.ownship.heading_rad()?;
+    let (bank_rad, pitch_rad) = match data.frame {
+        // The body's axes: forward, right, down.
+        MavFrame::MAV_FRAME_BODY_FRD => (-state.ownship.bank_rad, state.pitch_rad),
+        // The same, but level.
+        MavFrame::MAV_FRAME_LOCAL_FRD => (0.0, 0.0),
+        _ => return None,
+    };
+    let east_north_up = from_body(offset, bank_rad, pitch_rad, heading_rad);
+    let frame = at.ownship.frame()?;
+    let place = frame.to_geodetic(state.ownship.position_m + east_north_up);
+    let key = match data.obstacle_id {
+        UNNUMBERED => TrackKey::Unnamed(sender),
+        number => TrackKey::Seen(sender, number),
+    };
+    let sigma_m = libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m);
+    let quality = Quality::of_position(sigma_m, AltitudeReference::MeanSeaLevel);
+    Some(PlaceReport {
+        key: Some(key),
+        // It may be any flying object.
+        movement: Movement::SMALL_UAS,
+        ..PlaceReport::of_position(sender, place, now_s, quality)
+    })
 }
 
 /// Forward, right and down in east, north and up: bank positive to the right, pitch positive up,

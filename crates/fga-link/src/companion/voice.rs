@@ -18,6 +18,8 @@ pub(super) struct Voice {
     system: u8,
     outbox: Outbox,
     log: Vec<Value>,
+    /// The last trouble of the surrounding program.
+    trouble: String,
     /// Texts sent.
     texts: u32,
 }
@@ -66,6 +68,17 @@ impl Voice {
     /// Warns the operator.
     pub(super) fn warn(&mut self, words: &str) {
         self.tell(Severity::Warning, words);
+    }
+
+    /// Tells of trouble of the surrounding program.
+    pub(super) fn tell_trouble(&mut self, words: &str) {
+        words.clone_into(&mut self.trouble);
+        self.warn(words);
+    }
+
+    /// The last trouble of the surrounding program; empty without one.
+    pub(super) fn trouble(&self) -> &str {
+        &self.trouble
     }
 
     /// Tells the log alone.

@@ -11,7 +11,7 @@ use crate::ground::{AboveGround, each_second};
 impl Companion {
     /// The threat of the last decision with its name.
     fn threat(&self) -> Option<(String, Threat)> {
-        let threat = self.decided?.decision.record.threat?;
+        let threat = self.decisions.threat()?;
         Some((self.around.name(threat.id), threat))
     }
 
@@ -35,10 +35,10 @@ impl Companion {
             return match self.session.instead() {
                 Some(heard) => format!("waiting for a vehicle: {heard}"),
                 // On a link where nothing is believed, the terminal is all that the operator has.
-                None if !self.trouble.is_empty() => {
-                    format!("waiting for a vehicle | {}", self.trouble)
-                }
-                None => "waiting for a vehicle".to_owned(),
+                None => match self.voice.trouble() {
+                    "" => "waiting for a vehicle".to_owned(),
+                    trouble => format!("waiting for a vehicle | {trouble}"),
+                },
             };
         };
         let age = self
@@ -47,13 +47,12 @@ impl Companion {
             .map_or("no position".to_owned(), |age_s| {
                 format!("telemetry {:.0} ms", (age_s * 1e3).max(0.0))
             });
-        let state = self
-            .decided
-            .map_or("-", |decided| decided.decision.state.name());
+        let decided = self.decisions.last();
+        let state = decided.map_or("-", |decided| decided.decision.state.name());
         let threat = self.threat().map_or(String::new(), |(name, threat)| {
             format!(" | {name} in {:.0} s", threat.entry_s.max(0.0))
         });
-        let unseen = match self.defects.unseen() {
+        let unseen = match self.reports.defects().unseen() {
             0 => String::new(),
             count => format!(", {count} unseen"),
         };
@@ -80,12 +79,12 @@ impl Companion {
 
     /// Time of the last decision's state, seconds.
     pub fn decided_for_s(&self) -> Option<f64> {
-        self.decided.map(|decided| decided.for_s)
+        self.decisions.last().map(|decided| decided.for_s)
     }
 
     /// The picture of the last decision; `None` before the first.
     pub fn picture(&self) -> Option<FlightPicture> {
-        let decided = self.decided?;
+        let decided = self.decisions.last()?;
         let beings = self
             .around
             .obstacles()
@@ -112,7 +111,7 @@ impl Companion {
     /// The height above the ground of the last decision's state, and the least on the way that is flown from there within the horizon;
     /// `None` where no ground is known.
     fn above_ground(&self) -> Option<AboveGround> {
-        let (ground, decided) = (self.over.known()?, self.decided?);
+        let (ground, decided) = (self.over.known()?, self.decisions.last()?);
         let own = self.lasting(&decided.own);
         let horizon_s = self.config.protection.horizon_s;
         if !self.keeper.commands() {

@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 
-use fga_emulator::Settings;
+use fga_emulator::EmulatorSettings;
 use fga_formats::terrain::Terrain;
 use fga_link::authority::Authority;
 
@@ -26,7 +26,7 @@ fn is_in_command(world: &World) -> bool {
 
 #[test]
 fn the_status_line_has_the_height_above_the_ground_and_the_least_ahead() {
-    let mut world = head_on(Settings::default(), Some(&plateau()));
+    let mut world = head_on(EmulatorSettings::default(), Some(&plateau()));
     let line = |world: &World| world.companion.status_line(world.time_s);
     // The mission is 104 m above the sea.
     let (mut ahead, mut evading) = (false, false);

@@ -5,7 +5,7 @@
 mod missions;
 
 use crate::common::{BAD, GOOD, Intruder, Network, World, mission};
-use fga_emulator::{Emulator, Mode, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, PlaneMode};
 use fga_link::authority::{Authority, Fault, reaction};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
@@ -71,7 +71,7 @@ fn plane(mode: u32) -> MavMessage {
 fn avoids(world: &mut World) {
     world.run_until(130.0);
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     let changes = world.emulator.mode_changes();
     assert_eq!(changes.len(), 2, "{changes:?}");
 }
@@ -128,10 +128,10 @@ fn a_vehicle_that_comes_near_later_is_told_and_changes_nothing() {
 fn two_vehicles_with_one_id_are_noticed_and_not_taken_over() {
     for (boot_s, aside_m) in [(500.0, 3000.0), (10.0, 3000.0), (20.05, 150.0)] {
         let mut world = head_on();
-        let mut other = Emulator::new(Settings {
+        let mut other = Emulator::new(EmulatorSettings {
             boot_s,
             position_m: [aside_m, 0.0, 100.0],
-            ..Settings::default()
+            ..EmulatorSettings::default()
         });
         let points = [[aside_m, 0.0, 100.0], [aside_m, 9000.0, 100.0]];
         let items = mission(&other, &points);
@@ -180,12 +180,12 @@ fn other_components_and_kinds_of_vehicle_hide_no_pilot() {
             world.say_as((7, 1), &plane(15));
         }
         if world.time_s >= begin_s + 1.0 && changes.is_none() {
-            world.emulator.pilot_mode(Mode::Manual);
+            world.emulator.pilot_mode(PlaneMode::Manual);
             changes = Some(own_changes(&world));
         }
         world.step();
     }
-    assert_eq!(world.mode(), Mode::Manual);
+    assert_eq!(world.mode(), PlaneMode::Manual);
     assert_eq!(Some(own_changes(&world)), changes);
     assert!(was_told(&world, reaction(Fault::ModeChanged).text));
 }
@@ -263,7 +263,7 @@ fn forged_refusals_of_the_mode_do_not_end_the_avoidance() {
         let forged = answer(MavCmd::MAV_CMD_DO_SET_MODE, result);
         let world = with_forged("", GOOD, &forged);
         assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
         assert_eq!(own_changes(&world), 2);
     }
 }
@@ -286,7 +286,7 @@ fn forged_acceptances_of_the_mode_do_not_stop_the_requests() {
             world.step();
         }
         assert!(world.least_m[0].0 >= 60.0, "{seed}: {:?}", world.least_m);
-        assert_eq!(world.mode(), Mode::Auto, "{seed}");
+        assert_eq!(world.mode(), PlaneMode::Auto, "{seed}");
     }
 }
 
@@ -307,7 +307,7 @@ fn forged_refusals_of_a_heading_do_not_end_the_avoidance() {
     let config = "[command]\nmode = \"heading\"\n";
     let world = with_forged(config, GOOD, &forged);
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
 }
 
 /// A request of ours was lost a minute ago. A forged answer to it does not make the pilot's own GUIDED ours.
@@ -321,16 +321,16 @@ fn a_forged_acceptance_does_not_make_the_pilots_mode_ours() {
     world.network.loss = 1.0;
     world.run_until(world.time_s + 1.0);
     world.network.loss = 0.0;
-    world.emulator.pilot_mode(Mode::Cruise);
+    world.emulator.pilot_mode(PlaneMode::Cruise);
     world.run_until(world.time_s + 60.0);
     let forged = answer(MavCmd::MAV_CMD_DO_SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
     world.say_as((1, 1), &forged);
     world.run_until(world.time_s + 0.2);
-    world.emulator.pilot_mode(Mode::Guided);
+    world.emulator.pilot_mode(PlaneMode::Guided);
     world.run_until(world.time_s + 10.0);
     assert_eq!(
         world.mode(),
-        Mode::Guided,
+        PlaneMode::Guided,
         "{:?}",
         world.emulator.mode_changes()
     );
@@ -348,12 +348,12 @@ fn a_short_failsafe_in_a_manoeuvre_that_ends_in_guided_is_told() {
     for after_s in [1.0, 5.0, 25.0, 90.0] {
         let mut world = in_command();
         world.run_until(world.time_s + 1.0);
-        world.emulator.pilot_mode(Mode::Circle);
+        world.emulator.pilot_mode(PlaneMode::Circle);
         let changes = own_changes(&world);
         world.run_until(world.time_s + after_s);
-        world.emulator.pilot_mode(Mode::Guided);
+        world.emulator.pilot_mode(PlaneMode::Guided);
         world.run_until(world.time_s + 20.0);
-        assert_eq!(world.mode(), Mode::Guided, "it may be the pilot's");
+        assert_eq!(world.mode(), PlaneMode::Guided, "it may be the pilot's");
         assert_eq!(own_changes(&world), changes);
         let words = "fga: GUIDED, but nobody flies: set a mode";
         assert_eq!(times_told(&world, words), 1, "{after_s}");
@@ -384,7 +384,7 @@ fn a_battery_failsafe_in_every_moment_of_a_manoeuvre_keeps_its_mode() {
 /// ends that.
 fn keeps_rtl(world: &mut World, what: &str) {
     world.companion.take_log();
-    world.emulator.pilot_mode(Mode::Rtl);
+    world.emulator.pilot_mode(PlaneMode::Rtl);
     world.run_until(world.time_s + 20.0);
     let log = world.companion.take_log();
     let heard = log
@@ -392,7 +392,7 @@ fn keeps_rtl(world: &mut World, what: &str) {
         .any(|line| line["kind"] == "mode" && line["mode"] == "RTL");
     let changes = world.emulator.mode_changes();
     assert!(
-        world.mode() == Mode::Rtl || !heard,
+        world.mode() == PlaneMode::Rtl || !heard,
         "{what}: {changes:?}, {:?}",
         world.companion.authority()
     );
@@ -425,13 +425,13 @@ fn a_fence_breach_that_races_with_the_return_keeps_its_mode() {
 fn the_pilots_auto_soon_after_a_fence_breach_is_not_undone() {
     for (draw, after_s) in [(105, 1.0), (109, 1.0), (132, 1.5), (133, 1.5), (411, 2.0)] {
         let mut world = gives_back(BAD, draw);
-        world.emulator.pilot_mode(Mode::Rtl);
+        world.emulator.pilot_mode(PlaneMode::Rtl);
         world.run_until(world.time_s + after_s);
-        world.emulator.pilot_mode(Mode::Auto);
+        world.emulator.pilot_mode(PlaneMode::Auto);
         let changes = own_changes(&world);
         world.run_until(world.time_s + 20.0);
         assert_eq!(own_changes(&world), changes, "{draw}");
-        assert_eq!(world.mode(), Mode::Auto, "{draw}");
+        assert_eq!(world.mode(), PlaneMode::Auto, "{draw}");
     }
 }
 
@@ -458,19 +458,19 @@ fn a_fence_that_acts_in_guided_is_told_and_nothing_is_taken_over() {
 fn a_mode_of_a_newer_firmware_is_nobodys_to_take() {
     let mut world = in_command();
     let changes = own_changes(&world);
-    world.emulator.pilot_mode(Mode::Newer);
+    world.emulator.pilot_mode(PlaneMode::Newer);
     world.run_until(world.time_s + 30.0);
-    assert_eq!(world.mode(), Mode::Newer);
+    assert_eq!(world.mode(), PlaneMode::Newer);
     assert_eq!(own_changes(&world), changes);
     assert!(was_told(&world, reaction(Fault::ModeChanged).text));
     let line = world.companion.status_line(world.time_s);
     assert!(
-        line.contains(&format!("mode {}", Mode::Newer.number())),
+        line.contains(&format!("mode {}", PlaneMode::Newer.number())),
         "{line}"
     );
     // From the beginning.
     let mut world = head_on();
-    world.emulator.pilot_mode(Mode::Newer);
+    world.emulator.pilot_mode(PlaneMode::Newer);
     world.run_until(80.0);
     assert_eq!(own_changes(&world), 0);
 }
@@ -546,6 +546,6 @@ fn absurd_parameters_take_no_vehicle_over_that_cannot_be_flown() {
             world.step();
         }
         assert_eq!(own_changes(&world) > 0, may, "{name} {value}");
-        assert_eq!(world.mode(), Mode::Auto, "{name} {value}");
+        assert_eq!(world.mode(), PlaneMode::Auto, "{name} {value}");
     }
 }

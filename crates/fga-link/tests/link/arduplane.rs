@@ -24,7 +24,7 @@ use std::time::Instant;
 
 use crate::common::ground::{ALTITUDE_M, AUTO, CRUISE, FBWB, GUIDED, Ground, listen};
 use fga::Vec3;
-use fga_emulator::{Emulator, STEP_S, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, STEP_S};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
 use fga_link::player::{Played, PlayedState, adsb_message};
@@ -526,12 +526,12 @@ fn an_arduplane_keeps_its_fence_in_a_wind_towards_it() {
 
 /// The emulator behind a TCP port; it flies a step for each `go`.
 fn serve_emulator(server: &TcpListener, go: &Receiver<u64>, done: &SyncSender<(f64, u64)>) {
-    let mut emulator = Emulator::new(Settings {
+    let mut emulator = Emulator::new(EmulatorSettings {
         position_m: [0.0, 0.0, 0.0],
-        mode: fga_emulator::Mode::Manual,
+        mode: fga_emulator::PlaneMode::Manual,
         armed: false,
         fix_s: 28.0,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     });
     let (mut stream, _) = server.accept().expect("the bench");
     stream.set_nodelay(true).expect("no delay");

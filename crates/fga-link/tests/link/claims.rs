@@ -8,7 +8,7 @@
 )]
 
 use crate::common::{GOOD, Intruder, Random, World, distance};
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 use fga_link::traffic::Defect;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavMessage,
@@ -107,9 +107,9 @@ pub fn flown(
     pressure: bool,
     wrong: Wrong,
 ) -> Flown {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         sea_level_hpa: Some(sea_level_hpa),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 3);
     world.sea_level_hpa = pressure.then_some(sea_level_hpa);
@@ -133,7 +133,7 @@ pub fn flown(
             }
         }
         world.step();
-        if begins_s.is_none() && world.mode() == Mode::Guided {
+        if begins_s.is_none() && world.mode() == PlaneMode::Guided {
             begins_s = Some(world.time_s);
         }
     }

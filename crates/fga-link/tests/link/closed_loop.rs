@@ -1,7 +1,7 @@
 //! One encounter on a good network: does it fly at all?
 
 use crate::common::{GOOD, Intruder, World};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
 
 #[test]
@@ -19,7 +19,7 @@ fn a_head_on_intruder_is_avoided_and_the_mission_resumed() {
         largest_m = largest_m.max(world.off_leg().0);
     }
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert_eq!(world.emulator.mission_item(), 2);
     assert_eq!(world.emulator.mode_changes().len(), 2);
     assert!(largest_m < 90.0, "{largest_m}");

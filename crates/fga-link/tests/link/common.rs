@@ -23,7 +23,7 @@ pub use random::Random;
 use std::collections::BinaryHeap;
 use std::path::PathBuf;
 
-use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, MissionItem, PlaneMode, STEP_S};
 use fga_link::player::{LoggedLine, read_log};
 use fga_link::wire::{Signing, encode};
 use fga_link::{Companion, Config};
@@ -150,14 +150,18 @@ fn pressure_altitude_mm(altitude_mm: i32, sea_level_hpa: f64) -> i32 {
 }
 
 /// A mission along these points; item 0 is home.
-pub fn mission(emulator: &Emulator, points_m: &[[f64; 3]]) -> Vec<Item> {
+pub fn mission(emulator: &Emulator, points_m: &[[f64; 3]]) -> Vec<MissionItem> {
     let home = *emulator.home();
-    let mut items = vec![Item {
+    let mut items = vec![MissionItem {
         command: MavCmd::MAV_CMD_NAV_WAYPOINT,
         frame: MavFrame::MAV_FRAME_GLOBAL,
-        ..Item::waypoint(&home, [0.0, 0.0, home.altitude_m])
+        ..MissionItem::waypoint(&home, [0.0, 0.0, home.altitude_m])
     }];
-    items.extend(points_m.iter().map(|point| Item::waypoint(&home, *point)));
+    items.extend(
+        points_m
+            .iter()
+            .map(|point| MissionItem::waypoint(&home, *point)),
+    );
     items
 }
 
@@ -183,7 +187,7 @@ pub fn parameter_set(component: u8, name: &str, value: f32) -> MavMessage {
 pub fn upload(
     world: &mut World,
     mission_type: MavMissionType,
-    items: &[Item],
+    items: &[MissionItem],
     current: Option<u16>,
 ) {
     let count = MISSION_COUNT_DATA {
@@ -243,11 +247,11 @@ fn is_about_fence(message: &MavMessage) -> bool {
 impl World {
     /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
     pub fn new(config: &str, network: Network, seed: u64) -> Self {
-        Self::with(Settings::default(), config, network, seed)
+        Self::with(EmulatorSettings::default(), config, network, seed)
     }
 
     /// The same with another aircraft, another start or wind.
-    pub fn with(settings: Settings, config: &str, network: Network, seed: u64) -> Self {
+    pub fn with(settings: EmulatorSettings, config: &str, network: Network, seed: u64) -> Self {
         let mut emulator = Emulator::new(settings);
         let points = [
             [0.0, 0.0, 100.0],
@@ -336,7 +340,7 @@ impl World {
             if fate.uniform(0.0, 1.0) < self.network.loss {
                 let is_request = |data: &COMMAND_LONG_DATA| {
                     data.command == MavCmd::MAV_CMD_DO_SET_MODE
-                        && f64::from(data.param2) == f64::from(Mode::Guided.number())
+                        && f64::from(data.param2) == f64::from(PlaneMode::Guided.number())
                 };
                 if matches!(message, MavMessage::COMMAND_LONG(data) if is_request(data)) {
                     self.lost_requests += 1;
@@ -548,7 +552,7 @@ impl World {
         }
     }
 
-    pub fn mode(&self) -> Mode {
+    pub fn mode(&self) -> PlaneMode {
         self.emulator.mode()
     }
 

@@ -8,7 +8,7 @@
 use core::ops::Range;
 
 use crate::common::{GOOD, Intruder, Network, Random, World, seeds};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
 use fga_link::signing::Signing;
 use mavlink::dialects::ardupilotmega::MavMessage;
@@ -35,7 +35,7 @@ fn assert_kept(world: &World, what: &str) {
     let texts = world.emulator.texts();
     eprintln!("{what}: least {least_m:.1} m at {at_s:.1} s");
     assert!(least_m >= PROTECTED_M, "{what}: {least_m} m, {texts:?}");
-    assert_eq!(world.mode(), Mode::Auto, "{what}");
+    assert_eq!(world.mode(), PlaneMode::Auto, "{what}");
 }
 
 /// A signed link: the companion's clock is off by some seconds.
@@ -180,7 +180,7 @@ impl NobodyFlies {
         }
         // A mode that is owed is asked for until the vehicle reports it, or the pilot reads that it does not.
         let cares = world.companion.owed().is_some();
-        if world.mode() != Mode::Guided || cares {
+        if world.mode() != PlaneMode::Guided || cares {
             self.since_s = None;
             return None;
         }
@@ -336,7 +336,7 @@ fn fails_in_queues(seed: u64) -> Option<String> {
         world.step();
         if pilot.is_some_and(|at_s| at_s <= world.time_s) && !chose {
             chose = true;
-            world.emulator.pilot_mode(Mode::Loiter);
+            world.emulator.pilot_mode(PlaneMode::Loiter);
         }
         if let Some(failure) = nobody.watch(&mut world) {
             return Some(format!(

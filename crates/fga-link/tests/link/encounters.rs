@@ -5,7 +5,7 @@ use crate::common::{BAD, Intruder, Random, World, mission, upload};
 use crate::new_leg::come_back;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
-use fga_emulator::{Mode, PlantSettings};
+use fga_emulator::{PlaneMode, PlantSettings};
 use fga_sim::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
@@ -177,7 +177,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
     }
     let (mut largest_m, mut off_since_s, mut last_off_s) = (0.0_f64, 0.0, 0.0);
     let (mut best_m, mut in_need) = (None, false);
-    while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
+    while world.time_s < 115.0 || (world.mode() != PlaneMode::Auto && world.time_s < 300.0) {
         world.step();
         if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
             best_m = Some((
@@ -231,7 +231,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
         largest_m,
         back_s: (last_off_s - passed_s).max(0.0),
         changes: world.emulator.mode_changes().len(),
-        resumed: world.mode() == Mode::Auto && world.emulator.mission_item() == 2,
+        resumed: world.mode() == PlaneMode::Auto && world.emulator.mission_item() == 2,
         flew: world.companion.counts().maneuvers > 0,
         in_need,
     }
@@ -312,7 +312,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
         add(&mut world, second, 0x0020_0000 + seed, shown_m);
     }
     let (mut last_off_s, mut largest_m) = (0.0, 0.0_f64);
-    while world.time_s < 125.0 || (world.mode() != Mode::Auto && world.time_s < 250.0) {
+    while world.time_s < 125.0 || (world.mode() != PlaneMode::Auto && world.time_s < 250.0) {
         world.step();
         let plant = world.emulator.plant();
         let offset = [

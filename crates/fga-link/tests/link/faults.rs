@@ -4,7 +4,7 @@
 
 use crate::common::beat::heartbeat;
 use crate::common::{GOOD, Intruder, World, parameter_set};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_link::authority::{Authority, Fault, reaction};
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
@@ -64,7 +64,7 @@ fn forge(world: &mut World, ahead: u8, message: &MavMessage) {
 
 fn avoided(world: &World) {
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
 }
 
 #[test]
@@ -89,9 +89,9 @@ fn two_heartbeats_with_the_armed_bit_clear() {
     forge(&mut world, 1, &heartbeat(15, false));
     assert!(was_told_soon(&mut world, reaction(Fault::Disarmed).text));
     // The vehicle says that it is armed again, and gets its mode back.
-    world.run_while(2.0, "AUTO", |w| w.mode() != Mode::Auto);
+    world.run_while(2.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
     world.run_until(130.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
 }
 
 fn was_told_soon(world: &mut World, words: &str) -> bool {
@@ -111,12 +111,12 @@ fn heartbeats_of_another_system_forged_at_ten_a_second_hide_no_pilot() {
                 forge(&mut world, ahead, &heartbeat(15, true));
             }
             if world.time_s >= begin_s + 1.0 && changes.is_none() {
-                world.emulator.pilot_mode(Mode::Manual);
+                world.emulator.pilot_mode(PlaneMode::Manual);
                 changes = Some(own_changes(&world));
             }
             world.step();
         }
-        assert_eq!(world.mode(), Mode::Manual, "{ahead}");
+        assert_eq!(world.mode(), PlaneMode::Manual, "{ahead}");
         assert_eq!(Some(own_changes(&world)), changes, "{ahead}");
         let told = was_told(&world, reaction(Fault::Contradiction).text)
             || was_told(&world, reaction(Fault::ModeChanged).text);
@@ -145,12 +145,12 @@ fn forged_heartbeats_of_manual_while_ready_are_reported() {
 fn roll_limit_deg_5_set_in_command() {
     let mut world = in_command();
     world.set_parameter("ROLL_LIMIT_DEG", 5.0);
-    world.run_while(1.5, "AUTO", |w| w.mode() != Mode::Auto);
+    world.run_while(1.5, "AUTO", |w| w.mode() != PlaneMode::Auto);
     world.run_until(world.time_s + 0.5);
     let since_s = world.time_s;
     assert!(was_told(&world, reaction(Fault::NoDecision).text));
     world.run_until(since_s + 30.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     let states = states_since(&world, since_s);
     assert!(states.len() > 20);
     assert!(
@@ -271,7 +271,7 @@ fn kill_9_in_command_restarted_one_second_later() {
 
 #[test]
 fn kill_9_in_command_and_the_pilot_chooses_before_the_restart() {
-    for mode in [Mode::Manual, Mode::FlyByWireA, Mode::Loiter] {
+    for mode in [PlaneMode::Manual, PlaneMode::FlyByWireA, PlaneMode::Loiter] {
         let mut world = in_command();
         let note = world.companion.restart_note(world.time_s);
         world.emulator.pilot_mode(mode);
@@ -298,7 +298,7 @@ fn guided_without_a_note_of_this_flight_is_the_pilots_own() {
     for note in [None, Some(other_flight)] {
         restart(&mut world, 0.5, note);
         world.run_until(world.time_s + 15.0);
-        assert_eq!(world.mode(), Mode::Guided);
+        assert_eq!(world.mode(), PlaneMode::Guided);
         assert_eq!(own_changes(&world), 1);
     }
     assert!(was_told(
@@ -315,11 +315,11 @@ fn silences_of_ten_and_sixty_seconds_are_survived() {
         world.run_until(world.time_s + silence_s);
         world.cut = false;
         if silence_s > 30.0 {
-            world.run_while(5.0, "AUTO", |w| w.mode() != Mode::Auto);
+            world.run_while(5.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
         }
         // After ten seconds the manoeuvre goes on instead.
         world.run_until(150.0);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
         assert_eq!(world.emulator.mode_changes().len(), 2);
     }
 }
@@ -344,13 +344,13 @@ fn every_lost_ability_is_reported() {
     world.run_until(world.time_s + 2.0);
     assert!(was_told(&world, "fga: not ready: too low"));
     let mut world = ready();
-    world.emulator.pilot_mode(Mode::Loiter);
+    world.emulator.pilot_mode(PlaneMode::Loiter);
     world.run_until(world.time_s + 2.0);
     assert!(was_told(
         &world,
         "fga: not ready: mode is not to be taken over"
     ));
-    world.emulator.pilot_mode(Mode::Auto);
+    world.emulator.pilot_mode(PlaneMode::Auto);
     world.run_until(world.time_s + 1.0);
     assert_eq!(world.companion.authority(), Authority::Ready);
 }

@@ -1,7 +1,7 @@
 //! Fences that nobody should store: edges that cross, corners by the hundred, no room, a vehicle on the wrong side, changes in a
 //! manoeuvre. Traffic is avoided among all of them, the mode is given back, and a fence that leaves room is kept.
 
-use fga_emulator::{Item, Mode};
+use fga_emulator::{MissionItem, PlaneMode};
 use mavlink::dialects::ardupilotmega::MavCmd;
 
 use crate::common::{GOOD, Intruder, World};
@@ -14,17 +14,17 @@ const CIRCLE_IN: MavCmd = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION;
 const CIRCLE_OUT: MavCmd = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION;
 
 /// Items of a polygon, or a circle about each corner with a radius, metres.
-fn items(world: &World, command: MavCmd, number: f32, corners_m: &[[f64; 2]]) -> Vec<Item> {
+fn items(world: &World, command: MavCmd, number: f32, corners_m: &[[f64; 2]]) -> Vec<MissionItem> {
     let home = world.emulator.home();
-    let item = |[x, y]: &[f64; 2]| Item {
+    let item = |[x, y]: &[f64; 2]| MissionItem {
         command,
         parameters: [number, 0.0, 0.0, 0.0],
-        ..Item::waypoint(home, [*x, *y, 0.0])
+        ..MissionItem::waypoint(home, [*x, *y, 0.0])
     };
     corners_m.iter().map(item).collect()
 }
 
-fn polygon(world: &World, command: MavCmd, corners_m: &[[f64; 2]]) -> Vec<Item> {
+fn polygon(world: &World, command: MavCmd, corners_m: &[[f64; 2]]) -> Vec<MissionItem> {
     items(world, command, corners_m.len() as f32, corners_m)
 }
 
@@ -53,11 +53,14 @@ fn head_on() -> World {
 }
 
 /// A fence that is stored in a world.
-type Stored<'a> = &'a dyn Fn(&World) -> Vec<Item>;
+type Stored<'a> = &'a dyn Fn(&World) -> Vec<MissionItem>;
 
 /// The least and the most metres east in a flight past a head-on intruder, which begins with a fence and meets another one a
 /// second after it has left its mission.
-fn flown(before: impl Fn(&World) -> Vec<Item>, then: Option<Stored<'_>>) -> ((f64, f64), World) {
+fn flown(
+    before: impl Fn(&World) -> Vec<MissionItem>,
+    then: Option<Stored<'_>>,
+) -> ((f64, f64), World) {
     let mut world = head_on();
     let fence = before(&world);
     world.emulator.set_fence(fence);
@@ -66,7 +69,7 @@ fn flown(before: impl Fn(&World) -> Vec<Item>, then: Option<Stored<'_>>) -> ((f6
     let mut then = then;
     while world.time_s < 140.0 {
         world.step();
-        if world.mode() == Mode::Guided {
+        if world.mode() == PlaneMode::Guided {
             left_s = left_s.min(world.time_s);
         }
         if world.time_s > left_s + 1.0
@@ -78,16 +81,16 @@ fn flown(before: impl Fn(&World) -> Vec<Item>, then: Option<Stored<'_>>) -> ((f6
         let east_m = world.emulator.plant().position_m()[0];
         (least_m, most_m) = (least_m.min(east_m), most_m.max(east_m));
     }
-    let modes: Vec<Mode> = (world.emulator.mode_changes().iter())
+    let modes: Vec<PlaneMode> = (world.emulator.mode_changes().iter())
         .map(|change| change.mode)
         .collect();
     eprintln!("{least_m:.1} {most_m:.1} {:?} {modes:?}", world.least_m);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(modes, [PlaneMode::Guided, PlaneMode::Auto]);
     ((least_m, most_m), world)
 }
 
-fn nothing(_: &World) -> Vec<Item> {
+fn nothing(_: &World) -> Vec<MissionItem> {
     Vec::new()
 }
 

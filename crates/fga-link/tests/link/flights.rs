@@ -2,7 +2,7 @@
 //! wind, the vehicle's fence, and the modes of `take_over`.
 
 use crate::common::{BAD, GOOD, Intruder, Network, World};
-use fga_emulator::{Item, Mode, Settings};
+use fga_emulator::{EmulatorSettings, MissionItem, PlaneMode};
 use mavlink::dialects::ardupilotmega::MavCmd;
 
 const PROTECTED_M: f64 = 60.0;
@@ -22,7 +22,7 @@ struct Flown {
     /// Extremes of the position east and of the height, metres.
     east_m: (f64, f64),
     height_m: (f64, f64),
-    modes: Vec<Mode>,
+    modes: Vec<PlaneMode>,
 }
 
 /// Flies until `end_s`.
@@ -74,7 +74,7 @@ fn in_a_corridor_it_goes_over_or_under() {
         let flown = fly(&mut world, 130.0);
         assert!(flown.cylinder_margin_m >= 0.0, "{flown:?}");
         assert!(flown.height_m.1 - flown.height_m.0 > 15.0, "{flown:?}");
-        assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+        assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
         assert!(is_back(&world), "{:?}", world.off_leg());
         assert!((world.emulator.plant().position_m()[2] - 100.0).abs() < 12.0);
     }
@@ -95,7 +95,7 @@ fn the_floor_bounds_the_manoeuvre() {
     let flown = fly(&mut world, 130.0);
     assert!(flown.cylinder_margin_m >= 0.0, "{flown:?}");
     assert!(flown.height_m.0 >= 85.0, "{flown:?}");
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn between_floor_and_ceiling_it_climbs_and_levels_off() {
         "{flown:?}"
     );
     assert!(flown.height_m.1 - flown.height_m.0 > 15.0, "{flown:?}");
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert!(is_back(&world), "{:?}", world.off_leg());
 }
 
@@ -125,9 +125,9 @@ fn wind_from_every_side_is_flown() {
         ([0.0, -10.0], BAD),
         ([7.0, -7.0], BAD),
     ] {
-        let settings = Settings {
+        let settings = EmulatorSettings {
             wind_mps,
-            ..Settings::default()
+            ..EmulatorSettings::default()
         };
         let mut world = head_on(World::with(settings, "", network, 7));
         let flown = fly(&mut world, 140.0);
@@ -136,7 +136,11 @@ fn wind_from_every_side_is_flown() {
             "{wind_mps:?} {:?}",
             world.least_m
         );
-        assert_eq!(flown.modes, [Mode::Guided, Mode::Auto], "{wind_mps:?}");
+        assert_eq!(
+            flown.modes,
+            [PlaneMode::Guided, PlaneMode::Auto],
+            "{wind_mps:?}"
+        );
         let largest_m = flown.east_m.1.max(-flown.east_m.0);
         // Room for half of a standard-rate turn of the intruder since its report, a second ago, is in it.
         assert!(largest_m <= 120.0, "{wind_mps:?} {flown:?}");
@@ -146,7 +150,7 @@ fn wind_from_every_side_is_flown() {
 }
 
 /// A fence around the flight: a rectangle from `west_m` to `east_m`.
-fn inclusion(world: &World, west_m: f64, east_m: f64) -> Vec<Item> {
+fn inclusion(world: &World, west_m: f64, east_m: f64) -> Vec<MissionItem> {
     let home = world.emulator.home();
     [
         [west_m, -2000.0],
@@ -154,10 +158,10 @@ fn inclusion(world: &World, west_m: f64, east_m: f64) -> Vec<Item> {
         [east_m, 20_000.0],
         [east_m, -2000.0],
     ]
-    .map(|[x, y]| Item {
+    .map(|[x, y]| MissionItem {
         command: MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
         parameters: [4.0, 0.0, 0.0, 0.0],
-        ..Item::waypoint(home, [x, y, 0.0])
+        ..MissionItem::waypoint(home, [x, y, 0.0])
     })
     .to_vec()
 }
@@ -195,7 +199,7 @@ fn the_fence_bounds_the_manoeuvre() {
             flown.east_m.0 >= west_m && flown.east_m.1 <= east_m,
             "{flown:?}"
         );
-        assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+        assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     }
 }
 
@@ -225,11 +229,11 @@ fn a_fence_that_is_changed_in_flight_is_read_again() {
 
 #[test]
 fn other_modes_are_taken_over_only_where_that_is_allowed() {
-    for mode in [Mode::Cruise, Mode::FlyByWireB, Mode::Rtl] {
+    for mode in [PlaneMode::Cruise, PlaneMode::FlyByWireB, PlaneMode::Rtl] {
         for allowed in [true, false] {
             let name = match mode {
-                Mode::Cruise => "CRUISE",
-                Mode::FlyByWireB => "FBWB",
+                PlaneMode::Cruise => "CRUISE",
+                PlaneMode::FlyByWireB => "FBWB",
                 _ => "RTL",
             };
             let others = "[vehicle]\ntake_over = [\"AUTO\"]\n".to_owned();
@@ -238,12 +242,12 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
             } else {
                 others
             };
-            let mut world = if mode == Mode::Rtl {
+            let mut world = if mode == PlaneMode::Rtl {
                 // On the way home from 3 km north.
-                let settings = Settings {
+                let settings = EmulatorSettings {
                     position_m: [0.0, 3400.0, 100.0],
                     heading_rad: core::f64::consts::PI,
-                    ..Settings::default()
+                    ..EmulatorSettings::default()
                 };
                 let mut world = World::with(settings, &config, BAD, 9);
                 let mut intruder =
@@ -259,7 +263,7 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
             let flown = fly(&mut world, 115.0);
             if allowed {
                 assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-                assert_eq!(flown.modes, [mode, Mode::Guided, mode]);
+                assert_eq!(flown.modes, [mode, PlaneMode::Guided, mode]);
             } else {
                 assert_eq!(flown.modes, [mode]);
                 assert_eq!(world.companion.counts().maneuvers, 0);
@@ -271,7 +275,7 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
 /// Near the stall the autopilot allows less bank, and the plan uses that.
 #[test]
 fn a_slow_aircraft_begins_earlier() {
-    let mut settings = Settings::default();
+    let mut settings = EmulatorSettings::default();
     settings.plant.airspeed_mps = 13.5;
     let mut world = World::with(settings, "", GOOD, 4);
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 2300.0, 100.0], [0.0, -25.0, 0.0]);
@@ -279,7 +283,7 @@ fn a_slow_aircraft_begins_earlier() {
     world.add(intruder);
     let flown = fly(&mut world, 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert!(is_back(&world), "{:?}", world.off_leg());
 }
 
@@ -292,7 +296,7 @@ fn turns_end_without_rocking() {
         while world.time_s < 110.0 {
             world.step();
             let now_rad = world.emulator.plant().bank_rad();
-            if world.mode() == Mode::Guided {
+            if world.mode() == PlaneMode::Guided {
                 travel_rad += f64::abs(now_rad - bank_rad);
             }
             bank_rad = now_rad;

@@ -2,7 +2,7 @@
 
 use crate::common::{GOOD, Intruder, World};
 use fga::avoider::State;
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
 
 const GAPS_S: [f64; 5] = [0.5, 1.0, 2.0, 3.0, 5.0];
@@ -110,7 +110,7 @@ fn fly(gap: Gap, when: When, gap_s: f64) -> Vec<String> {
     if proven && world.least_m[0].0 < 60.0 {
         wrong.push(format!("{name}: {:.1} m", world.least_m[0].0));
     }
-    if world.mode() != Mode::Auto {
+    if world.mode() != PlaneMode::Auto {
         wrong.push(format!("{name}: {:?}", world.mode()));
     }
     wrong

@@ -2,11 +2,11 @@
 //! mission is one.
 
 use crate::common::{GOOD, Intruder, World};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::missions;
 use fga_formats::traffic::sbs;
-use fga_link::player::{Line, sbs_lines};
+use fga_link::player::{PlayerLine, sbs_lines};
 use fga_link::traffic::ReportSource;
 use fga_link::traffic::receiver::Joiner;
 
@@ -25,7 +25,7 @@ fn lines() -> impl Iterator<Item = &'static str> {
 fn n9_the_aircraft_of_the_page_are_met_and_avoided() {
     assert_eq!(lines().count(), 2);
     for text in lines() {
-        let line: Line = text.parse().expect("a line");
+        let line: PlayerLine = text.parse().expect("a line");
         // The configuration of `fga init link`: the defaults.
         let volume = "[volumes.crewed]\nradius_m = 152.4\nhalf_height_m = 30.48\n";
         let mut world = World::new(volume, GOOD, 3);
@@ -61,7 +61,7 @@ fn n9_the_aircraft_of_the_page_are_met_and_avoided() {
         eprintln!("{text}: least {least_m:.1} m at {at_s:.1} s");
         assert!(least_m >= PROTECTED_M, "{text}: {least_m} m at {at_s} s");
         assert_eq!(world.companion.counts().maneuvers, 1, "{text}");
-        assert_eq!(world.mode(), Mode::Auto, "{text}");
+        assert_eq!(world.mode(), PlaneMode::Auto, "{text}");
     }
 }
 
@@ -77,7 +77,7 @@ fn n9_the_mission_of_the_page_is_one() {
         panic!("{mission:?}");
     };
     // Over the emulator's field, which the page names, and 5 km on.
-    let home = fga_emulator::Settings::default().home;
+    let home = fga_emulator::EmulatorSettings::default().home;
     let custom = format!(
         "{},{},{},0",
         home.latitude_deg, home.longitude_deg, home.altitude_m

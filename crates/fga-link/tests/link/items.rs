@@ -2,7 +2,7 @@
 //! `docs/how-to-arduplane.md`. Head-on traffic comes 1,500 m north of the start.
 
 use crate::common::{GOOD, Intruder, World};
-use fga_emulator::{Item, Mode};
+use fga_emulator::{MissionItem, PlaneMode};
 use fga_link::authority::{Authority, Fault};
 use mavlink::dialects::ardupilotmega::MavCmd;
 
@@ -15,12 +15,12 @@ fn world(items: &[Row]) -> World {
     let home = *world.emulator.home();
     let item = |(command, parameters, place): &Row| {
         let [x, y] = place.unwrap_or_default();
-        let at = Item::waypoint(&home, [x, y, 100.0]);
+        let at = MissionItem::waypoint(&home, [x, y, 100.0]);
         let (latitude_e7, longitude_e7) = match place {
             Some(_) => (at.latitude_e7, at.longitude_e7),
             None => (0, 0),
         };
-        Item {
+        MissionItem {
             command: *command,
             parameters: *parameters,
             latitude_e7,
@@ -41,14 +41,14 @@ const fn waypoint(x: f64, y: f64) -> Row {
 
 /// Flies until the traffic has passed and the mode is back: kept clear, one change out, one back.
 fn avoids(what: &str, world: &mut World) {
-    world.run_while(90.0, what, |w| w.mode() != Mode::Guided);
-    world.run_while(90.0, what, |w| w.mode() != Mode::Auto);
+    world.run_while(90.0, what, |w| w.mode() != PlaneMode::Guided);
+    world.run_while(90.0, what, |w| w.mode() != PlaneMode::Auto);
     world.run_until(world.time_s + 30.0);
     let least_m = world.least_m[0].0;
     assert!(least_m >= 60.0, "{what}: {least_m}");
     let changes = world.emulator.mode_changes();
     assert_eq!(changes.len(), 2, "{what}: {changes:?}");
-    assert_eq!(world.mode(), Mode::Auto, "{what}");
+    assert_eq!(world.mode(), PlaneMode::Auto, "{what}");
 }
 
 #[test]
@@ -148,16 +148,16 @@ fn rtl_in_the_middle_of_a_manoeuvre_stays() {
         !matches!(w.companion.authority(), Authority::InCommand { .. })
     });
     world.run_until(world.time_s + 2.0);
-    world.emulator.pilot_mode(Mode::Rtl);
+    world.emulator.pilot_mode(PlaneMode::Rtl);
     world.run_until(world.time_s + 60.0);
-    assert_eq!(world.mode(), Mode::Rtl);
-    let modes: Vec<Mode> = world
+    assert_eq!(world.mode(), PlaneMode::Rtl);
+    let modes: Vec<PlaneMode> = world
         .emulator
         .mode_changes()
         .iter()
         .map(|at| at.mode)
         .collect();
-    assert_eq!(modes, [Mode::Guided, Mode::Rtl]);
+    assert_eq!(modes, [PlaneMode::Guided, PlaneMode::Rtl]);
     let by_the_pilot = Fault::ModeChanged;
     assert!(
         matches!(world.companion.authority(), Authority::Released { fault, .. } if fault == by_the_pilot)

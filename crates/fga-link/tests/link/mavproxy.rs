@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Instant;
 
-use fga_emulator::{Emulator, Item, Mode, Settings, VehicleModeChange};
+use fga_emulator::{Emulator, EmulatorSettings, MissionItem, PlaneMode, VehicleModeChange};
 use fga_link::Config;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::wire::{Framer, encode};
@@ -88,11 +88,16 @@ struct Flown {
 
 /// Flies north in AUTO, in real time, until the mission is resumed.
 fn fly_emulator(server: &TcpListener) -> Flown {
-    let mut emulator = Emulator::new(Settings::default());
+    let mut emulator = Emulator::new(EmulatorSettings::default());
     emulator.set_card(|_| Some(4.0));
     let home = *emulator.home();
     let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
-    emulator.set_mission(points.map(|point| Item::waypoint(&home, point)).to_vec(), 2);
+    emulator.set_mission(
+        points
+            .map(|point| MissionItem::waypoint(&home, point))
+            .to_vec(),
+        2,
+    );
     let (mut stream, _) = server.accept().expect("MAVProxy");
     stream.set_nodelay(true).expect("no delay");
     stream
@@ -186,7 +191,9 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
     let ground_port = ground.local_addr().expect("an address").port();
     let fly_port = free_port();
 
-    let place = Settings::default().home.to_place([0.0, AHEAD_M, 100.0]);
+    let place = EmulatorSettings::default()
+        .home
+        .to_place([0.0, AHEAD_M, 100.0]);
     let config = format!(
         "[[obstacle]]\nname = \"disc\"\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\nradius_m = {RADIUS_M:?}\n[terrain]\nsource = \"vehicle\"\nclearance_m = 20.0\n",
         f64::from(place.latitude_e7) * 1e-7,
@@ -219,7 +226,7 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
     });
     drop(peer);
     let said = fs::read_to_string(folder.join("mavproxy.txt")).expect("text");
-    let changes: Vec<(Mode, u8)> = flown
+    let changes: Vec<(PlaneMode, u8)> = flown
         .changes
         .iter()
         .map(|change| (change.mode, change.component_id))
@@ -227,7 +234,7 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
     let texts = flown.texts;
     assert_eq!(
         changes,
-        [(Mode::Guided, 196), (Mode::Auto, 196)],
+        [(PlaneMode::Guided, 196), (PlaneMode::Auto, 196)],
         "{texts:?} {said}"
     );
     assert!(flown.least_m >= RADIUS_M, "{}", flown.least_m);

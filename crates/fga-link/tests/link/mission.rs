@@ -1,7 +1,7 @@
 //! The mission that the vehicle really flies: uploads on another link, and items that are no waypoints.
 
 use crate::common::{GOOD, GROUND, Intruder, World, mission, upload};
-use fga_emulator::{Item, Mode};
+use fga_emulator::{MissionItem, PlaneMode};
 use fga_link::authority::Authority;
 use mavlink::dialects::ardupilotmega::{MISSION_COUNT_DATA, MavCmd, MavMessage, MavMissionType};
 
@@ -97,7 +97,7 @@ fn after_an_upload_in_a_manoeuvre_it_comes_back_to_the_new_leg() {
     let items = mission(&world.emulator, &points);
     let kind = MavMissionType::MAV_MISSION_TYPE_MISSION;
     upload(&mut world, kind, &items, Some(2));
-    world.run_while(60.0, "the mode given back", |w| w.mode() != Mode::Auto);
+    world.run_while(60.0, "the mode given back", |w| w.mode() != PlaneMode::Auto);
     let east_m = world.emulator.plant().position_m()[0];
     assert!((east_m + 200.0).abs() < 20.0, "{east_m}");
     assert!(world.least_m[0].0 >= 60.0);
@@ -110,10 +110,10 @@ fn another_fence_uploaded_on_another_link_is_read_again() {
     ready(&mut world);
     world.run_until(10.0);
     let home = *world.emulator.home();
-    let circle = Item {
+    let circle = MissionItem {
         command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
         parameters: [100.0, 0.0, 0.0, 0.0],
-        ..Item::waypoint(&home, [500.0, 2000.0, 0.0])
+        ..MissionItem::waypoint(&home, [500.0, 2000.0, 0.0])
     };
     upload(
         &mut world,
@@ -137,10 +137,10 @@ fn a_fence_with_as_many_items_as_before_is_noticed_within_two_seconds() {
     let mut world = World::new("", GOOD, 1);
     let home = *world.emulator.home();
     let circles = |east_m: f64| {
-        [[0.0, 3000.0], [east_m, 2000.0]].map(|[x, y]| Item {
+        [[0.0, 3000.0], [east_m, 2000.0]].map(|[x, y]| MissionItem {
             command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
             parameters: [100.0, 0.0, 0.0, 0.0],
-            ..Item::waypoint(&home, [x + 400.0, y, 0.0])
+            ..MissionItem::waypoint(&home, [x + 400.0, y, 0.0])
         })
     };
     world.emulator.set_fence(circles(100.0).to_vec());

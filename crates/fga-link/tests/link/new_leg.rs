@@ -3,7 +3,7 @@
 
 use crate::common::kinds::{KINDS, Kind, velocity_mps};
 use crate::common::{BAD, Intruder, Random, World, mission, upload};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use mavlink::dialects::ardupilotmega::MavMissionType;
 
 const PROTECTED_M: f64 = 60.0;
@@ -203,7 +203,7 @@ fn fly(seed: u32, shown: Shown) -> Outcome {
         if !leg.is_on(&world) {
             aside_s = world.time_s;
         }
-        if aside_s == world.time_s || world.mode() != Mode::Auto {
+        if aside_s == world.time_s || world.mode() != PlaneMode::Auto {
             last_off_s = world.time_s;
         }
         let passed_s = world.least_m.iter().map(|l| l.1).fold(0.0, f64::max);

@@ -2,16 +2,16 @@
 //! metres: the companion compares pressure with pressure.
 
 use crate::common::{GOOD, Intruder, World};
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 
 /// Protected by default, metres.
 const PROTECTED_M: f64 = 60.0;
 
 /// A head-on intruder at our altitude, seen through pressure altitudes.
 fn flown(config: &str, sea_level_hpa: f64, told: bool, home_m: f64) -> World {
-    let mut settings = Settings {
+    let mut settings = EmulatorSettings {
         sea_level_hpa: told.then_some(sea_level_hpa),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     settings.home.altitude_m = home_m;
     let mut world = World::with(settings, config, GOOD, 3);
@@ -29,7 +29,7 @@ fn a_reported_pressure_altitude_is_compared_with_the_vehicles_pressure() {
         for sea_level_hpa in [950.0, 970.0, 990.0, 1013.25, 1030.0, 1050.0] {
             let world = flown(config, sea_level_hpa, true, 4.0);
             assert!(world.least_m[0].0 >= PROTECTED_M, "{sea_level_hpa}");
-            assert_eq!(world.mode(), Mode::Auto);
+            assert_eq!(world.mode(), PlaneMode::Auto);
         }
     }
 }
@@ -47,9 +47,9 @@ fn without_the_vehicles_pressure_the_weather_is_bounded() {
 /// With a known pressure, traffic well above passes.
 #[test]
 fn traffic_well_above_is_no_threat_with_a_known_pressure() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         sea_level_hpa: Some(990.0),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 3);
     world.sea_level_hpa = Some(990.0);

@@ -14,7 +14,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use crate::common::live::{self, Live, ModeCommand, RADIUS_M};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_formats::terrain::Terrain;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::{Companion, Config};
@@ -110,22 +110,26 @@ impl Block {
 #[test]
 fn main_thread_blocked_in_a_manoeuvre_and_the_pilot_chooses() {
     static ENDED: AtomicU32 = AtomicU32::new(0);
-    let benches: Vec<_> = [Mode::Manual, Mode::Stabilize, Mode::FlyByWireA]
-        .into_iter()
-        .map(|mode| {
-            let live = Live::udp(None, None);
-            let out = live::folder(&format!("blocked-{mode:?}"));
-            let block = Block::default();
-            let program = Program::start(
-                &udpout(&live),
-                &live::config(),
-                &out,
-                || _ = ENDED.fetch_add(1, Ordering::Relaxed),
-                block.watch(),
-            );
-            (mode, live, block, program)
-        })
-        .collect();
+    let benches: Vec<_> = [
+        PlaneMode::Manual,
+        PlaneMode::Stabilize,
+        PlaneMode::FlyByWireA,
+    ]
+    .into_iter()
+    .map(|mode| {
+        let live = Live::udp(None, None);
+        let out = live::folder(&format!("blocked-{mode:?}"));
+        let block = Block::default();
+        let program = Program::start(
+            &udpout(&live),
+            &live::config(),
+            &out,
+            || _ = ENDED.fetch_add(1, Ordering::Relaxed),
+            block.watch(),
+        );
+        (mode, live, block, program)
+    })
+    .collect();
     for (mode, live, block, _) in &benches {
         live.wait_for_maneuver();
         block.set();
@@ -164,7 +168,7 @@ fn main_thread_blocked_in_a_manoeuvre_the_mode_is_restored_and_the_program_ends(
     live.wait_until("the end of the program", |_| {
         ENDED.load(Ordering::Relaxed) == 1
     });
-    assert_eq!(live.mode(), Mode::Auto);
+    assert_eq!(live.mode(), PlaneMode::Auto);
     let tries = live.commands().len() - before;
     assert!((1..=6).contains(&tries), "{:?}", live.commands());
     block.free();
@@ -188,9 +192,9 @@ fn main_thread_panicked_in_a_manoeuvre() {
     );
     live.wait_for_maneuver();
     panics.store(true, Ordering::Relaxed);
-    live.wait_until("AUTO", |live| live.mode() == Mode::Auto);
+    live.wait_until("AUTO", |live| live.mode() == PlaneMode::Auto);
     assert!(program.end().is_err(), "the program ends with an error");
-    assert!(!has_note(&out) || live.mode() == Mode::Auto);
+    assert!(!has_note(&out) || live.mode() == PlaneMode::Auto);
 }
 
 fn has_note(out: &Path) -> bool {
@@ -212,7 +216,7 @@ fn the_mode_that_is_owed_is_noted_before_it_is_taken_and_until_it_is_given_back(
     // A late answer is asked for again.
     let mut asked: Vec<u32> = live.commands().iter().map(|c| c.asked).collect();
     asked.dedup();
-    let there_and_back = [Mode::Guided, Mode::Auto].map(Mode::number);
+    let there_and_back = [PlaneMode::Guided, PlaneMode::Auto].map(PlaneMode::number);
     assert_eq!(asked, there_and_back, "{:?}", live.commands());
     program.end().expect("an orderly end");
     assert!(live.was_told("fga: program ends"));
@@ -280,7 +284,7 @@ fn eight_one_byte_datagrams_from_eight_ports_with_signing_on() {
     speak(&strangers);
     let live = Live::udp(Some(port), Some([7; 32]));
     while live.emulator().plant().position_m()[1] < live::AHEAD_M + 30.0
-        || live.mode() != Mode::Auto
+        || live.mode() != PlaneMode::Auto
     {
         speak(&strangers);
         thread::sleep(Duration::from_millis(50));

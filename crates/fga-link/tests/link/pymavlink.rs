@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use fga_link::authority::Severity;
 use fga_link::hand::attitude::attitude_message;
 use fga_link::hand::sticks::override_message;
-use fga_link::player::{Line, adsb_message};
+use fga_link::player::{PlayerLine, adsb_message};
 use fga_link::telling;
 use fga_link::wire::{Framer, Signing, encode};
 use mavlink::MavHeader;
@@ -20,7 +20,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 fn messages() -> Vec<MavMessage> {
-    let line: Line = "ABC123,37.6279,-122.375,104,180,25"
+    let line: PlayerLine = "ABC123,37.6279,-122.375,104,180,25"
         .parse()
         .expect("a line");
     let sample = line.0.at(1.0).expect("a sample");

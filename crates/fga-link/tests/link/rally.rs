@@ -1,7 +1,7 @@
 //! Rally points: RTL leads to the nearest one, and another list uploaded on another link is read again.
 
 use crate::common::{GOOD, Intruder, World, upload};
-use fga_emulator::{Item, Mode, Settings};
+use fga_emulator::{EmulatorSettings, MissionItem, PlaneMode};
 use fga_link::authority::Authority;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMissionType};
 
@@ -10,21 +10,21 @@ const RALLY: MavMissionType = MavMissionType::MAV_MISSION_TYPE_RALLY;
 const START_M: f64 = 3400.0;
 const RTL_TOO: &str = "[vehicle]\ntake_over = [\"AUTO\", \"RTL\"]\n";
 
-fn points(world: &World, places_m: &[[f64; 2]]) -> Vec<Item> {
+fn points(world: &World, places_m: &[[f64; 2]]) -> Vec<MissionItem> {
     let home = *world.emulator.home();
-    let point = |[x, y]: &[f64; 2]| Item {
+    let point = |[x, y]: &[f64; 2]| MissionItem {
         command: MavCmd::MAV_CMD_NAV_RALLY_POINT,
-        ..Item::waypoint(&home, [*x, *y, 100.0])
+        ..MissionItem::waypoint(&home, [*x, *y, 100.0])
     };
     places_m.iter().map(point).collect()
 }
 
 /// North of home, flying to the south, with rally points.
 fn world(places_m: &[[f64; 2]]) -> World {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         position_m: [0.0, START_M, 100.0],
         heading_rad: core::f64::consts::PI,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, RTL_TOO, GOOD, 9);
     let items = points(&world, places_m);
@@ -39,7 +39,7 @@ fn meeting_an_intruder_in_rtl() -> World {
     intruder.shown_m = 1200.0;
     world.add(intruder);
     world.run_until(1.0);
-    world.emulator.pilot_mode(Mode::Rtl);
+    world.emulator.pilot_mode(PlaneMode::Rtl);
     world
 }
 
@@ -76,7 +76,7 @@ fn rtl_leads_to_the_rally_point_that_the_vehicle_chooses() {
         world.emulator.parameters.set("RALLY_LIMIT_KM", limit_km);
         world.emulator.parameters.set("RALLY_INCL_HOME", with_home);
         world.run_until(3.0);
-        world.emulator.pilot_mode(Mode::Rtl);
+        world.emulator.pilot_mode(PlaneMode::Rtl);
         world.run_until(world.time_s + 0.3);
         assert!(leads_to(&world, place_m), "{:?}", end(&world));
         world.run_until(world.time_s + 3.0);
@@ -90,8 +90,8 @@ fn after_a_manoeuvre_in_rtl_it_flies_on_to_the_rally_point() {
     world.run_until(115.0);
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
     let changes = world.emulator.mode_changes().iter();
-    let modes: Vec<Mode> = changes.map(|change| change.mode).collect();
-    assert_eq!(modes, [Mode::Rtl, Mode::Guided, Mode::Rtl]);
+    let modes: Vec<PlaneMode> = changes.map(|change| change.mode).collect();
+    assert_eq!(modes, [PlaneMode::Rtl, PlaneMode::Guided, PlaneMode::Rtl]);
     assert!(leads_to(&world, [0.0, 200.0]));
 }
 
@@ -116,7 +116,7 @@ fn other_rally_points_uploaded_on_another_link_are_noticed_within_two_seconds() 
 }
 
 /// An upload of nothing is how a ground station clears a list.
-fn upload_all(world: &mut World, items: &[Item]) {
+fn upload_all(world: &mut World, items: &[MissionItem]) {
     if items.is_empty() {
         world.emulator.set_rally(Vec::new());
     } else {
@@ -135,7 +135,7 @@ fn rally_points_uploaded_in_a_manoeuvre_are_where_it_comes_back_to() {
     let items = points(&world, &[new_m]);
     upload(&mut world, RALLY, &items, None);
     world.run_while(2.0, "the new points", |w| !leads_to(w, new_m));
-    world.run_while(90.0, "RTL again", |w| w.mode() != Mode::Rtl);
+    world.run_while(90.0, "RTL again", |w| w.mode() != PlaneMode::Rtl);
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
     world.run_until(world.time_s + 3.0);
     assert!(leads_to(&world, new_m), "{:?}", end(&world));

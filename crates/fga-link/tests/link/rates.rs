@@ -2,7 +2,7 @@
 //! reaction to a vehicle that does not send them.
 
 use crate::common::{GOOD, Intruder, Network, Random, World};
-use fga_emulator::Settings;
+use fga_emulator::EmulatorSettings;
 use fga_link::authority::Authority;
 
 /// Messages and the intervals that the companion wants them at, seconds.
@@ -27,9 +27,9 @@ fn texts(world: &World, part: &str) -> usize {
 /// An earlier version requested only the heartbeat if the others came once a second.
 #[test]
 fn rates_never_asked() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         default_interval_s: Some(1.0),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 1);
     world.run_until(10.0);
@@ -45,10 +45,10 @@ fn rates_never_asked() {
 /// whether it restarts or falls silent meanwhile. 30 % of all messages are lost.
 fn start(seed: u64) {
     let mut random = Random::new(seed * 6364 + 1442);
-    let settings = Settings {
+    let settings = EmulatorSettings {
         default_interval_s: [None, Some(0.25), Some(1.0), Some(2.0)][(random.next() % 4) as usize],
         initialising_until_s: 20.0 + random.uniform(-4.0, 4.0).max(0.0),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let network = Network {
         loss: 0.3,
@@ -98,9 +98,9 @@ fn five_hundred_starts_are_ready_within_ten_seconds_at_the_asked_rates() {
 /// The radio gives only 1 Hz: steadily not ready, and reported in words.
 #[test]
 fn too_low_a_rate_is_reported_and_never_ready() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         fastest_interval_s: 1.0,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 1);
     world.add(Intruder::straight(
@@ -121,9 +121,9 @@ fn too_low_a_rate_is_reported_and_never_ready() {
 /// 3 Hz is slow and steady: it is ready once and stays so, and keeps its distance.
 #[test]
 fn a_slow_rate_that_can_be_flown_by_is_flown_by() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         fastest_interval_s: 0.33,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 1);
     world.add(Intruder::head_on());
@@ -141,9 +141,9 @@ fn a_slow_rate_that_can_be_flown_by_is_flown_by() {
 /// A vehicle that forgets its rates in flight is asked for them again.
 #[test]
 fn rates_that_fall_in_flight_are_asked_for_again() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         default_interval_s: Some(1.0),
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, "", GOOD, 1);
     world.run_until(10.0);

@@ -148,7 +148,7 @@ fn random_text_does_not_harm_configuration_and_scripts() {
         let _ = Config::parse(&text);
         let (lines, tally) = read_log(text.as_bytes());
         assert!(lines.len() as u64 <= tally.read());
-        let _ = text.parse::<fga_link::player::Line>();
+        let _ = text.parse::<fga_link::player::PlayerLine>();
         let _ = text.parse::<fga_link::endpoint::Endpoint>();
         let mut joiner = Joiner::new(ReportSource::Sbs);
         for line in text.lines() {

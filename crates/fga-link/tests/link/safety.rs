@@ -1,7 +1,7 @@
 //! Every fault against the emulator: the vehicle's behaviour, and the operator's messages.
 
 use crate::common::{BAD, GOOD, Intruder, Network, World, parameter_set};
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 use fga_link::authority::{Authority, Fault, reaction};
 use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
 
@@ -48,7 +48,12 @@ fn own_changes(world: &World) -> usize {
 
 #[test]
 fn the_pilot_takes_over_in_every_state() {
-    for mode in [Mode::FlyByWireA, Mode::Rtl, Mode::Loiter, Mode::Manual] {
+    for mode in [
+        PlaneMode::FlyByWireA,
+        PlaneMode::Rtl,
+        PlaneMode::Loiter,
+        PlaneMode::Manual,
+    ] {
         for state in ["taking", "in-command", "returning"] {
             let mut world = head_on("", GOOD, 3);
             world.keep_sent = true;
@@ -85,10 +90,10 @@ fn the_pilot_takes_over_in_every_state() {
 #[test]
 fn after_the_pilot_only_the_operator_arms_it_again() {
     let mut world = in_command();
-    world.emulator.pilot_mode(Mode::Loiter);
+    world.emulator.pilot_mode(PlaneMode::Loiter);
     world.intruders.clear();
     world.run_until(world.time_s + 25.0);
-    world.emulator.pilot_mode(Mode::Auto);
+    world.emulator.pilot_mode(PlaneMode::Auto);
     world.run_until(world.time_s + 15.0);
     assert!(is_released(&world, Fault::ModeChanged));
     world.say_from_ground(&parameter_set(196, "FGA_ENABLE", 1.0));
@@ -115,7 +120,7 @@ fn killed_in_mid_manoeuvre_the_autopilot_resolves_it() {
     world.killed = true;
     // GUIDED_TIMEOUT of 3 s, then it circles the point at which GUIDED was entered.
     world.run_until(world.time_s + 60.0);
-    assert_eq!(world.mode(), Mode::Guided);
+    assert_eq!(world.mode(), PlaneMode::Guided);
     let plant = world.emulator.plant();
     let entered_m = world.emulator.mode_changes()[0].time_s;
     assert!(entered_m > 0.0);
@@ -158,8 +163,8 @@ fn a_lost_link_is_reported_and_the_mode_restored() {
     // Restored once, at the end: AUTO would have led back to the intruder, and to another take-over.
     world.run_until(world.time_s + 90.0);
     let changes = world.emulator.mode_changes().iter();
-    let modes: Vec<Mode> = changes.map(|change| change.mode).collect();
-    assert_eq!(modes, [Mode::Guided, Mode::Auto]);
+    let modes: Vec<PlaneMode> = changes.map(|change| change.mode).collect();
+    assert_eq!(modes, [PlaneMode::Guided, PlaneMode::Auto]);
 }
 
 /// It flies on as long as the manoeuvre is proven, and at most eight seconds.
@@ -171,8 +176,8 @@ fn stale_telemetry_restores_the_mode() {
     world.intruders[0].position_m[1] = world.emulator.plant().position_m()[1] + 300.0;
     world.no_telemetry = true;
     world.run_until(world.time_s + 3.0);
-    assert_eq!(world.mode(), Mode::Guided);
-    world.run_while(9.0, "the mode given back", |w| w.mode() != Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Guided);
+    world.run_while(9.0, "the mode given back", |w| w.mode() != PlaneMode::Auto);
     world.run_until(world.time_s + 0.2);
     assert!(was_told(&world, Fault::TelemetryStale));
     assert!(is_released(&world, Fault::TelemetryStale));
@@ -192,7 +197,7 @@ fn a_refused_take_over_is_reported() {
     });
     world.emulator.refuse_commands(true);
     world.run_until(75.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert!(was_told(&world, Fault::TakeOverRefused));
 }
 
@@ -220,7 +225,7 @@ fn after_three_refusals_only_the_operator_arms_it_again() {
     assert_eq!(told.count(), 3);
     world.emulator.refuse_commands(false);
     world.run_until(world.time_s + 10.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert_eq!(world.companion.authority(), Authority::Waiting);
 }
 
@@ -231,7 +236,7 @@ fn below_the_floor_in_a_manoeuvre_the_mode_is_restored() {
     world.emulator.displace([0.0, 0.0, -85.0]);
     world.run_while(5.0, "release", |w| !is_released(w, Fault::BelowFloor));
     world.run_until(world.time_s + 1.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert!(was_told(&world, Fault::BelowFloor));
 }
 
@@ -241,7 +246,7 @@ fn the_operator_switches_it_off_in_a_manoeuvre() {
     world.say_from_ground(&parameter_set(196, "FGA_ENABLE", 0.0));
     world.run_while(2.0, "release", |w| !is_released(w, Fault::OperatorOff));
     world.run_until(world.time_s + 10.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert!(was_told(&world, Fault::OperatorOff));
     assert!(is_released(&world, Fault::OperatorOff));
 }
@@ -261,7 +266,7 @@ fn a_vehicle_that_does_not_follow_is_given_back() {
     world.emulator.ignore_targets(true);
     world.run_while(20.0, "release", |w| !is_released(w, Fault::NotFollowing));
     world.run_until(world.time_s + 1.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert!(was_told(&world, Fault::NotFollowing));
 }
 
@@ -285,8 +290,8 @@ fn a_disarmed_vehicle_is_left_alone() {
 #[test]
 fn below_the_floor_or_disarmed_or_in_another_mode_it_never_acts() {
     for (config, mode) in [
-        ("[limits]\nfloor_m = 120.0", Mode::Auto),
-        ("", Mode::Loiter),
+        ("[limits]\nfloor_m = 120.0", PlaneMode::Auto),
+        ("", PlaneMode::Loiter),
     ] {
         let mut world = head_on(config, GOOD, 3);
         world.emulator.pilot_mode(mode);
@@ -305,7 +310,7 @@ fn lost_traffic_ends_in_the_mission_again() {
     until_in_command(&mut world);
     world.intruders.clear();
     world.run_until(world.time_s + 40.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert!(world.companion.tracks().tracks().is_empty());
 }
 
@@ -314,13 +319,13 @@ const PAPER: &str = "[command]\nmode = \"paper\"\n[protection]\nmargin_m = 5.0\n
 
 fn paper_world(network: Network) -> World {
     let mut world = World::new(PAPER, network, 5);
-    world.emulator.pilot_mode(Mode::Cruise);
+    world.emulator.pilot_mode(PlaneMode::Cruise);
     world
 }
 
 /// The disc, in the emulator's frame, metres.
 fn disc_m(world: &World) -> [f64; 3] {
-    world.emulator.home().to_local_m(fga_emulator::Place {
+    world.emulator.home().to_local_m(fga_emulator::WirePlace {
         latitude_e7: 376_324_141,
         longitude_e7: -1_223_748_000,
         altitude_mm: 104_000,
@@ -340,13 +345,16 @@ fn algorithm_4_flies_round_a_static_obstacle() {
         }
         eprintln!("least {least_m:.1} m, {:?}", world.emulator.mode_changes());
         assert!(least_m >= 150.0, "{least_m}");
-        let modes: Vec<Mode> = world
+        let modes: Vec<PlaneMode> = world
             .emulator
             .mode_changes()
             .iter()
             .map(|change| change.mode)
             .collect();
-        assert_eq!(modes, [Mode::Cruise, Mode::FlyByWireB, Mode::Cruise]);
+        assert_eq!(
+            modes,
+            [PlaneMode::Cruise, PlaneMode::FlyByWireB, PlaneMode::Cruise]
+        );
         // Back on its course, north.
         assert!(world.off_leg().1 < 0.1, "{:?}", world.off_leg());
     }
@@ -357,10 +365,10 @@ fn algorithm_4_flies_round_a_static_obstacle() {
 #[test]
 fn algorithm_4_holds_its_throttle_and_follows_the_circle_at_the_airspeed_flown() {
     // Two and a half times as much as was seen.
-    let mut settings = Settings::default();
+    let mut settings = EmulatorSettings::default();
     settings.plant.airspeed_in_turn_mps = 6.0;
     let mut world = World::with(settings, PAPER, GOOD, 5);
-    world.emulator.pilot_mode(Mode::Cruise);
+    world.emulator.pilot_mode(PlaneMode::Cruise);
     world.keep_sent = true;
     let at = disc_m(&world);
     let (mut least_m, mut fastest_mps) = (f64::INFINITY, 0.0_f64);
@@ -409,10 +417,10 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
             let (sin, cos) = (f64::from(side) * core::f64::consts::FRAC_PI_2).sin_cos();
             let speed_mps = strength * fga_emulator::PlantSettings::default().airspeed_mps;
             // CRUISE holds the track that the aircraft has, north.
-            let settings = Settings {
+            let settings = EmulatorSettings {
                 wind_mps: [speed_mps * sin, -speed_mps * cos],
                 heading_rad: -(strength * sin).asin(),
-                ..Settings::default()
+                ..EmulatorSettings::default()
             };
             let config = format!(
                 "[command]\nmode = \"paper\"\n[protection]\nmargin_m = 5.0\nsurveillance_m = {surveillance_m:?}\n\
@@ -420,17 +428,17 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
                  altitude_m = 104.0\nradius_m = {radius_m:?}\n"
             );
             let mut world = World::with(settings, &config, GOOD, 5);
-            world.emulator.pilot_mode(Mode::Cruise);
+            world.emulator.pilot_mode(PlaneMode::Cruise);
             let at = disc_m(&world);
             let mut least_m = f64::INFINITY;
             let mut is_past = false;
-            while world.time_s < 1500.0 && !(is_past && world.mode() == Mode::Cruise) {
+            while world.time_s < 1500.0 && !(is_past && world.mode() == PlaneMode::Cruise) {
                 world.step();
                 let own = world.emulator.plant().position_m();
                 is_past = own[1] > at[1] + radius_m + 200.0;
                 least_m = least_m.min((own[0] - at[0]).hypot(own[1] - at[1]));
             }
-            let modes: Vec<Mode> = world
+            let modes: Vec<PlaneMode> = world
                 .emulator
                 .mode_changes()
                 .iter()
@@ -447,13 +455,13 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
             eprintln!("{case}");
             if told {
                 assert!(surveillance_m < 3000.0, "{case}");
-                assert_eq!(modes, [Mode::Cruise], "{case}");
+                assert_eq!(modes, [PlaneMode::Cruise], "{case}");
             } else {
                 flown += 1;
                 assert!(least_m >= radius_m, "{case}");
                 assert_eq!(
                     modes,
-                    [Mode::Cruise, Mode::FlyByWireB, Mode::Cruise],
+                    [PlaneMode::Cruise, PlaneMode::FlyByWireB, PlaneMode::Cruise],
                     "{case}"
                 );
                 assert!(world.off_leg().1 < 0.1, "{case}: {:?}", world.off_leg());
@@ -489,7 +497,7 @@ fn heading_commands_avoid_too() {
         world.emulator.mode_changes()
     );
     assert!(world.least_m[0].0 >= 60.0);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     assert_eq!(world.emulator.mode_changes().len(), 2);
 }
 
@@ -511,7 +519,7 @@ fn a_dry_run_only_reports() {
 /// A quadplane hovers against the wind in AUTO while it takes off or lands: GUIDED would make it speed up.
 #[test]
 fn a_vehicle_that_hovers_is_not_taken_over() {
-    let mut settings = Settings::default();
+    let mut settings = EmulatorSettings::default();
     settings.plant.airspeed_mps = 7.0;
     let mut world = World::with(settings, "", GOOD, 1);
     for (name, value) in [("AIRSPEED_CRUISE", 25.0), ("AIRSPEED_MIN", 12.0)] {
@@ -544,7 +552,7 @@ fn l1_after_a_lost_link_the_way_is_that_of_the_mode_from_before() {
         let mut off_m = f64::INFINITY;
         world.run_while(90.0, "AUTO", |w| {
             off_m = w.off_leg().0;
-            w.mode() != Mode::Auto
+            w.mode() != PlaneMode::Auto
         });
         assert!(off_m < 20.0, "given back {off_m} m beside the leg");
         let ways: Vec<String> = (world.companion.take_log().iter())

@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::random::Random;
 use crate::common::{GROUND, parameter_set, seeds};
-use fga_emulator::{Emulator, Item, STEP_S, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, MissionItem, STEP_S};
 use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::VehicleCommand;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
@@ -96,10 +96,12 @@ impl Rig {
     fn new(seed: u64, trace: bool, with_trial: bool, is_degraded: bool) -> Self {
         let mut random = Random::new(seed);
         let mut planned = plan(&mut random);
-        let mut emulator = Emulator::new(Settings::default());
+        let mut emulator = Emulator::new(EmulatorSettings::default());
         let home = *emulator.home();
         let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
-        let mut items = points.map(|point| Item::waypoint(&home, point)).to_vec();
+        let mut items = points
+            .map(|point| MissionItem::waypoint(&home, point))
+            .to_vec();
         let mut trial = Trial::NONE;
         if with_trial {
             let mut random = Random::new(seed ^ 0x7A11);
@@ -108,21 +110,21 @@ impl Rig {
             // A waypoint and a command every so often.
             let spacing_m = random.uniform(150.0, 700.0);
             for n in 1..40_u8 {
-                items.push(Item::waypoint(
+                items.push(MissionItem::waypoint(
                     &home,
                     [0.0, spacing_m * f64::from(n), 100.0],
                 ));
-                items.push(Item {
+                items.push(MissionItem {
                     command: MavCmd::MAV_CMD_DO_SET_SERVO,
                     latitude_e7: 0,
                     longitude_e7: 0,
-                    ..Item::waypoint(&home, [0.0; 3])
+                    ..MissionItem::waypoint(&home, [0.0; 3])
                 });
             }
-            let circle = Item {
+            let circle = MissionItem {
                 command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
                 parameters: [150.0, 0.0, 0.0, 0.0],
-                ..Item::waypoint(&home, [40.0, random.uniform(500.0, 1500.0), 0.0])
+                ..MissionItem::waypoint(&home, [40.0, random.uniform(500.0, 1500.0), 0.0])
             };
             if let Some(enabled) = trial.fence {
                 emulator.store_fence(vec![circle]);

@@ -1,6 +1,6 @@
 //! Ground asked of a ground station on the second link, which answers as MAVProxy does.
 
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 use mavlink::dialects::ardupilotmega::{MavMessage, TERRAIN_DATA_DATA, TERRAIN_REQUEST_DATA};
 
 use crate::common::{GOOD, GROUND, Intruder, World};
@@ -19,10 +19,10 @@ struct Station<'a> {
 
 /// A flight past a head-on intruder with ground that a ground station sends.
 fn asked(says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
-    asked_with(Settings::default(), says, until_s)
+    asked_with(EmulatorSettings::default(), says, until_s)
 }
 
-fn asked_with(settings: Settings, says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
+fn asked_with(settings: EmulatorSettings, says: &[Says<'_>], until_s: f64) -> (World, Flown, u32) {
     let config = "[terrain]\nsource = \"ground-station\"\nclearance_m = 30.0\n";
     let mut world = World::with(settings, config, GOOD, 8);
     world.add(Intruder::head_on());
@@ -104,7 +104,7 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
     };
     let (world, flown, requests) = asked(&[&says], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     let to_ridge_m = if side > 0.0 {
         flown.east_m[1]
     } else {
@@ -123,9 +123,9 @@ fn a_ground_station_is_asked_for_the_ground_and_its_ridge_is_avoided() {
 /// A ground station needs minutes for the way of a flight.
 #[test]
 fn before_the_vehicle_moves_the_ground_is_asked_for_and_the_operator_reads_what_is_missing() {
-    let stands = Settings {
+    let stands = EmulatorSettings {
         armed: false,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let (world, flown, _) = asked_with(stands, &[&|_, _, _| Some(4)], 60.0);
     assert!(pieces(&flown, "taken") > 200, "{}", pieces(&flown, "taken"));
@@ -141,7 +141,7 @@ fn before_the_vehicle_moves_the_ground_is_asked_for_and_the_operator_reads_what_
 fn a_silent_ground_station_is_told_asked_ever_less_often_and_traffic_is_avoided() {
     let (world, flown, requests) = asked(&[&|_, _, _| None], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert!(is_told(&world, "fga: no terrain from the ground station"));
     // After 2, 4, 8, 16 and then each 32 s.
     assert!((5..=8).contains(&requests), "{requests}");
@@ -183,7 +183,7 @@ fn half_of_the_pieces_leaves_the_other_half_unknown() {
     let says = |_: f64, _: [f64; 2], bit: u8| bit.is_multiple_of(2).then_some(4);
     let (world, flown, _) = asked(&[&says], 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     // A block that is never whole holds up no other.
     assert!(
         pieces(&flown, "taken") > 2 * 28,

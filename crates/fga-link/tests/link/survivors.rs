@@ -7,7 +7,7 @@
 )]
 
 use crate::common::{GOOD, Intruder, Random, World};
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 use fga_link::authority::Authority;
 use fga_link::wire::Framer;
 use mavlink::dialects::ardupilotmega::{
@@ -17,7 +17,7 @@ use mavlink::dialects::ardupilotmega::{
 use mavlink::{Message as _, calculate_crc};
 
 /// A head-on intruder that meets the aircraft after half a minute.
-fn head_on(settings: Settings) -> World {
+fn head_on(settings: EmulatorSettings) -> World {
     let mut world = World::with(settings, "", GOOD, 3);
     let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 1500.0, 100.0], [0.0, -25.0, 0.0]);
     intruder.shown_m = 1200.0;
@@ -34,8 +34,8 @@ fn survives(mut world: World, mut say: impl FnMut(&mut World)) {
     }
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
     let changes = world.emulator.mode_changes().iter();
-    let modes: Vec<Mode> = changes.map(|change| change.mode).collect();
-    assert_eq!(modes, [Mode::Guided, Mode::Auto]);
+    let modes: Vec<PlaneMode> = changes.map(|change| change.mode).collect();
+    assert_eq!(modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert_eq!(world.companion.authority(), Authority::Ready);
 }
 
@@ -55,7 +55,7 @@ fn absurd(random: &mut Random) -> u32 {
 fn absurd_adsb_vehicle_messages() {
     let mut random = Random::new(484);
     let mut said = 0;
-    survives(head_on(Settings::default()), |world| {
+    survives(head_on(EmulatorSettings::default()), |world| {
         if said >= 484 || world.time_s < 5.0 {
             return;
         }
@@ -88,7 +88,7 @@ fn hostile_messages_at_250_a_second() {
     ];
     let mut random = Random::new(250);
     let mut framer = Framer::new(None);
-    survives(head_on(Settings::default()), |world| {
+    survives(head_on(EmulatorSettings::default()), |world| {
         for _ in 0..5 {
             let id = IDS[(random.next() % IDS.len() as u64) as usize];
             let length = (random.next() % 256) as u8;
@@ -111,9 +111,9 @@ fn hostile_messages_at_250_a_second() {
 /// The count of milliseconds since boot overflows after 49.7 days, here in the middle of the manoeuvre.
 #[test]
 fn boot_time_wrap_in_a_manoeuvre() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         boot_s: 4_294_967.296 - 26.0,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut in_command = false;
     survives(head_on(settings), |world| {
@@ -269,7 +269,7 @@ fn impossible_telemetry_of_the_vehicle() {
     for (what, message) in IMPOSSIBLE {
         println!("{what}");
         let mut next_s = 5.0;
-        survives(head_on(Settings::default()), |world| {
+        survives(head_on(EmulatorSettings::default()), |world| {
             if world.time_s >= next_s {
                 next_s += 0.5;
                 world.say_as((1, 1), &message(world));

@@ -6,7 +6,7 @@ use alloc::sync::Arc;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use fga_emulator::{Item, Mode, Settings};
+use fga_emulator::{EmulatorSettings, MissionItem, PlaneMode};
 use fga_formats::terrain::{Given, Terrain, parse};
 use fga_link::replay::replay;
 use fga_link::tlog::TlogWriter;
@@ -28,7 +28,7 @@ const SIDE: u32 = 1201;
 
 /// The tile around the emulator's home with heights by metres east and north of it; `None` is a hole.
 pub(crate) fn tile(height_m: impl Fn(f64, f64) -> Option<i16>) -> Arc<Terrain> {
-    let home = Settings::default().home;
+    let home = EmulatorSettings::default().home;
     let mut bytes = Vec::new();
     for row in 0..SIDE {
         let latitude_deg = 38.0 - f64::from(row) / f64::from(SIDE - 1);
@@ -54,7 +54,7 @@ fn above_m(world: &World, terrain: &Terrain) -> Option<f64> {
 }
 
 /// A head-on intruder meets the vehicle after a minute.
-pub(crate) fn head_on(settings: Settings, terrain: Option<&Arc<Terrain>>) -> World {
+pub(crate) fn head_on(settings: EmulatorSettings, terrain: Option<&Arc<Terrain>>) -> World {
     let config = if terrain.is_some() { CONFIG } else { "" };
     let mut world = World::with(settings, config, GOOD, 8);
     world.companion.set_terrain(terrain.cloned());
@@ -69,7 +69,7 @@ pub(crate) struct Flown {
     pub(crate) over_unknown: bool,
     /// The least and the most metres east.
     pub(crate) east_m: [f64; 2],
-    pub(crate) modes: Vec<Mode>,
+    pub(crate) modes: Vec<PlaneMode>,
     pub(crate) log: Vec<serde_json::Value>,
 }
 
@@ -126,8 +126,12 @@ fn flat() -> Arc<Terrain> {
 pub(crate) fn choice() -> f64 {
     static SIDE: OnceLock<f64> = OnceLock::new();
     *SIDE.get_or_init(|| {
-        let flown = fly(&mut head_on(Settings::default(), None), &flat(), 130.0);
-        assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+        let flown = fly(
+            &mut head_on(EmulatorSettings::default(), None),
+            &flat(),
+            130.0,
+        );
+        assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
         if flown.east_m[1] > -flown.east_m[0] {
             1.0
         } else {
@@ -145,9 +149,13 @@ fn ridge(side: f64) -> Arc<Terrain> {
 fn a_ridge_that_a_manoeuvre_without_ground_hits_is_passed_on_the_other_side() {
     let side = choice();
     let terrain = ridge(side);
-    let blind = fly(&mut head_on(Settings::default(), None), &terrain, 130.0);
+    let blind = fly(
+        &mut head_on(EmulatorSettings::default(), None),
+        &terrain,
+        130.0,
+    );
     assert!(blind.lowest_m < 0.0, "{}", blind.lowest_m);
-    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
     let flown = fly(&mut world, &terrain, 130.0);
     assert!(
         flown.lowest_m >= ASKED_M,
@@ -156,7 +164,7 @@ fn a_ridge_that_a_manoeuvre_without_ground_hits_is_passed_on_the_other_side() {
         flown.east_m
     );
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert!(is_told(&world, "fga: the ground bounds the way round"));
     assert!(!is_told(&world, "too low") && !is_told(&world, "unknown ground"));
     // The record has the height above the ground.
@@ -178,7 +186,7 @@ fn a_ridge_that_a_manoeuvre_without_ground_hits_is_passed_on_the_other_side() {
 #[test]
 fn a_vehicle_that_keeps_its_altitude_is_not_expected_to_sink_into_the_ground() {
     let terrain = tile(|_, _| Some(50));
-    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
     let mut log = Vec::new();
     while world.time_s < 130.0 {
         world.reported_sink_mps = if (world.time_s % 4.0) < 2.0 {
@@ -197,7 +205,7 @@ fn a_vehicle_that_keeps_its_altitude_is_not_expected_to_sink_into_the_ground() {
 
 #[test]
 fn without_a_choice_of_its_own_the_ground_changes_no_manoeuvre() {
-    let (terrain, settings) = (flat(), Settings::default());
+    let (terrain, settings) = (flat(), EmulatorSettings::default());
     let free = fly(&mut head_on(settings.clone(), None), &terrain, 130.0);
     let mut world = head_on(settings, Some(&terrain));
     let flown = fly(&mut world, &terrain, 130.0);
@@ -248,15 +256,15 @@ fn the_mission_is_told_where_it_is_too_low_or_over_unknown_ground_and_flown_as_i
 #[test]
 fn over_unknown_ground_traffic_is_avoided_where_nothing_else_helps_and_that_is_told() {
     let terrain = tile(|east_m, _| (east_m.abs() < 80.0).then_some(4));
-    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
     let flown = fly(&mut world, &terrain, 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     assert!(flown.over_unknown && is_told(&world, "fga: avoids over unknown ground"));
     // Where one side is known, it is taken.
     let side = choice();
     let terrain = tile(move |east_m, _| (side * east_m < 80.0).then_some(4));
-    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
     let flown = fly(&mut world, &terrain, 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
     assert!(
@@ -270,9 +278,9 @@ fn over_unknown_ground_traffic_is_avoided_where_nothing_else_helps_and_that_is_t
 fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
     let side = choice();
     for wind_mps in [[8.0, 0.0], [-8.0, 0.0], [0.0, 8.0], [0.0, -8.0]] {
-        let settings = Settings {
+        let settings = EmulatorSettings {
             wind_mps,
-            ..Settings::default()
+            ..EmulatorSettings::default()
         };
         let terrain = ridge(side);
         let mut world = head_on(settings, Some(&terrain));
@@ -284,10 +292,10 @@ fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
             [-edge, 20_000.0],
             [-edge, -2000.0],
         ];
-        let fence = corners.map(|[x, y]| Item {
+        let fence = corners.map(|[x, y]| MissionItem {
             command: MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
             parameters: [4.0, 0.0, 0.0, 0.0],
-            ..Item::waypoint(&home, [x, y, 0.0])
+            ..MissionItem::waypoint(&home, [x, y, 0.0])
         });
         world.emulator.set_fence(fence.to_vec());
         let flown = fly(&mut world, &terrain, 140.0);
@@ -299,7 +307,11 @@ fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
         assert!(flown.lowest_m >= ASKED_M, "{wind_mps:?} {}", flown.lowest_m);
         let farthest_m = flown.east_m[1].max(-flown.east_m[0]);
         assert!(farthest_m <= 160.0, "{wind_mps:?} {farthest_m}");
-        assert_eq!(flown.modes, [Mode::Guided, Mode::Auto], "{wind_mps:?}");
+        assert_eq!(
+            flown.modes,
+            [PlaneMode::Guided, PlaneMode::Auto],
+            "{wind_mps:?}"
+        );
     }
 }
 
@@ -307,7 +319,7 @@ fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
 fn a_rangefinder_that_disagrees_is_told_once_and_changes_nothing() {
     let terrain = flat();
     let flight = |distance_m: u16| {
-        let mut world = head_on(Settings::default(), Some(&terrain));
+        let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
         let (mut log, mut step) = (Vec::new(), 0);
         while world.time_s < 130.0 {
             world.step();
@@ -367,7 +379,7 @@ fn micros(at_s: f64) -> u64 {
 #[test]
 fn a_recorded_flight_over_ground_is_repeated() {
     let terrain = ridge(choice());
-    let mut world = head_on(Settings::default(), Some(&terrain));
+    let mut world = head_on(EmulatorSettings::default(), Some(&terrain));
     world.heard = Some(Vec::new());
     let flown = fly(&mut world, &terrain, 130.0);
     let mut log = Vec::new();

@@ -8,7 +8,7 @@
 use alloc::collections::VecDeque;
 
 use crate::common::{GOOD, Intruder, Random, World};
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_formats::traffic::{Altitude, TrafficReport};
 use fga_link::traffic::ReportSource;
 use fga_link::traffic::receiver::Joiner;
@@ -106,7 +106,7 @@ fn ten_thousand_far_aircraft_do_not_hide_the_near_one() {
         });
         assert_kept(&world);
         assert_eq!(times_told(&world, "traffic overload"), 1);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
         assert!(world.companion.tracks().tracks().len() <= 4096);
     }
 }
@@ -167,7 +167,7 @@ fn reports_at_our_place_under_the_address_of_a_later_intruder() {
         }
     });
     assert_kept(&world);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
 }
 
 /// Our transponder, heard by a receiver on board a second late, is no obstacle, in turns too.
@@ -206,7 +206,7 @@ fn our_transponder_is_no_obstacle() {
         // Unnamed, it is another aircraft until the belief begins.
         assert!(config.is_empty() || before == 0);
         assert_eq!(world.companion.counts().maneuvers, before + 1);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
     }
 }
 

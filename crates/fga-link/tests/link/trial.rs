@@ -3,7 +3,7 @@
 
 use crate::common::beat::heartbeat;
 use crate::common::{BAD, GOOD, Intruder, Network, World, distance, mission};
-use fga_emulator::{Item, Mode, Settings};
+use fga_emulator::{EmulatorSettings, MissionItem, PlaneMode};
 use fga_link::authority::Authority;
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
@@ -22,7 +22,7 @@ fn times_told(world: &World, words: &str) -> usize {
 
 /// A configuration with a disc on the leg, so far north of the start.
 fn disc(north_m: f64) -> String {
-    let emulator = fga_emulator::Emulator::new(Settings::default());
+    let emulator = fga_emulator::Emulator::new(EmulatorSettings::default());
     let place = emulator.home().to_place([0.0, north_m, 100.0]);
     format!(
         "[[obstacle]]\nname = \"disc\"\nlatitude_deg = {:.7}\nlongitude_deg = {:.7}\naltitude_m = 104.0\nradius_m = {RADIUS_M}\n",
@@ -35,14 +35,14 @@ fn head_on(north_m: f64) -> Intruder {
     Intruder::straight(0x00AB_CDEF, [0.0, north_m, 100.0], [0.0, -25.0, 0.0])
 }
 
-fn command(command: MavCmd) -> Item {
-    Item {
+fn command(command: MavCmd) -> MissionItem {
+    MissionItem {
         command,
         parameters: [9.0, 1500.0, 0.0, 0.0],
         latitude_e7: 0,
         longitude_e7: 0,
         altitude_m: 0.0,
-        ..Item::waypoint(&Settings::default().home, [0.0; 3])
+        ..MissionItem::waypoint(&EmulatorSettings::default().home, [0.0; 3])
     }
 }
 
@@ -92,8 +92,8 @@ fn l1_a_command_after_a_waypoint_passed_in_the_manoeuvre_runs() {
     let mut world = World::new("", GOOD, 1);
     let commands = with_commands(&mut world, &[-10.0, 1500.0, 6000.0]);
     world.add(head_on(3000.0));
-    world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
-    world.run_while(90.0, "AUTO", |w| w.mode() != Mode::Auto);
+    world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
+    world.run_while(90.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
     assert!(
         world.emulator.plant().position_m()[1] > 1500.0,
         "passed in it"
@@ -119,20 +119,20 @@ fn l1_no_command_of_a_mission_vanishes_in_silence() {
         let commands = with_commands(&mut world, &norths_m);
         world.keep_sent = true;
         world.add(head_on(3000.0));
-        world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
-        world.run_while(120.0, "AUTO", |w| w.mode() != Mode::Auto);
+        world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
+        world.run_while(120.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
         world.run_while(300.0, "the last leg", |w| {
             w.emulator.plant().position_m()[1] < first_m + 4.0 * spacing_m + 100.0
         });
         world.run_until(world.time_s + 5.0);
         none_vanishes(&world, &commands[1..], &format!("{seed}"));
-        let modes: Vec<Mode> = world
+        let modes: Vec<PlaneMode> = world
             .emulator
             .mode_changes()
             .iter()
             .map(|at| at.mode)
             .collect();
-        assert_eq!(modes, [Mode::Guided, Mode::Auto], "{seed}");
+        assert_eq!(modes, [PlaneMode::Guided, PlaneMode::Auto], "{seed}");
     }
 }
 
@@ -146,8 +146,8 @@ fn l1_commands_that_run_again_are_named() {
     items.insert(1, command(MavCmd::MAV_CMD_DO_SET_SERVO));
     world.emulator.set_mission(items, 3);
     world.add(head_on(3000.0));
-    world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
-    world.run_while(90.0, "AUTO", |w| w.mode() != Mode::Auto);
+    world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
+    world.run_while(90.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
     world.run_until(world.time_s + 5.0);
     assert_eq!(world.emulator.mission_item(), 3);
     assert_eq!(world.emulator.items_run().len(), 1);
@@ -159,9 +159,9 @@ fn l1_commands_that_run_again_are_named() {
 
 /// How long before the entry the mode was taken, and how long it was held, seconds.
 fn taken_and_held(world: &mut World, entry_s: impl Fn(&World) -> f64) -> (f64, f64) {
-    world.run_while(200.0, "GUIDED", |w| w.mode() != Mode::Guided);
+    world.run_while(200.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
     let (taken_s, ahead_s) = (world.time_s, entry_s(world));
-    world.run_while(180.0, "AUTO", |w| w.mode() != Mode::Auto);
+    world.run_while(180.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
     (ahead_s, world.time_s - taken_s)
 }
 
@@ -178,9 +178,9 @@ fn l2_an_obstacle_at_rest_is_taken_over_as_late_as_traffic_and_given_back_as_soo
         [5.5, 5.5],
     ];
     for (wind_mps, network) in winds.into_iter().zip([GOOD, BAD].into_iter().cycle()) {
-        let settings = Settings {
+        let settings = EmulatorSettings {
             wind_mps,
-            ..Settings::default()
+            ..EmulatorSettings::default()
         };
         let mut traffic = World::with(settings.clone(), "", network, 4);
         traffic.add(head_on(2.0 * NORTH_M));
@@ -199,9 +199,9 @@ fn l2_an_obstacle_at_rest_is_taken_over_as_late_as_traffic_and_given_back_as_soo
         });
         eprintln!("{wind_mps:?}: traffic {moving:.1?}, at rest {resting:.1?}");
         // Again, for the separation.
-        let settings = Settings {
+        let settings = EmulatorSettings {
             wind_mps,
-            ..Settings::default()
+            ..EmulatorSettings::default()
         };
         let mut world = World::with(settings, &disc(NORTH_M), network, 4);
         while world.emulator.plant().position_m()[1] < NORTH_M + 300.0 {
@@ -238,7 +238,7 @@ fn l2_no_waypoint_is_skipped_in_silence() {
             world.step();
             let own_m = world.emulator.plant().position_m();
             nearest_m = f64::min(nearest_m, distance(own_m, points[1]));
-            reached |= world.mode() == Mode::Auto && distance(own_m, points[1]) < 30.0;
+            reached |= world.mode() == PlaneMode::Auto && distance(own_m, points[1]) < 30.0;
         }
         assert!(!reached && nearest_m > 30.0, "it lies in the disc");
         let words = format!("fga: waypoint 2 passed {nearest_m:.0} m off");
@@ -293,8 +293,8 @@ fn l2_a_waypoint_counts_as_passed_where_it_was_nearest_in_all_manoeuvres() {
 fn note(system_id: u8, world: &World) -> Note {
     Note {
         system_id,
-        owned_mode: Mode::Guided.number(),
-        previous_mode: Mode::Auto.number(),
+        owned_mode: PlaneMode::Guided.number(),
+        previous_mode: PlaneMode::Auto.number(),
         boot_ms: (world.emulator.time_s() * 1e3) as u32,
         given_up: false,
         item: None,
@@ -340,8 +340,8 @@ fn l4_the_vehicle_of_the_note_is_waited_for() {
     let mut world = World::new("", GOOD, 4);
     let notes = vec![note(1, &world)];
     fly_with(&mut world, "", false, notes);
-    world.emulator.pilot_mode(Mode::Guided);
-    let beat = heartbeat(Mode::Auto.number(), true);
+    world.emulator.pilot_mode(PlaneMode::Guided);
+    let beat = heartbeat(PlaneMode::Auto.number(), true);
     let header = mavlink::MavHeader {
         system_id: 9,
         component_id: 1,
@@ -360,21 +360,21 @@ fn l4_a_note_whose_age_contradicts_the_vehicles_clock_takes_no_guided() {
         age_s: 400,
         ..note(1, &world)
     };
-    world.emulator.pilot_mode(Mode::Guided);
+    world.emulator.pilot_mode(PlaneMode::Guided);
     fly_with(&mut world, "", false, vec![old]);
     world.run_until(30.0);
-    assert_eq!(world.mode(), Mode::Guided, "the pilot's");
+    assert_eq!(world.mode(), PlaneMode::Guided, "the pilot's");
     assert!(was_told(
         &world,
         "fga: an old note of a manoeuvre, mode left alone"
     ));
 }
 
-fn circle(world: &World, at_m: [f64; 2], radius_m: f32) -> Item {
-    Item {
+fn circle(world: &World, at_m: [f64; 2], radius_m: f32) -> MissionItem {
+    MissionItem {
         command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
         parameters: [radius_m, 0.0, 0.0, 0.0],
-        ..Item::waypoint(world.emulator.home(), [at_m[0], at_m[1], 0.0])
+        ..MissionItem::waypoint(world.emulator.home(), [at_m[0], at_m[1], 0.0])
     }
 }
 
@@ -439,7 +439,7 @@ fn l6_an_enabled_fence_bounds_the_manoeuvre_and_a_disabled_one_does_not() {
             }
         }
         assert!(world.least_m[0].0 >= RADIUS_M, "{:?}", world.least_m);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
         (farthest_m, least_m)
     };
     let (at_m, _) = flown(None);
@@ -474,7 +474,7 @@ fn l7_restarted_in_a_manoeuvre_it_hears_traffic_before_it_gives_back() {
             let mut world = World::new("", GOOD, 4);
             world.report_every_s = report_every_s;
             world.add(head_on(3000.0));
-            world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
+            world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
             world.run_until(world.time_s + killed_s);
             restart(&mut world, "", after_s);
             world.run_until(150.0);
@@ -482,7 +482,7 @@ fn l7_restarted_in_a_manoeuvre_it_hears_traffic_before_it_gives_back() {
             assert!(world.least_m[0].0 >= RADIUS_M, "{what}");
             let changes = world.emulator.mode_changes();
             assert_eq!(changes.len(), 2, "{what}: {changes:?}");
-            assert_eq!(world.mode(), Mode::Auto, "{what}");
+            assert_eq!(world.mode(), PlaneMode::Auto, "{what}");
         }
     }
 }
@@ -498,16 +498,16 @@ fn l8_a_program_that_is_to_end_flies_on_until_the_mission_is_clear() {
             ] {
                 let mut world = World::new("", network, 4);
                 world.add(intruder);
-                world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
+                world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
                 world.run_until(world.time_s + after_s);
                 let asked_s = world.time_s;
                 world.companion.shut_down(asked_s);
-                world.run_while(61.0, "AUTO", |w| w.mode() != Mode::Auto);
+                world.run_while(61.0, "AUTO", |w| w.mode() != PlaneMode::Auto);
                 let took_s = world.time_s - asked_s;
                 world.run_until(world.time_s + 60.0);
                 let least_m = world.least_m[0].0;
                 assert!(least_m >= RADIUS_M, "{after_s}: {least_m} {took_s}");
-                assert_eq!(world.mode(), Mode::Auto);
+                assert_eq!(world.mode(), PlaneMode::Auto);
                 // A lossy link may lose a text, which nobody acknowledges.
                 if network.loss == 0.0 {
                     assert!(was_told(&world, "fga: program ends, mode restored"));
@@ -524,7 +524,7 @@ fn l8_the_end_is_bounded_and_a_second_signal_ends_at_once() {
     let chased = || {
         let mut world = World::new("", GOOD, 4);
         world.add(head_on(3000.0));
-        world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
+        world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
         world.run_until(world.time_s + 0.5);
         // It stands in the way from now on, wherever that leads.
         world.intruders[0].velocity_mps = [0.0; 3];
@@ -538,13 +538,13 @@ fn l8_the_end_is_bounded_and_a_second_signal_ends_at_once() {
         world.intruders[0].position_m = [own_m[0] * 0.5, own_m[1] + 150.0, 100.0];
         world.step();
     }
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
     let mut world = chased();
     world.companion.shut_down(world.time_s);
     world.run_until(world.time_s + 0.2);
     world.companion.shut_down_at_once(world.time_s);
     world.run_until(world.time_s + 0.5);
-    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.mode(), PlaneMode::Auto);
 }
 
 /// After a kill the vehicle was left in GUIDED without a word by a program that cannot take it up.
@@ -557,7 +557,7 @@ fn l14_a_vehicle_that_was_left_in_a_manoeuvre_is_named_by_whoever_cannot_fly_it(
     ] {
         let mut world = World::new("", GOOD, 4);
         world.add(head_on(3000.0));
-        world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
+        world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
         world.run_until(world.time_s + 1.0);
         let left = world.companion.restart_note(world.time_s);
         fly_with(&mut world, config, dry_run, left.into_iter().collect());
@@ -566,7 +566,7 @@ fn l14_a_vehicle_that_was_left_in_a_manoeuvre_is_named_by_whoever_cannot_fly_it(
         assert_eq!(times_told(&world, words), 1, "{config} {dry_run}");
         assert_eq!(
             world.mode(),
-            Mode::Guided,
+            PlaneMode::Guided,
             "nobody commands what it does not fly"
         );
         let line = world.companion.status_line(world.time_s);
@@ -584,9 +584,13 @@ fn l14_a_vehicle_that_was_left_in_a_manoeuvre_is_named_by_whoever_cannot_fly_it(
 fn l14_guided_that_nobody_flies_is_named_every_five_seconds_at_most() {
     let mut world = World::new("", GOOD, 4);
     world.add(head_on(3000.0));
-    world.run_while(90.0, "GUIDED", |w| w.mode() != Mode::Guided);
+    world.run_while(90.0, "GUIDED", |w| w.mode() != PlaneMode::Guided);
     world.run_until(world.time_s + 1.0);
-    for mode in [Mode::Loiter, Mode::Guided].into_iter().cycle().take(50) {
+    for mode in [PlaneMode::Loiter, PlaneMode::Guided]
+        .into_iter()
+        .cycle()
+        .take(50)
+    {
         world.emulator.pilot_mode(mode);
         world.run_until(world.time_s + 0.3);
     }

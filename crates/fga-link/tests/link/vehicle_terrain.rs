@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use fga_emulator::{Mode, Settings};
+use fga_emulator::{EmulatorSettings, PlaneMode};
 
 use crate::common::{GOOD, Intruder, Network, World};
 use crate::station_terrain::pieces;
@@ -16,7 +16,7 @@ fn vehicle(
     network: Network,
     height_m: impl Fn(f64, f64) -> Option<f32> + Send + Sync + 'static,
 ) -> World {
-    let mut world = World::with(Settings::default(), CONFIG, network, 8);
+    let mut world = World::with(EmulatorSettings::default(), CONFIG, network, 8);
     let home = *world.emulator.home();
     world
         .emulator
@@ -49,7 +49,7 @@ fn the_vehicle_is_asked_for_the_ground_and_its_ridge_is_avoided() {
     let ridge = move |east_m: f64, _| Some(if side * east_m > 105.0 { 400.0 } else { 4.0 });
     let (world, flown) = asked(GOOD, ridge, 130.0);
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     let to_ridge_m = (side * flown.east_m[0]).max(side * flown.east_m[1]);
     assert!(to_ridge_m < 20.0, "{:?}", flown.east_m);
     assert!(is_told(&world, "fga: the ground bounds the way round"));
@@ -108,7 +108,7 @@ fn a_vehicle_with_its_terrain_off_is_told_within_seconds_and_asked_once_it_is_on
     });
     assert!(told_s.is_some_and(|told_s| told_s < 5.0), "{told_s:?}");
     assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
-    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert_eq!(flown.modes, [PlaneMode::Guided, PlaneMode::Auto]);
     world.set_parameter("TERRAIN_ENABLE", 1.0);
     fly_beside(&mut world, None, 150.0, |_| {});
     let picture = world.companion.picture().expect("a decision");
@@ -123,9 +123,9 @@ fn a_vehicle_with_its_terrain_off_is_told_within_seconds_and_asked_once_it_is_on
 /// ArduPlane 4.7 gives heights as its card has them until it arms, and from then on so that the ground below it is where it stands.
 #[test]
 fn ground_from_before_the_vehicle_armed_is_asked_for_again() {
-    let settings = Settings {
+    let settings = EmulatorSettings {
         armed: false,
-        ..Settings::default()
+        ..EmulatorSettings::default()
     };
     let mut world = World::with(settings, CONFIG, GOOD, 8);
     let shifts = Arc::new(AtomicBool::new(false));

@@ -9,7 +9,7 @@ use crate::zone::DrawnZone;
 
 /// The aircraft's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct PathSample {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// Position, metres, local frame.
@@ -105,13 +105,13 @@ pub struct OverviewMoment {
 /// ```
 /// use fga::{Vec3, situation::ProtectedVolume};
 /// use fga::avoider::State;
-/// use fga_report::overview::{Overview, OverviewObstacle, OverviewPoint, Sample};
+/// use fga_report::overview::{Overview, OverviewObstacle, OverviewPoint, PathSample};
 ///
 /// let overview = Overview {
 ///     title: "Past a mast".into(),
 ///     mission_m: vec![Vec3::ZERO, Vec3::new(400.0, 0.0, 0.0)],
 ///     samples: (0..27)
-///         .map(|second| Sample {
+///         .map(|second| PathSample {
 ///             time_s: f64::from(second),
 ///             position_m: Vec3::new(15.0 * f64::from(second), 0.0, 50.0),
 ///             state: State::Cruise,
@@ -135,7 +135,7 @@ pub struct Overview {
     /// The mission's waypoints in order, metres, local frame.
     pub mission_m: Vec<Vec3>,
     /// The flown track, in time order.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PathSample>,
     /// The obstacles.
     pub obstacles: Vec<OverviewObstacle>,
     /// The zones.
@@ -175,7 +175,7 @@ impl Overview {
     }
 
     /// The finite samples.
-    pub(super) fn finite_samples(&self) -> impl Iterator<Item = &Sample> {
+    pub(super) fn finite_samples(&self) -> impl Iterator<Item = &PathSample> {
         self.samples
             .iter()
             .filter(|s| s.time_s.is_finite() && s.position_m.is_finite())
@@ -246,7 +246,7 @@ const MOST_FOLLOWED: usize = 6;
 
 impl<'a> Focus<'a> {
     pub(super) fn new(overview: &'a Overview) -> Self {
-        let samples: Vec<&Sample> = overview.finite_samples().collect();
+        let samples: Vec<&PathSample> = overview.finite_samples().collect();
         // About two samples a pixel are enough for the curves and for the ranking.
         let stride = (samples.len() / 2400).max(1);
         let mut all: Vec<FollowedTrack> = Vec::new();
@@ -286,7 +286,7 @@ impl<'a> Focus<'a> {
 
 fn follow<'a>(
     obstacle: &'a OverviewObstacle,
-    samples: &[&Sample],
+    samples: &[&PathSample],
     stride: usize,
 ) -> Option<FollowedTrack<'a>> {
     let last = samples.len().checked_sub(1)?;

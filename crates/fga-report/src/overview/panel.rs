@@ -1,6 +1,6 @@
 //! A panel over time: its axes, the band of states, lines at the critical moments.
 
-use super::data::{Overview, OverviewMoment, Sample};
+use super::data::{Overview, OverviewMoment, PathSample};
 use super::look::{GRID_LINE, axis_titles, state_colour};
 use crate::palette::MUTED;
 use crate::scale::{Scale, mark_text, marks, step, time_step};
@@ -85,8 +85,8 @@ impl Panel {
 }
 
 /// The flown track cut where the state changes; each piece reaches the start of the next one.
-pub(super) fn pieces(overview: &Overview) -> Vec<(State, Vec<&Sample>)> {
-    let mut pieces: Vec<(State, Vec<&Sample>)> = Vec::new();
+pub(super) fn pieces(overview: &Overview) -> Vec<(State, Vec<&PathSample>)> {
+    let mut pieces: Vec<(State, Vec<&PathSample>)> = Vec::new();
     for sample in overview.finite_samples() {
         match pieces.last_mut() {
             Some((state, piece)) if *state == sample.state => piece.push(sample),

@@ -49,13 +49,4 @@ impl Axis {
             ..Self::linear(label)
         }
     }
-
-    /// The same axis with fixed ends.
-    #[must_use]
-    pub fn with_range(self, low: f64, high: f64) -> Self {
-        Self {
-            range: Some((low, high)),
-            ..self
-        }
-    }
 }

@@ -6,7 +6,7 @@ use core::fmt::Write as _;
 use super::cells::{self, count, left, needless_of_clear, number, ratio};
 use super::{LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, quantile};
 use crate::plot::{Axis, Cdf, Claim, LineChart, LinePoint, PlotLine, SampleSeries};
-use crate::report::{Block, Cell, Column, Section, Table};
+use crate::report::{Cell, Column, Section, SectionBlock, Table};
 
 impl SafetyCase {
     pub(super) fn effects(&self) -> Section {
@@ -33,7 +33,10 @@ impl SafetyCase {
                 }),
             ],
         );
-        Section::new("4. Metrics: what it costs", vec![Block::Table(table)])
+        Section::new(
+            "4. Metrics: what it costs",
+            vec![SectionBlock::Table(table)],
+        )
     }
 
     pub(super) fn times(&self) -> Section {
@@ -61,7 +64,7 @@ impl SafetyCase {
         }
         Section {
             title: "4. Metrics: when it warns, acts and gives way".into(),
-            blocks: vec![self.gave_way(), Block::Table(Table {
+            blocks: vec![self.gave_way(), SectionBlock::Table(Table {
                 caption: "Seconds before the closest approach without avoidance: what 10, 50 and 90 % of the encounters have less of. \
                     Encounters that lose well clear (ASTM F3442) without avoidance."
                     .into(),
@@ -78,12 +81,12 @@ impl SafetyCase {
     }
 
     /// In how many encounters the aircraft gave way, and how long before.
-    pub(super) fn gave_way(&self) -> Block {
+    pub(super) fn gave_way(&self) -> SectionBlock {
         let kept = |it: &PolicyCase| {
             let kept = (it.lowc.nominal + it.lowc.induced).saturating_sub(it.lowc.flown);
             Cell::text(format!("{kept} of {}", it.lowc.nominal))
         };
-        Block::Table(Table::of(
+        SectionBlock::Table(Table::of(
             self.acting(),
             "Giving way, as the proposed 14 CFR Part 108 (2025) asks of unmanned aircraft: encounters that lose well clear (ASTM F3442) without avoidance in \
              which the aircraft kept well clear of every other one, and seconds from its first maneuver to the closest approach without avoidance: least, \
@@ -156,15 +159,15 @@ impl SafetyCase {
         Section {
             title: "6. Convergence and separations".into(),
             blocks: vec![
-                Block::Figure {
+                SectionBlock::Figure {
                     svg: converging("NMAC risk ratio", &NMAC_THRESHOLDS, |policy| &policy.nmac),
                     caption: self.width_words("NMAC", |policy| &policy.nmac),
                 },
-                Block::Figure {
+                SectionBlock::Figure {
                     svg: converging("LoWC risk ratio", &LOWC_THRESHOLDS, |policy| &policy.lowc),
                     caption: self.width_words("LoWC", |policy| &policy.lowc),
                 },
-                Block::Figure {
+                SectionBlock::Figure {
                     svg: separations.to_svg(),
                     caption: "Cumulative share of encounters, each counted once. Altitude is not in this picture: \
                         a small horizontal separation is no loss where the vertical one is kept."
@@ -209,13 +212,13 @@ impl SafetyCase {
         );
         Section::new(
             "4. Metrics: by class of encounter",
-            vec![Block::Table(table)],
+            vec![SectionBlock::Table(table)],
         )
     }
 
     pub(super) fn worst(&self) -> Section {
         let caption = "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.";
         let table = cells::worst(&self.worst, caption);
-        Section::new("5. The worst encounters", vec![Block::Table(table)])
+        Section::new("5. The worst encounters", vec![SectionBlock::Table(table)])
     }
 }

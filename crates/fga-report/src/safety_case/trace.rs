@@ -1,6 +1,6 @@
 //! Which test holds which number of the page.
 
-use crate::report::{Block, Cell, Column, Section, Table};
+use crate::report::{Cell, Column, Section, SectionBlock, Table};
 
 const AIRCRAFT: &str = "crates/fga-cli/tests/cli/aircraft_campaign.rs";
 const RECOMPUTED: &str = "crates/fga-cli/tests/cli/recomputed.rs";
@@ -139,7 +139,7 @@ pub(super) fn section() -> Section {
         .map(|row| row.iter().map(|text| Cell::Text((*text).into())).collect());
     Section {
         title: "8. Which test holds which number".into(),
-        blocks: vec![Block::Table(Table {
+        blocks: vec![SectionBlock::Table(Table {
             caption: "Tests of the repository of the program. Those of recordings and DAIDALUS need the third-party data that docs/sources.md names; without \
                 them they are skipped, and fail in continuous integration."
                 .into(),

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use super::{LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, Threshold};
 use crate::interval::Estimate;
-use crate::report::{Block, Cell};
+use crate::report::{Cell, SectionBlock};
 
 /// Whether a ratio meets a threshold.
 pub(super) fn verdict(ratio: &Estimate, threshold: &Threshold) -> &'static str {
@@ -36,7 +36,7 @@ pub(super) fn verdicts(lost: &Lost, thresholds: &[Threshold], is_stress: bool) -
 }
 
 /// The result of a policy in one paragraph.
-pub(super) fn result(policy: &PolicyCase, is_stress: bool) -> Block {
+pub(super) fn result(policy: &PolicyCase, is_stress: bool) -> SectionBlock {
     let losses = [
         ("NMAC", &policy.nmac, &NMAC_THRESHOLDS[..]),
         ("LoWC (ASTM F3442)", &policy.lowc, &LOWC_THRESHOLDS),
@@ -65,5 +65,5 @@ pub(super) fn result(policy: &PolicyCase, is_stress: bool) -> Block {
         }
         text + "."
     });
-    Block::Paragraph(sentences.join(" "))
+    SectionBlock::Paragraph(sentences.join(" "))
 }

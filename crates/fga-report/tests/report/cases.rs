@@ -4,13 +4,13 @@ use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 use fga_report::overview::{
-    MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, Sample,
+    MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, PathSample,
 };
 
 const SPHERE: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
 
 /// Flies `waypoints` at 15 m/s; `state` gives the state at a time.
-fn fly(waypoints: &[Vec3], rate_hz: f64, state: impl Fn(f64) -> State) -> Vec<Sample> {
+fn fly(waypoints: &[Vec3], rate_hz: f64, state: impl Fn(f64) -> State) -> Vec<PathSample> {
     let mut samples = Vec::new();
     let mut time_s = 0.0;
     let step_m = 15.0 / rate_hz;
@@ -18,7 +18,7 @@ fn fly(waypoints: &[Vec3], rate_hz: f64, state: impl Fn(f64) -> State) -> Vec<Sa
         let length = leg[0].distance(leg[1]);
         let mut along = 0.0;
         while along < length {
-            samples.push(Sample {
+            samples.push(PathSample {
                 time_s,
                 position_m: leg[0] + (leg[1] - leg[0]) * (along / length),
                 state: state(time_s),

@@ -5,7 +5,7 @@ use fga_report::plot::{
     Axis, BarChart, BarSeries, BoxChart, BoxSpread, Cdf, Claim, Histogram, LineChart, LinePoint,
     PlotLine, SampleSeries, SpreadRow,
 };
-use fga_report::report::{Block, Cell, Column, Reading, Report, Section, Table};
+use fga_report::report::{Cell, Column, Reading, Report, Section, SectionBlock, Table};
 
 const POLICIES: [&str; 7] = [
     "oracle",
@@ -137,7 +137,10 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
             "cdf",
             Cdf {
                 title: "Least separation".into(),
-                x: Axis::linear("least separation (m)").with_range(0.0, 100.0),
+                x: Axis {
+                    range: Some((0.0, 100.0)),
+                    ..Axis::linear("least separation (m)")
+                },
                 series: margins(20_000),
                 limits: limits.clone(),
             }
@@ -147,7 +150,10 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
             "histogram",
             Histogram {
                 title: "Least separation".into(),
-                x: Axis::linear("least separation (m)").with_range(0.0, 100.0),
+                x: Axis {
+                    range: Some((0.0, 100.0)),
+                    ..Axis::linear("least separation (m)")
+                },
                 bins: 40,
                 series: margins(2000),
                 limits,
@@ -192,7 +198,7 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
 pub(crate) fn report() -> Report {
     let charts = all();
     let figure = |name: &str| {
-        Block::Figure {
+        SectionBlock::Figure {
         svg: charts
             .iter()
             .find(|c| c.0 == name)
@@ -213,9 +219,9 @@ pub(crate) fn report() -> Report {
             Section {
                 title: "Success against initial distance (Fig. 12)".into(),
                 blocks: vec![
-                    Block::Paragraph("Two obstacles on a threatening course at first sight.".into()),
+                    SectionBlock::Paragraph("Two obstacles on a threatening course at first sight.".into()),
                     figure("lines"),
-                    Block::Table(Table {
+                    SectionBlock::Table(Table {
                         caption: "Separated encounters.".into(),
                         columns: vec![
                             Column::text("policy"),
@@ -232,14 +238,14 @@ pub(crate) fn report() -> Report {
                             })
                             .collect(),
                     }),
-                    Block::Reading(Reading {
+                    SectionBlock::Reading(Reading {
                         paper: "about 95 % for two obstacles no faster than 15 m/s".into(),
                         published: "44 % started at the critical time, 100 % at first sight".into(),
                         turn_aware: "100 %".into(),
                         oracle: "100 %".into(),
                         reading: "The claim holds for a start at first sight, not for one at the printed critical time.".into(),
                     }),
-                    Block::Files(vec![("data/fig12.csv".into(), "the numbers".into())]),
+                    SectionBlock::Files(vec![("data/fig12.csv".into(), "the numbers".into())]),
                 ],
             },
             Section {

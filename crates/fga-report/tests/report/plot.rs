@@ -6,7 +6,7 @@ use fga_report::interval::Estimate;
 use fga_report::plot::{
     Axis, BoxChart, Cdf, Histogram, LineChart, LinePoint, PlotLine, SampleSeries,
 };
-use fga_report::report::{Block, Cell, Column, Report, Section, Table};
+use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
 
 #[test]
 fn every_chart_is_well_formed_and_the_same_twice() {
@@ -103,7 +103,7 @@ fn tables_show_shares_in_per_cent_with_their_interval() {
     let mut report = Report::new("<i>");
     report.sections.push(Section {
         title: "one".into(),
-        blocks: vec![Block::Table(Table {
+        blocks: vec![SectionBlock::Table(Table {
             caption: String::new(),
             columns: vec![Column::text("a"), Column::number("b"), Column::number("c")],
             rows: vec![vec![

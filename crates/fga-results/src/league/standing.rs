@@ -6,7 +6,7 @@ use fga_sim::campaign::{Campaign, Manifest, Summary};
 use serde_json::{Value, json};
 
 use super::sets::LeagueReaction;
-use crate::named_rows::{Row, rounded};
+use crate::named_rows::{NamedRow, rounded};
 
 /// What a set is, and what was assumed.
 pub(super) fn described(
@@ -72,7 +72,7 @@ pub(super) fn standing(case: SafetyCase, flown: &FlownCampaign) -> Option<Standi
 }
 
 /// A row of `league.parquet`.
-pub(super) fn row(set: &LeagueSet, standing: &Standing) -> Row<String> {
+pub(super) fn row(set: &LeagueSet, standing: &Standing) -> NamedRow<String> {
     let case = &standing.case;
     let real = |value: Option<f64>| json!(value.map(rounded));
     let first = [
@@ -98,7 +98,7 @@ pub(super) fn row(set: &LeagueSet, standing: &Standing) -> Row<String> {
         ("policy_failures", json!(case.failed)),
     ];
     let named = |(name, value): (&str, Value)| (name.to_owned(), value);
-    let mut row: Row<String> = first.into_iter().map(named).collect();
+    let mut row: NamedRow<String> = first.into_iter().map(named).collect();
     for (loss, lost) in [
         ("nmac", &case.nmac),
         ("lowc", &case.lowc),

@@ -105,7 +105,7 @@ impl Steering for VerticalAdvisories {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::Route;
+    use crate::baselines::RelativeRoute;
     use fga::vehicle::Vehicle;
 
     /// Head-on at 100 m/s, 30 m below: modified tau reaches 25 s at r² − 1,018.6² = 2,500·r, r = 2,860 m; the pilot climbs 5 s later.
@@ -127,7 +127,7 @@ mod tests {
                 let view = View {
                     velocity_mps: Vec3::X * 50.0,
                     preferred_mps: Vec3::X * 50.0,
-                    route: Route {
+                    route: RelativeRoute {
                         foot_m: Vec3::ZERO,
                         along: Vec3::X,
                     },

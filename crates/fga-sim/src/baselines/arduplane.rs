@@ -89,7 +89,7 @@ impl Steering for ArduPlaneRules {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::Route;
+    use crate::baselines::RelativeRoute;
     use fga::vehicle::Vehicle;
 
     fn first(offset_m: Vec3, velocity_mps: Vec3) -> Option<Vec3> {
@@ -106,7 +106,7 @@ mod tests {
         let view = View {
             velocity_mps: Vec3::X * 20.0,
             preferred_mps: Vec3::X * 20.0,
-            route: Route {
+            route: RelativeRoute {
                 foot_m: Vec3::ZERO,
                 along: Vec3::X,
             },

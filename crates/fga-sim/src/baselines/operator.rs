@@ -12,7 +12,8 @@ use core::f64::consts::{PI, TAU};
 use fga::Vec3;
 use fga::angle::wrap_pi;
 use fga_alerts::{
-    Aircraft, AircraftId, Monitor, Quantity, Region, Resolution, Settings, State, Way, schemes,
+    Aircraft, AircraftId, AircraftState, AlertSettings, ManeuverSide, Monitor, Quantity, Region,
+    Resolution, schemes,
 };
 
 use super::{Steering, View};
@@ -37,12 +38,12 @@ pub enum Display {
 }
 
 impl Display {
-    fn settings(self, turn_rate_radps: f64) -> Settings {
+    fn settings(self, turn_rate_radps: f64) -> AlertSettings {
         let settings = match self {
             Self::F3442 => schemes::f3442(),
             Self::Do365 => schemes::do_365b(),
         };
-        Settings {
+        AlertSettings {
             turn_rate_radps,
             ..settings
         }
@@ -84,7 +85,7 @@ impl Operator {
             .get_or_insert_with(|| Monitor::new(display.settings(turn_rate_radps)));
         let ownship = Aircraft::new(
             AircraftId(u64::MAX),
-            State {
+            AircraftState {
                 position_m: Vec3::ZERO,
                 velocity_mps: view.velocity_mps,
             },
@@ -95,7 +96,7 @@ impl Operator {
             .map(|sphere| {
                 Aircraft::new(
                     AircraftId(sphere.id.into()),
-                    State {
+                    AircraftState {
                         position_m: sphere.offset_m,
                         velocity_mps: sphere.velocity_mps,
                     },
@@ -134,8 +135,8 @@ impl Operator {
         if responds && self.target_rad.is_none_or(is_covered) {
             let preferred = bands.preferred();
             let other = match preferred {
-                Way::Low => Way::High,
-                Way::High => Way::Low,
+                ManeuverSide::Low => ManeuverSide::High,
+                ManeuverSide::High => ManeuverSide::Low,
             };
             // Without a way out on either side the operator keeps the direction.
             self.target_rad = turned(preferred, bands.resolution(preferred))
@@ -146,13 +147,13 @@ impl Operator {
 }
 
 /// A resolution with the buffer.
-fn turned(way: Way, resolution: Resolution) -> Option<f64> {
+fn turned(way: ManeuverSide, resolution: Resolution) -> Option<f64> {
     let Resolution::Value(edge_rad) = resolution else {
         return None;
     };
     let buffer_rad = match way {
-        Way::Low => -BUFFER_RAD,
-        Way::High => BUFFER_RAD,
+        ManeuverSide::Low => -BUFFER_RAD,
+        ManeuverSide::High => BUFFER_RAD,
     };
     Some(libm::fmod(edge_rad + buffer_rad + TAU, TAU))
 }
@@ -186,14 +187,14 @@ impl Steering for Operator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::{Route, Sphere};
+    use crate::baselines::{RelativeRoute, Sphere};
     use fga::vehicle::Vehicle;
 
     fn view<'a>(spheres: &'a [Sphere], vehicle: &'a Vehicle) -> View<'a> {
         View {
             velocity_mps: Vec3::X * 50.0,
             preferred_mps: Vec3::X * 50.0,
-            route: Route {
+            route: RelativeRoute {
                 foot_m: Vec3::ZERO,
                 along: Vec3::X,
             },

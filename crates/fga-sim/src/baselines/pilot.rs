@@ -10,7 +10,7 @@ use fga::situation::Obstacle;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
-use super::view::{Route, Sphere, View, flattened};
+use super::view::{RelativeRoute, Sphere, View, flattened};
 use crate::policy_pilot::PolicyPilot;
 use crate::wind::crab;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
@@ -94,7 +94,7 @@ impl<S: Steering> BaselinePilot<S> {
     }
 
     /// The velocity through the air towards the route ahead; `None` where the wind is too strong.
-    fn wish(&self, route: &Route, wind_mps: Vec3) -> Option<Vec3> {
+    fn wish(&self, route: &RelativeRoute, wind_mps: Vec3) -> Option<Vec3> {
         let airspeed_mps = self.guide.vehicle().airspeed_mps;
         let ahead_m = airspeed_mps * WISH_AHEAD_S;
         let aim = (route.foot_m + route.along * ahead_m).normalize_or_zero();
@@ -107,7 +107,7 @@ impl<S: Steering> BaselinePilot<S> {
     }
 
     /// Whether the guidance's straight way back to the route meets an obstacle.
-    fn is_blocked(&self, route: &Route, guided_mps: Vec3) -> bool {
+    fn is_blocked(&self, route: &RelativeRoute, guided_mps: Vec3) -> bool {
         /// The guidance comes back at 45°, after a turn of a few seconds.
         const TURN_S: f64 = 3.0;
         let back_s =
@@ -165,7 +165,7 @@ pub(crate) fn avoiding(state: &mut State) -> Reason {
 pub(crate) fn returning(
     before: State,
     situation: &Situation<'_>,
-    route: &Route,
+    route: &RelativeRoute,
     reason: Reason,
 ) -> (State, Reason) {
     if before == State::Cruise {
@@ -210,7 +210,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             .map_or(own.velocity_mps(), |stage| {
                 direction(stage.course_rad, stage.climb_rad) * self.guide.vehicle().airspeed_mps
             });
-        let route = Route::of(situation, self.guide.leg_index());
+        let route = RelativeRoute::of(situation, self.guide.leg_index());
         let preferred_mps = self.wish(&route, situation.wind_mps).unwrap_or(guided_mps);
         let view = View {
             velocity_mps: own.velocity_mps(),

@@ -171,7 +171,7 @@ impl Steering for RightOfWay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::Route;
+    use crate::baselines::RelativeRoute;
     use fga::vehicle::Vehicle;
 
     fn asked(rules: &mut RightOfWay, offset_m: Vec3, velocity_mps: Vec3) -> Option<f64> {
@@ -188,7 +188,7 @@ mod tests {
         let view = View {
             velocity_mps: Vec3::X * 50.0,
             preferred_mps: Vec3::X * 50.0,
-            route: Route {
+            route: RelativeRoute {
                 foot_m: Vec3::ZERO,
                 along: Vec3::X,
             },

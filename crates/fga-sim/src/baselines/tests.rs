@@ -243,7 +243,7 @@ fn view<'a>(spheres: &'a [Sphere], vehicle: &'a Vehicle) -> View<'a> {
     View {
         velocity_mps: Vec3::X * 15.0,
         preferred_mps: Vec3::X * 15.0,
-        route: Route {
+        route: RelativeRoute {
             foot_m: Vec3::ZERO,
             along: Vec3::X,
         },

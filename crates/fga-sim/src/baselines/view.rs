@@ -80,14 +80,14 @@ impl Sphere {
 
 /// The mission relative to the aircraft, over the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Route {
+pub struct RelativeRoute {
     /// From the aircraft to the nearest point of the present leg, metres.
     pub foot_m: Vec3,
     /// Unit vector along the leg.
     pub along: Vec3,
 }
 
-impl Route {
+impl RelativeRoute {
     /// The leg that begins at this waypoint; without one the aircraft's own course, level.
     pub fn of(situation: &Situation<'_>, leg_index: usize) -> Self {
         let own_m = situation.ownship.position_m;
@@ -118,7 +118,7 @@ pub struct View<'a> {
     /// The velocity along the mission, at the airspeed.
     pub preferred_mps: Vec3,
     /// The mission.
-    pub route: Route,
+    pub route: RelativeRoute,
     /// The obstacles within the surveillance radius.
     pub spheres: &'a [Sphere],
     /// The vehicle's limits.

@@ -7,7 +7,7 @@ use super::row::{BatchError, BatchRow, timed};
 use super::world::{BatchSettings, flyable_world, populate};
 use crate::drawn::RowTable;
 use crate::engine::SteppedFlight;
-use crate::own::{Answer, Failure, FailureKind, Nobody, OwnPilot, OwnPolicy};
+use crate::own::{FailureKind, Nobody, OwnPilot, OwnPolicy, PolicyAnswer, PolicyFailure};
 use crate::policy::PolicyPilot as _;
 
 /// Flights side by side.
@@ -35,7 +35,7 @@ pub fn fly_together<E>(
     rows: &RowTable,
     settings: &BatchSettings,
     mut begin: impl FnMut(),
-    mut answer: impl FnMut(&Questions<'_>) -> Result<Vec<Answer>, Failure>,
+    mut answer: impl FnMut(&Questions<'_>) -> Result<Vec<PolicyAnswer>, PolicyFailure>,
     mut take: impl FnMut(&BatchRow) -> Result<(), E>,
 ) -> Result<(), BatchError<E>> {
     let world = flyable_world(settings)?;
@@ -76,7 +76,7 @@ pub fn fly_together<E>(
                 if answers.len() == asked {
                     Ok(answers)
                 } else {
-                    Err(Failure::new(FailureKind::WrongShape, wrong()))
+                    Err(PolicyFailure::new(FailureKind::WrongShape, wrong()))
                 }
             });
             let going_on: Vec<&mut Abreast> = abreast
@@ -110,7 +110,7 @@ pub fn fly_together<E>(
 
 impl Abreast {
     /// Flies an answer until the next step.
-    fn fly(&mut self, answer: Result<Answer, Failure>) {
+    fn fly(&mut self, answer: Result<PolicyAnswer, PolicyFailure>) {
         let Some(situation) = self.flight.situation() else {
             return;
         };

@@ -19,7 +19,7 @@ use crate::recorded::{self, Recordings};
 
 /// The encounters of a folder or a file.
 #[derive(Debug)]
-pub struct Tracks {
+pub struct EncounterTracks {
     recordings: Recordings,
     /// The faults of the files that were left out, one sentence each.
     pub damaged: Vec<String>,
@@ -27,7 +27,7 @@ pub struct Tracks {
     pub tally: Tally,
 }
 
-impl Tracks {
+impl EncounterTracks {
     /// Finds the recordings of a folder or a file and tries each as a flight of the settings' aircraft.
     ///
     /// # Errors
@@ -92,7 +92,7 @@ impl Tracks {
 /// # Errors
 /// Settings that cannot be flown, a file that changed, or the first error of `take`.
 pub fn fly_tracks<E: Send>(
-    tracks: &Tracks,
+    tracks: &EncounterTracks,
     settings: &BatchSettings,
     mut take: impl FnMut(&BatchRow) -> Result<(), E>,
 ) -> Result<(), BatchError<E>> {
@@ -113,7 +113,7 @@ pub fn fly_tracks<E: Send>(
 
 fn fly_one<E: Send>(
     engine: &mut Engine,
-    tracks: &Tracks,
+    tracks: &EncounterTracks,
     number: usize,
     settings: &BatchSettings,
 ) -> Result<BatchRow, BatchError<E>> {

@@ -6,9 +6,9 @@
 
 use fga::Vec3;
 use fga::avoider::State as FlightState;
-use fga_alerts::encounter::{Outcome, Sample as PairSample, judge};
+use fga_alerts::encounter::{EncounterOutcome, PairSample, judge};
 use fga_alerts::volume::{Cylinder, Volume, WellClear};
-use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
+use fga_alerts::{Aircraft, AircraftId, AircraftState, Monitor, schemes};
 
 use super::metrics::Metrics;
 use crate::engine::{Observer, Outcome as EngineFlight, Sample};
@@ -103,8 +103,8 @@ fn turns(distances_m: impl Iterator<Item = f64>) -> u32 {
 /// The result against one intruder.
 #[derive(Debug, Clone, Copy, Default)]
 struct Losses {
-    f3442: Outcome,
-    do365: Outcome,
+    f3442: EncounterOutcome,
+    do365: EncounterOutcome,
     /// Least of the larger of the separations in units of the volume of a near mid-air collision.
     scale: Option<f64>,
 }
@@ -223,7 +223,7 @@ impl WorldJudge {
                 let (position_m, velocity_mps) = track.at(time_s)?;
                 Some(Aircraft::new(
                     AircraftId(id),
-                    State {
+                    AircraftState {
                         position_m,
                         velocity_mps: velocity_mps - world.wind_mps,
                     },

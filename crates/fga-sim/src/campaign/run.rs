@@ -29,7 +29,7 @@ pub struct CampaignTask<'a> {
     pub folder: Folder,
     /// Whether to continue with existing results.
     pub resume: bool,
-    /// Whether a sample is flown first, which tells the expected duration.
+    /// Whether a sample is flown first, which shows the expected duration.
     pub is_expected: bool,
 }
 

@@ -28,7 +28,7 @@ use core::f64::consts::TAU;
 
 use fga::Vec3;
 use fga_alerts::volume::Cylinder;
-use fga_alerts::{Pair, PairDeviation, State};
+use fga_alerts::{AircraftState, Pair, PairDeviation};
 pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
@@ -408,7 +408,7 @@ fn correlated_share(model: &EncounterModel, pairing: &Pairing) -> f64 {
 
 /// Whether two aircraft are well clear (ASTM F3442) where they begin.
 fn begin_clear((own, intruder): (&ModelRow, &ModelRow)) -> bool {
-    let state = |row: &ModelRow| State {
+    let state = |row: &ModelRow| AircraftState {
         position_m: row.position_m,
         velocity_mps: row.velocity_mps,
     };

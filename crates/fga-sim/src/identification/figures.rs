@@ -9,7 +9,7 @@ pub const MARGIN_AHEAD_S: f64 = 5.0;
 
 /// A figure with its interval: the middle 90 % of what windows of the log give.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Estimate {
+pub struct FigureEstimate {
     /// The median.
     pub value: f64,
     /// 5 % of the windows give less.
@@ -29,7 +29,7 @@ pub(super) fn percentile(sorted: &[f64], share: f64) -> f64 {
     low + (high - low) * (place - place.floor())
 }
 
-impl Estimate {
+impl FigureEstimate {
     /// The same within limits.
     pub(super) fn within(self, low: f64, high: f64) -> Self {
         let limited = |value: f64| value.max(low).min(high);
@@ -57,24 +57,24 @@ impl Estimate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// Airspeed.
-    pub airspeed_mps: Estimate,
+    pub airspeed_mps: FigureEstimate,
     /// Steepest bank that is held, or mean bank of 3 s where none is held.
-    pub max_bank_deg: Estimate,
+    pub max_bank_deg: FigureEstimate,
     /// Time before a command has any effect.
-    pub dead_time_s: Estimate,
+    pub dead_time_s: FigureEstimate,
     /// Time constant of the first-order bank response.
-    pub bank_time_constant_s: Estimate,
+    pub bank_time_constant_s: FigureEstimate,
     /// Course rate over that of the ideal coordinated turn.
-    pub turn_rate_factor: Estimate,
+    pub turn_rate_factor: FigureEstimate,
     /// Steepest descent.
-    pub climb_min_deg: Estimate,
+    pub climb_min_deg: FigureEstimate,
     /// Steepest climb.
-    pub climb_max_deg: Estimate,
+    pub climb_max_deg: FigureEstimate,
     /// Rate at which the climb angle changes.
-    pub climb_rate_radps: Estimate,
+    pub climb_rate_radps: FigureEstimate,
     /// Horizontal distance from where these figures put the aircraft, after [`MARGIN_AHEAD_S`]; `high` is what
     /// becomes the margin.
-    pub position_error_m: Estimate,
+    pub position_error_m: FigureEstimate,
     /// Windows in which the command moves and the bank follows it.
     pub windows: usize,
     /// Windows in which the command moves and the bank does not follow it, which are left out.

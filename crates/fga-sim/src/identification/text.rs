@@ -2,11 +2,11 @@
 
 use core::fmt::Write as _;
 
-use super::{Estimate, Identified, MARGIN_AHEAD_S};
+use super::{FigureEstimate, Identified, MARGIN_AHEAD_S};
 
 impl Identified {
     /// The figures with their keys in a vehicle file and the decimals that they are written with.
-    pub fn figures(&self) -> [(&'static str, Estimate, usize); 9] {
+    pub fn figures(&self) -> [(&'static str, FigureEstimate, usize); 9] {
         [
             ("airspeed_mps", self.airspeed_mps, 2),
             ("max_bank_deg", self.max_bank_deg, 1),
@@ -49,8 +49,8 @@ impl Identified {
             toml::Value::String(name.to_owned())
         );
         let [of_flight @ .., dead_time, time_constant, factor, error] = self.figures();
-        let line = |text: &mut String, (key, estimate, decimals): (&str, Estimate, usize)| {
-            let Estimate { value, low, high } = estimate;
+        let line = |text: &mut String, (key, estimate, decimals): (&str, FigureEstimate, usize)| {
+            let FigureEstimate { value, low, high } = estimate;
             let _ = writeln!(
                 text,
                 "{key} = {value:.decimals$}    # {low:.decimals$} to {high:.decimals$}"

@@ -52,14 +52,14 @@ impl FailureKind {
 
 /// A failure of a policy, as the one who asked it saw it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Failure {
+pub struct PolicyFailure {
     /// How it failed.
     pub kind: FailureKind,
     /// What happened and what was expected, without the name of the policy.
     pub message: String,
 }
 
-impl Failure {
+impl PolicyFailure {
     /// A failure of this kind.
     pub fn new(kind: FailureKind, message: impl Into<String>) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl Failure {
     }
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for PolicyFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)
     }
@@ -77,7 +77,7 @@ impl fmt::Display for Failure {
 
 /// The answer of a policy to a situation.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
+pub enum PolicyAnswer {
     /// It leaves the mission alone.
     Mission,
     /// It turns the shorter way to a course and takes up a climb angle, within the limits of the vehicle.
@@ -97,7 +97,7 @@ pub trait Outside: Send {
     ///
     /// # Errors
     /// How the policy failed; it is not asked again before [`Outside::restart`].
-    fn answer(&mut self, situation: &Situation<'_>) -> Result<Answer, Failure>;
+    fn answer(&mut self, situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure>;
 
     /// Applies changed limits of the vehicle, before the next question.
     fn retune(&mut self, vehicle: &Vehicle);
@@ -110,8 +110,8 @@ pub trait Outside: Send {
 pub(crate) struct Nobody;
 
 impl Outside for Nobody {
-    fn answer(&mut self, _situation: &Situation<'_>) -> Result<Answer, Failure> {
-        Ok(Answer::Mission)
+    fn answer(&mut self, _situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure> {
+        Ok(PolicyAnswer::Mission)
     }
 
     fn retune(&mut self, _vehicle: &Vehicle) {}

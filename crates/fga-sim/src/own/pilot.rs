@@ -14,8 +14,8 @@ use fga::vehicle::Vehicle;
 use fga_formats::words::counted;
 
 use super::outside::Nobody;
-use super::{Answer, Failure, FailureKind, Make, Outside};
-use crate::baselines::{Route, avoiding, returning};
+use super::{FailureKind, Make, Outside, PolicyAnswer, PolicyFailure};
+use crate::baselines::{RelativeRoute, avoiding, returning};
 use crate::policy_pilot::PolicyPilot;
 use crate::settings::PolicySettings;
 
@@ -107,7 +107,7 @@ impl OwnPolicy {
         ))
     }
 
-    fn note(&self, time_s: f64, failure: &Failure) {
+    fn note(&self, time_s: f64, failure: &PolicyFailure) {
         let mut failed = self.0.failed.lock().unwrap_or_else(PoisonError::into_inner);
         failed.flights += 1;
         failed
@@ -143,28 +143,28 @@ impl OwnPilot {
     pub(crate) fn decide(
         &mut self,
         situation: &Situation<'_>,
-        answer: impl FnOnce(&mut dyn Outside) -> Result<Answer, Failure>,
+        answer: impl FnOnce(&mut dyn Outside) -> Result<PolicyAnswer, PolicyFailure>,
     ) -> Decision {
         let mut decision = self.guide.step(situation);
         if decision.record.reason == Reason::InvalidInput {
             return decision;
         }
         let answer = match self.failure {
-            Some(_) => Answer::Mission,
+            Some(_) => PolicyAnswer::Mission,
             None => answer(self.outside.as_mut())
                 .and_then(checked)
                 .unwrap_or_else(|failure| {
                     self.policy.note(situation.time_s, &failure);
                     self.failure = Some(failure.kind);
-                    Answer::Mission
+                    PolicyAnswer::Mission
                 }),
         };
         match answer {
-            Answer::Decided(decided) => {
+            PolicyAnswer::Decided(decided) => {
                 self.state = decided.state;
                 return *decided;
             }
-            Answer::Heading {
+            PolicyAnswer::Heading {
                 course_rad,
                 climb_rad,
             } => {
@@ -178,8 +178,8 @@ impl OwnPilot {
                 );
                 decision.record.reason = avoiding(&mut self.state);
             }
-            Answer::Mission => {
-                let route = Route::of(situation, self.guide.leg_index());
+            PolicyAnswer::Mission => {
+                let route = RelativeRoute::of(situation, self.guide.leg_index());
                 let reason = decision.record.reason;
                 (self.state, decision.record.reason) =
                     returning(self.state, situation, &route, reason);
@@ -191,12 +191,12 @@ impl OwnPilot {
 }
 
 /// An answer whose numbers are finite.
-fn checked(answer: Answer) -> Result<Answer, Failure> {
+fn checked(answer: PolicyAnswer) -> Result<PolicyAnswer, PolicyFailure> {
     let numbers = |what: &str, course_rad: f64, climb_rad: f64| {
         if course_rad.is_finite() && climb_rad.is_finite() {
             return Ok(());
         }
-        Err(Failure::new(
+        Err(PolicyFailure::new(
             FailureKind::NotFinite,
             format!(
                 "{what} has course_rad {course_rad} and climb_rad {climb_rad}, expected finite numbers"
@@ -204,12 +204,12 @@ fn checked(answer: Answer) -> Result<Answer, Failure> {
         ))
     };
     match &answer {
-        Answer::Mission => {}
-        Answer::Heading {
+        PolicyAnswer::Mission => {}
+        PolicyAnswer::Heading {
             course_rad,
             climb_rad,
         } => numbers("the answer", *course_rad, *climb_rad)?,
-        Answer::Decided(decision) => {
+        PolicyAnswer::Decided(decision) => {
             for stage in decision.command.stages() {
                 numbers("a stage", stage.course_rad, stage.climb_rad)?;
             }

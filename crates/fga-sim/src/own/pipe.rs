@@ -18,7 +18,7 @@ use fga_formats::error::shown;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{Answer, Failure, FailureKind, Outside, OwnPolicy, Silence, Worker};
+use super::{FailureKind, Outside, OwnPolicy, PolicyAnswer, PolicyFailure, Silence, Worker};
 use crate::fingerprint::fingerprint;
 use crate::settings::PolicySettings;
 
@@ -131,12 +131,12 @@ struct Program {
 }
 
 /// A line of the program, or its end.
-type Line = Result<String, Failure>;
+type PipeLine = Result<String, PolicyFailure>;
 
 /// A running program.
 struct Process {
     child: Child,
-    lines: Worker<String, Line>,
+    lines: Worker<String, PipeLine>,
     is_new: bool,
 }
 
@@ -149,7 +149,7 @@ impl Drop for Process {
 }
 
 impl Program {
-    fn start(&self) -> Result<Process, Failure> {
+    fn start(&self) -> Result<Process, PolicyFailure> {
         let idle = self
             .idle
             .lock()
@@ -159,7 +159,7 @@ impl Program {
             return Ok(process);
         }
         let failed = |error: &std::io::Error| {
-            Failure::new(
+            PolicyFailure::new(
                 FailureKind::Ended,
                 format!("{} cannot be started: {error}", self.path.display()),
             )
@@ -171,7 +171,8 @@ impl Program {
             .spawn()
             .map_err(|error| failed(&error))?;
         let pipes = child.stdin.take().zip(child.stdout.take());
-        let ended = |what: &str| Failure::new(FailureKind::Ended, format!("the program {what}"));
+        let ended =
+            |what: &str| PolicyFailure::new(FailureKind::Ended, format!("the program {what}"));
         let (mut input, output) = pipes.ok_or_else(|| ended("has no pipes"))?;
         let mut output = BufReader::new(output);
         let lines = Worker::start(move |question: String| {
@@ -188,7 +189,7 @@ impl Program {
                 Ok(_) if line.last() == Some(&b'\n') => {
                     Ok(String::from_utf8_lossy(&line).into_owned())
                 }
-                Ok(_) if line.len() as u64 >= LONGEST_LINE => Err(Failure::new(
+                Ok(_) if line.len() as u64 >= LONGEST_LINE => Err(PolicyFailure::new(
                     FailureKind::WrongShape,
                     format!("the answer is longer than {LONGEST_LINE} bytes, expected a line"),
                 )),
@@ -233,7 +234,7 @@ impl Drop for Piped {
 }
 
 impl Outside for Piped {
-    fn answer(&mut self, situation: &Situation<'_>) -> Result<Answer, Failure> {
+    fn answer(&mut self, situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure> {
         let mut process = match self.process.take() {
             Some(process) => process,
             None => self.program.start()?,
@@ -260,10 +261,10 @@ impl Outside for Piped {
         let line = match process.lines.ask(format!("{question}\n"), limit) {
             Ok(line) => line?,
             Err(Silence::Ended) => {
-                return Err(Failure::new(FailureKind::Ended, "the program ended"));
+                return Err(PolicyFailure::new(FailureKind::Ended, "the program ended"));
             }
             Err(Silence::TimedOut) => {
-                return Err(Failure::new(
+                return Err(PolicyFailure::new(
                     FailureKind::TimedOut,
                     format!("no answer within {} s", limit.as_secs_f64()),
                 ));
@@ -382,22 +383,22 @@ const fn full_rate() -> f64 {
 }
 
 /// The answer of a line.
-fn read(line: &str) -> Result<Answer, Failure> {
+fn read(line: &str) -> Result<PolicyAnswer, PolicyFailure> {
     let wrong = |what: &str| {
-        Failure::new(
+        PolicyFailure::new(
             FailureKind::WrongShape,
             format!("answered {}: {what}", shown(line)),
         )
     };
     if line == "null" {
-        return Ok(Answer::Mission);
+        return Ok(PolicyAnswer::Mission);
     }
     let reply: Reply = serde_json::from_str(line).map_err(|error| {
         let says = error.to_string();
         // JSON has no such numbers, but many libraries write them.
         let is_number = ["NaN", "nan", "Infinity", "inf"].iter().any(|word| line.contains(word));
         if is_number || says.contains("out of range") {
-            Failure::new(
+            PolicyFailure::new(
                 FailureKind::NotFinite,
                 format!("answered {}, expected finite numbers", shown(line)),
             )
@@ -414,8 +415,8 @@ fn read(line: &str) -> Result<Answer, Failure> {
         state,
     } = reply;
     match (course_rad, climb_rad, stages, state) {
-        (None, None, None, None) => Ok(Answer::Mission),
-        (Some(course_rad), climb_rad, None, None) => Ok(Answer::Heading {
+        (None, None, None, None) => Ok(PolicyAnswer::Mission),
+        (Some(course_rad), climb_rad, None, None) => Ok(PolicyAnswer::Heading {
             course_rad,
             climb_rad: climb_rad.unwrap_or(0.0),
         }),
@@ -441,7 +442,7 @@ fn read(line: &str) -> Result<Answer, Failure> {
                     )));
                 }
             }
-            Ok(Answer::Decided(Box::new(decided(state, &maneuver))))
+            Ok(PolicyAnswer::Decided(Box::new(decided(state, &maneuver))))
         }
         _ => Err(wrong(
             "expected either stages, with a state, or course_rad with climb_rad",
@@ -469,14 +470,14 @@ mod tests {
 
     #[test]
     fn an_answer_is_the_mission_a_heading_or_stages_and_nothing_else() {
-        assert_eq!(read("{}").unwrap(), Answer::Mission);
-        assert_eq!(read("null").unwrap(), Answer::Mission);
-        let heading = Answer::Heading {
+        assert_eq!(read("{}").unwrap(), PolicyAnswer::Mission);
+        assert_eq!(read("null").unwrap(), PolicyAnswer::Mission);
+        let heading = PolicyAnswer::Heading {
             course_rad: 1.5,
             climb_rad: 0.0,
         };
         assert_eq!(read("{\"course_rad\": 1.5}").unwrap(), heading);
-        let Answer::Decided(decision) =
+        let PolicyAnswer::Decided(decision) =
             read("{\"stages\": [{\"course_rad\": 1}], \"state\": \"recovering\"}").unwrap()
         else {
             panic!("stages are a decision");

@@ -7,7 +7,7 @@ use fga_formats::geodesy::{Geodetic, LocalFrame};
 use toml::Spanned;
 
 /// Places of a file, local or geodetic.
-pub(super) struct Places<'a> {
+pub(super) struct FilePlaces<'a> {
     pub(super) text: TomlText<'a>,
     pub(super) frame: Option<LocalFrame>,
 }
@@ -15,7 +15,7 @@ pub(super) struct Places<'a> {
 /// A place is at most this far from the origin, kilometres: a quarter of the earth away a plane folds back.
 const MOST_AWAY_KM: f64 = 9_000.0;
 
-impl Places<'_> {
+impl FilePlaces<'_> {
     pub(super) fn local(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
         let place = Vec3::from_array(*at.get_ref());
         if place.is_finite() && place.abs().max_element() <= 1e7 {

@@ -9,7 +9,7 @@ use fga_formats::InputError;
 use fga_formats::terrain::{Given, Terrain};
 use toml::Spanned;
 
-use super::places::Places;
+use super::places::FilePlaces;
 use crate::ground::WorldGround;
 
 /// Largest clearance, metres.
@@ -18,7 +18,7 @@ const MOST_CLEARANCE_M: f64 = 10_000.0;
 /// The heights of the files, and the ground around places of a flight, metres.
 pub(super) fn read(
     table: &Spanned<TerrainTable>,
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
     flown_m: &[Vec3],
 ) -> Result<(Terrain, Arc<WorldGround>), InputError> {
     let (text, entry) = (&places.text, table.get_ref());

@@ -11,7 +11,7 @@ use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
 use toml::Spanned;
 
-use super::places::Places;
+use super::places::FilePlaces;
 use crate::vehicle_file::checks;
 use crate::zone::{WorldOutline, WorldZone};
 
@@ -22,7 +22,7 @@ const BEYOND: f64 = 2.0;
 /// otherwise than it is written.
 pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
     terrain: Option<&Terrain>,
     (start_m, flies_m): (Vec3, f64),
 ) -> Result<(Vec<WorldZone>, Vec<String>), InputError> {
@@ -51,7 +51,7 @@ pub(super) fn all(
 struct AreaFile<'a> {
     entry: &'a Spanned<ZoneTable>,
     path: &'a Spanned<PathBuf>,
-    places: &'a Places<'a>,
+    places: &'a FilePlaces<'a>,
     terrain: Option<&'a Terrain>,
     keep_in: bool,
     zones: Vec<WorldZone>,
@@ -219,7 +219,7 @@ fn heights_m(
     entry: &Spanned<ZoneTable>,
     name: &str,
     limits: [Option<AreaLimit>; 2],
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
 ) -> Result<((f64, f64), bool), InputError> {
     let (table, text) = (entry.get_ref(), &places.text);
     let own = [&table.floor_m, &table.ceiling_m];
@@ -267,7 +267,7 @@ fn heights_m(
 fn zone(
     entry: &Spanned<ZoneTable>,
     number: usize,
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
 ) -> Result<WorldZone, InputError> {
     let (table, text) = (entry.get_ref(), &places.text);
     let name = table.name.clone();
@@ -318,7 +318,7 @@ fn polygon(corners_m: Vec<Vec2>, name: &str) -> Result<WorldOutline, String> {
     Ok(WorldOutline::Polygon(corners_m))
 }
 
-fn center(entry: &Spanned<ZoneTable>, places: &Places<'_>) -> Result<Vec2, InputError> {
+fn center(entry: &Spanned<ZoneTable>, places: &FilePlaces<'_>) -> Result<Vec2, InputError> {
     let table = entry.get_ref();
     match (&table.center_m, &table.center_deg) {
         (Some(center), None) => {
@@ -336,7 +336,7 @@ fn center(entry: &Spanned<ZoneTable>, places: &Places<'_>) -> Result<Vec2, Input
 
 /// A place of latitude and longitude at the altitude of the origin.
 fn level<T>(
-    places: &Places<'_>,
+    places: &FilePlaces<'_>,
     near: &Spanned<T>,
     key: &str,
     [latitude_deg, longitude_deg]: &[f64; 2],

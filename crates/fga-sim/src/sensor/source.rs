@@ -25,7 +25,7 @@ struct KnownAircraft {
 
 /// A source in use.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SensorSource {
+pub(super) struct SourceInUse {
     settings: SensorSettings,
     /// Seed and stream of its random numbers.
     seed: (u64, u64),
@@ -48,7 +48,7 @@ pub(super) struct SensorSource {
     pub(super) first_seen_s: Vec<Option<f64>>,
 }
 
-impl SensorSource {
+impl SourceInUse {
     pub(super) fn begin(
         &mut self,
         settings: SensorSettings,

@@ -6,7 +6,7 @@ use fga::situation::{MovementBounds, Obstacle, Obstacles, ProtectedVolume, Situa
 use fga::vehicle::Vehicle;
 
 use super::*;
-use crate::own::{Answer, Failure, Outside, OwnPolicy};
+use crate::own::{Outside, OwnPolicy, PolicyAnswer, PolicyFailure};
 use crate::policy::PolicyChoice;
 use crate::settings::PolicySettings;
 use crate::vehicle_file::VehicleModel;
@@ -17,7 +17,7 @@ struct LeftOnly {
 }
 
 impl Outside for LeftOnly {
-    fn answer(&mut self, situation: &Situation<'_>) -> Result<Answer, Failure> {
+    fn answer(&mut self, situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure> {
         let own = &situation.ownship;
         let (sin, cos) = libm::sincos(own.course_rad);
         let is_left = |obstacle: &Obstacle| {
@@ -29,7 +29,7 @@ impl Outside for LeftOnly {
             obstacles: Obstacles::Rows(&seen),
             ..*situation
         };
-        Ok(Answer::Decided(Box::new(self.avoider.step(&seen))))
+        Ok(PolicyAnswer::Decided(Box::new(self.avoider.step(&seen))))
     }
 
     fn retune(&mut self, _vehicle: &Vehicle) {}

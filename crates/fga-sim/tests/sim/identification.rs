@@ -7,7 +7,7 @@
 
 use fga_files::TomlText;
 use fga_formats::flight_log::{FlightLog, Limits, SeriesPiece};
-use fga_sim::identification::{Estimate, identify};
+use fga_sim::identification::{FigureEstimate, identify};
 use fga_sim::vehicle_file::VehicleModel;
 use std::path::Path;
 
@@ -80,7 +80,7 @@ fn guidance(time_s: f64) -> f64 {
     (wave * 25.0_f64.to_radians()).clamp(-0.55, 0.55)
 }
 
-fn near(estimate: Estimate, true_value: f64, within: f64) {
+fn near(estimate: FigureEstimate, true_value: f64, within: f64) {
     assert!(
         (estimate.value - true_value).abs() < within,
         "{estimate:?}, {true_value}"

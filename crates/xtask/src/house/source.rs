@@ -78,10 +78,11 @@ impl TokenReader<'_> {
                     files.push(self.file.to_owned());
                     at += 1;
                 }
-                (Some("const"), Some(_))
-                    if !at
-                        .checked_sub(1)
-                        .is_some_and(|before| is_punct(&tokens[before], '<')) =>
+                (Some("const"), Some(name))
+                    if !["fn", "unsafe", "extern", "async"].contains(&name.as_str())
+                        && !at
+                            .checked_sub(1)
+                            .is_some_and(|before| is_punct(&tokens[before], '<')) =>
                 {
                     self.sources.tuned += usize::from(is_tuned(rest));
                 }

@@ -1,6 +1,6 @@
 //! Missions that are long, change while they are read, take off, land, end or begin again.
 
-use fga_emulator::{Item, Mode};
+use fga_emulator::{MissionItem, PlaneMode};
 use fga_link::authority::Authority;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMissionType};
 
@@ -8,7 +8,7 @@ use super::*;
 use crate::common::{BAD, GOOD, World, mission, upload};
 
 /// 700 waypoints, 60 m apart along the leg that is flown, then to the east.
-fn long_mission(world: &World, count: u32, east_from: u32) -> Vec<Item> {
+fn long_mission(world: &World, count: u32, east_from: u32) -> Vec<MissionItem> {
     let points: Vec<[f64; 3]> = (0..count)
         .map(|n| {
             let along_m = 200.0 * f64::from(n.min(east_from));
@@ -118,7 +118,7 @@ fn traffic_at_the_end_of_a_mission_is_avoided_and_the_mode_comes_back() {
     world.run_until(world.time_s + 200.0);
     assert_eq!(
         world.mode(),
-        Mode::Auto,
+        PlaneMode::Auto,
         "{:?}",
         world.emulator.mode_changes()
     );
@@ -146,13 +146,13 @@ fn a_mission_that_restarts_in_auto_goes_on_where_it_was() {
         world.run_while(90.0, "command", |w| !is_in_command(w));
         world.run_until(world.time_s + 1.0);
         if by_pilot {
-            world.emulator.pilot_mode(Mode::Auto);
+            world.emulator.pilot_mode(PlaneMode::Auto);
         } else {
             let now_s = world.time_s;
             world.companion.set_enabled(false, now_s);
         }
         world.run_until(world.time_s + 3.0);
-        assert_eq!(world.mode(), Mode::Auto);
+        assert_eq!(world.mode(), PlaneMode::Auto);
         assert_eq!(world.emulator.mission_item(), item);
     }
 }

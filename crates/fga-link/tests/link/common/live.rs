@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use fga_emulator::{Emulator, Item, Mode, Settings};
+use fga_emulator::{Emulator, EmulatorSettings, MissionItem, PlaneMode};
 use fga_link::wire::{Framer, Signing, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
@@ -31,7 +31,7 @@ const LONGEST: Duration = Duration::from_mins(1);
 /// A configuration with the disc. The margin is for a machine that is busy with other tests: these tests
 /// are about stalls, not about the distance.
 pub fn config() -> String {
-    let emulator = Emulator::new(Settings::default());
+    let emulator = Emulator::new(EmulatorSettings::default());
     let place = emulator.home().to_place([0.0, AHEAD_M, 100.0]);
     format!(
         "[protection]\nmargin_m = 15.0\n[[obstacle]]\nname = \"disc\"\nlatitude_deg = {:.7}\nlongitude_deg = {:.7}\naltitude_m = 104.0\nradius_m = {RADIUS_M}\n",
@@ -44,7 +44,7 @@ pub fn config() -> String {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeCommand {
     pub asked: u32,
-    pub was: Mode,
+    pub was: PlaneMode,
 }
 
 #[derive(Default)]
@@ -99,10 +99,15 @@ impl Live {
         peer: Option<SocketAddr>,
         key: Option<[u8; 32]>,
     ) -> Self {
-        let mut emulator = Emulator::new(Settings::default());
+        let mut emulator = Emulator::new(EmulatorSettings::default());
         let home = *emulator.home();
         let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
-        emulator.set_mission(points.map(|point| Item::waypoint(&home, point)).to_vec(), 2);
+        emulator.set_mission(
+            points
+                .map(|point| MissionItem::waypoint(&home, point))
+                .to_vec(),
+            2,
+        );
         let live = Self {
             address,
             emulator: Arc::new(Mutex::new(emulator)),
@@ -136,7 +141,7 @@ impl Live {
         self.seen.lock().expect("what was seen")
     }
 
-    pub fn mode(&self) -> Mode {
+    pub fn mode(&self) -> PlaneMode {
         self.emulator().mode()
     }
 
@@ -179,14 +184,15 @@ impl Live {
     /// Waits until the companion flies a turn.
     pub fn wait_for_maneuver(&self) {
         self.wait_until("a manoeuvre", |live| {
-            live.mode() == Mode::Guided && live.emulator().plant().bank_rad().abs() > 0.15
+            live.mode() == PlaneMode::Guided && live.emulator().plant().bank_rad().abs() > 0.15
         });
     }
 
     /// Waits until the disc is passed and the mission flown again.
     pub fn wait_for_mission(&self) {
         self.wait_until("the mission", |live| {
-            live.mode() == Mode::Auto && live.emulator().plant().position_m()[1] > AHEAD_M + 30.0
+            live.mode() == PlaneMode::Auto
+                && live.emulator().plant().position_m()[1] > AHEAD_M + 30.0
         });
     }
 }

@@ -1,6 +1,6 @@
 //! Watches from outside of the companion for what must never happen.
 
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
 
 use super::Rig;
@@ -15,7 +15,7 @@ const LONGEST_TRACK_S: f64 = 30.0;
 /// The watched facts, and their start.
 pub struct Judge {
     /// The pilot's last mode, and when it was chosen, seconds.
-    pub pilot: Option<(Mode, f64)>,
+    pub pilot: Option<(PlaneMode, f64)>,
     /// Arrival of a true heartbeat with it at the program.
     pub known_s: Option<f64>,
     pub telemetry_s: f64,
@@ -34,7 +34,7 @@ impl Rig {
     pub fn judge_changes(&mut self) {
         let changes = self.emulator.mode_changes().iter().skip(self.judge.changes);
         let taken = changes
-            .filter(|change| change.mode == Mode::Guided && change.component_id == 196)
+            .filter(|change| change.mode == PlaneMode::Guided && change.component_id == 196)
             .count();
         self.judge.changes = self.emulator.mode_changes().len();
         if taken > 0 && self.time_s - self.judge.reported_s > LONGEST_TRACK_S {
@@ -44,7 +44,7 @@ impl Rig {
 
     /// A command of the mission runs, or the operator reads that it does not.
     fn judge_commands(&mut self) {
-        if self.emulator.mode() != Mode::Auto {
+        if self.emulator.mode() != PlaneMode::Auto {
             // What waits for AUTO runs then.
             return;
         }
@@ -115,7 +115,7 @@ impl Rig {
             ]
             .contains(&text.as_str())
         });
-        let outlived = self.emulator.mode() == Mode::Guided && !owns && !left_to_pilot;
+        let outlived = self.emulator.mode() == PlaneMode::Guided && !owns && !left_to_pilot;
         if outlived {
             let texts = format!("GUIDED is nobody's: {texts:?}");
             self.fail(texts);

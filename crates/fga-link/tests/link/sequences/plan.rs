@@ -1,6 +1,6 @@
 //! The faults of a sequence, and their times.
 
-use fga_emulator::Mode;
+use fga_emulator::PlaneMode;
 
 use crate::common::random::Random;
 
@@ -8,17 +8,17 @@ use crate::common::random::Random;
 const FIRST_FAULT_S: f64 = 12.0;
 const LAST_FAULT_S: f64 = 45.0;
 /// Modes that the companion must never leave.
-pub const PILOTS: [Mode; 5] = [
-    Mode::Manual,
-    Mode::Stabilize,
-    Mode::FlyByWireA,
-    Mode::Loiter,
-    Mode::Rtl,
+pub const PILOTS: [PlaneMode; 5] = [
+    PlaneMode::Manual,
+    PlaneMode::Stabilize,
+    PlaneMode::FlyByWireA,
+    PlaneMode::Loiter,
+    PlaneMode::Rtl,
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    Pilot(Mode),
+    Pilot(PlaneMode),
     /// Nothing comes from the vehicle.
     Deaf,
     /// Nothing reaches the vehicle.
