@@ -1,7 +1,7 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
 use fga::Vec3;
-use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
+use fga::certificate::{Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
 use fga::limit::SettingsError;
 use fga::maneuver::{MAX_STAGES, Maneuver};
 use fga::meter::Meter;
@@ -215,9 +215,9 @@ impl Proving {
                 work: meter.done(),
             });
         }
-        let asked = Asked::new(horizon_s, f64::MIN, target_m);
+        let asked = (horizon_s, f64::MIN, target_m);
         let around = self.hazards.over(mission);
-        let closest = certify_set(&self.flyer, &self.path, &around, &asked, &meter);
+        let closest = certify_set(&self.flyer, &self.path, &around, asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
         let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
         Ok(FoundMargin {

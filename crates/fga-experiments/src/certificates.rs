@@ -6,7 +6,7 @@
 
 use clap::Args;
 use fga::Vec3;
-use fga::certificate::{Asked, Hazard, Status, certify_set};
+use fga::certificate::{Around, Hazard, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -226,8 +226,8 @@ impl CertificateCase {
         let certificate = certify_set(
             &flyer,
             path,
-            [hazard].as_slice(),
-            &Asked::new(self.horizon_s, f64::MIN, WORK),
+            &Around::only(&[hazard]),
+            (self.horizon_s, f64::MIN, WORK),
             &Meter::unlimited(),
         );
         let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);

@@ -13,7 +13,7 @@ mod hazards;
 mod zones;
 
 pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
-pub use hazards::{Around, HazardSet, Hazards, MAX_HAZARDS, Rows};
+pub use hazards::{Around, Hazards, MAX_HAZARDS, Rows, each};
 pub use zones::{Fixed, MAX_ZONES, Zones};
 
 use crate::Vec3;
@@ -127,8 +127,8 @@ pub fn prove(
     (horizon_s, target_m, enough_m): (f64, f64, f64),
     meter: &Meter,
 ) -> Option<Certified> {
-    let asked = Asked::new(horizon_s, target_m, enough_m);
-    let found = bounded(flyer, path, &around, &asked, (MOST_SPLITS, meter));
+    let asked = (horizon_s, target_m, enough_m);
+    let found = bounded(flyer, path, &around, asked, (MOST_SPLITS, meter));
     found.holds(target_m).then_some(Certified {
         margin_m: found.margin_m,
         target_m,
@@ -137,61 +137,39 @@ pub fn prove(
     })
 }
 
-/// The requirements on a certificate.
-#[derive(Debug, Clone, Copy)]
-pub struct Asked {
-    /// Horizon, seconds.
-    pub horizon_s: f64,
-    /// Margins below this stop the search, metres.
-    pub floor_m: f64,
-    /// Margins are capped at this value, metres.
-    pub enough_m: f64,
-}
-
-impl Asked {
-    /// Up to a horizon, seconds, between a floor and a cap, metres.
-    pub const fn new(horizon_s: f64, floor_m: f64, enough_m: f64) -> Self {
-        Self {
-            horizon_s,
-            floor_m,
-            enough_m,
-        }
-    }
-}
-
-/// Bounds the separation from every obstacle of a set along a path, as far as a meter allows.
-pub fn certify_set<H: HazardSet + ?Sized>(
+/// Bounds the separation from all that is around along a path up to a horizon, seconds, as far as a meter allows: the rest is not
+/// examined once a margin is below a floor, metres, and margins are capped, metres.
+pub fn certify_set(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &H,
-    asked: &Asked,
+    around: &Around<'_>,
+    asked: (f64, f64, f64),
     meter: &Meter,
 ) -> Certificate {
-    bounded(flyer, path, hazards, asked, (SPLITS, meter))
+    bounded(flyer, path, around, asked, (SPLITS, meter))
 }
 
 /// The same with chords split into this many at most.
 #[inline(never)]
-fn bounded<H: HazardSet + ?Sized>(
+fn bounded(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &H,
-    asked: &Asked,
+    Around { rows, fixed }: &Around<'_>,
+    asked @ (horizon_s, floor_m, _): (f64, f64, f64),
     effort: (u32, &Meter),
 ) -> Certificate {
-    let found = bounded_from(flyer, path, hazards, asked, effort);
-    let is_proven = found.status == Status::Proven;
-    let fixed = (hazards.fixed()).filter(|fixed| is_proven && !fixed.is_empty());
-    let Some(fixed) = fixed else { return found };
+    let found = bounded_from(flyer, path, rows, asked, effort);
+    if found.status != Status::Proven || fixed.is_empty() {
+        return found;
+    }
     // What is spared counts only for flights that enter nothing.
     let spare_m = fixed.zones.spare_m;
-    let asked = Asked {
-        floor_m: (asked.floor_m - spare_m).max(asked.floor_m.min(0.0)),
-        enough_m: (found.margin_m - spare_m).max(0.0),
-        ..*asked
-    };
-    let nearest = bounded_from(flyer, path, &fixed, &asked, effort);
-    if nearest.holds(asked.enough_m) {
+    let floor_m = (floor_m - spare_m).max(floor_m.min(0.0));
+    let enough_m = (found.margin_m - spare_m).max(0.0);
+    let fixed_alone = core::slice::from_ref(fixed);
+    let asked = (horizon_s, floor_m, enough_m);
+    let nearest = bounded_from(flyer, path, fixed_alone, asked, effort);
+    if nearest.holds(enough_m) {
         return found;
     }
     Certificate {
@@ -200,28 +178,28 @@ fn bounded<H: HazardSet + ?Sized>(
     }
 }
 
-/// The same for a set without what is fixed beside it.
-fn bounded_from<H: HazardSet + ?Sized>(
+/// The same for obstructions of one kind.
+fn bounded_from<O: Obstruction>(
     flyer: &Flyer,
     path: &FlightPath,
-    hazards: &H,
-    asked: &Asked,
+    hazards: &[O],
+    (horizon_s, floor_m, enough_m): (f64, f64, f64),
     (most_splits, meter): (u32, &Meter),
 ) -> Certificate {
     if meter.is_met() {
         return Certificate {
             status: Status::LimitMet,
-            ..Certificate::clear(asked.enough_m)
+            ..Certificate::clear(enough_m)
         };
     }
     // The prediction errs by at most this, so the certificate asks for that much more.
     let remainder_m = path.remainder_m();
-    let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
-    let mut worst = Certificate::clear(enough_m);
+    let (floor_m, most_m) = (floor_m + remainder_m, enough_m + remainder_m);
+    let mut worst = Certificate::clear(most_m);
     // First the long straight line at the end: what comes close there rules out most chords.
-    let above = path.end_line(asked.horizon_s).is_none_or(|line| {
+    let above = path.end_line(horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
-            || hazards.each(meter, |hazard| {
+            || each(hazards, meter, |hazard| {
                 if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
                     lower(&mut worst, margin, at_s, hazard);
                 }
@@ -230,9 +208,9 @@ fn bounded_from<H: HazardSet + ?Sized>(
     });
     // Then the unsplit chords, if there is anything between floor and ceiling: no margin is larger than the least of one and its bow, so
     // only chords that are nearer may decide.
-    let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
+    let scene = (flyer, hazards, (horizon_s, floor_m), meter);
     let above = above
-        && (floor_m >= enough_m
+        && (floor_m >= most_m
             || each_near(
                 scene,
                 path,
@@ -248,8 +226,8 @@ fn bounded_from<H: HazardSet + ?Sized>(
         });
     let below_floor = worst.margin_m < floor_m;
     // A sufficient margin is exactly the requested one, despite rounding.
-    worst.margin_m = if worst.margin_m >= enough_m {
-        asked.enough_m
+    worst.margin_m = if worst.margin_m >= most_m {
+        enough_m
     } else {
         worst.margin_m - remainder_m
     };
@@ -289,7 +267,7 @@ pub fn mark_close(
     });
     if goes_on && let Some(mut line) = path.end_line(horizon_s) {
         line.duration_s = line.duration_s.max(0.0);
-        hazards.each(meter, |hazard| {
+        each(hazards, meter, |hazard| {
             hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
         });
     }
@@ -351,15 +329,8 @@ impl<'a> Chord<'a> {
         worst: &mut Certificate,
         meter: &Meter,
     ) {
-        let is_straight = self.bow_m == 0.0;
-        if !meter.take(if is_straight { LOOK } else { SPLIT_WORK }) {
+        if !meter.take(SPLIT_WORK) {
             lower(worst, f64::NEG_INFINITY, self.line.at_s, hazard);
-            return;
-        }
-        if is_straight {
-            if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m, meter) {
-                lower(worst, margin, at_s, hazard);
-            }
             return;
         }
         let before = *worst;
@@ -428,17 +399,17 @@ impl FlightPath {
 }
 
 /// Looks at a hazard near a chord, with its least margin there and when.
-type Visit<'a, H> = dyn FnMut(&Chord<'_>, &H, (f64, f64), &mut Certificate) + 'a;
+type Visit<'a, O> = dyn FnMut(&Chord<'_>, &O, (f64, f64), &mut Certificate) + 'a;
 
 /// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
 /// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
 /// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
 #[inline(never)]
-fn each_near<H: HazardSet + ?Sized>(
-    (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
+fn each_near<O: Obstruction>(
+    (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &[O], (f64, f64), &Meter),
     path: &FlightPath,
     worst: &mut Certificate,
-    look: &mut Visit<'_, H::Each>,
+    look: &mut Visit<'_, O>,
 ) -> bool {
     let mut rest = path.nodes();
     let mut count = rest.len();
@@ -449,7 +420,7 @@ fn each_near<H: HazardSet + ?Sized>(
         let is_one = count == 1;
         let chord = Chord::over(flyer, rest.get(..=count).unwrap_or(rest), horizon_s);
         let goes_on = chord.map_or(is_one, |chord| {
-            hazards.each(meter, |hazard| {
+            each(hazards, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
                 if !is_one {
                     return !hazard.is_near(&chord.line, below_m, meter);
@@ -535,8 +506,8 @@ mod tests {
             let found = certify_set(
                 &flyer,
                 &path,
-                [sphere(0, apex_m)].as_slice(),
-                &Asked::new(60.0, f64::MIN, 50.0),
+                &Around::only(&[sphere(0, apex_m)]),
+                (60.0, f64::MIN, 50.0),
                 &Meter::unlimited(),
             );
             assert!((found.margin_m - (beside_m.abs() - 1.0)).abs() < 0.01);
@@ -547,10 +518,15 @@ mod tests {
     fn an_obstacle_far_from_a_long_turn_takes_few_looks() {
         let flyer = flyer();
         let path = turned(&flyer, 3.0);
-        let asked = Asked::new(60.0, 0.0, 50.0);
         let meter = Meter::unlimited();
         let far = [sphere(0, Vec3::new(0.0, 2000.0, 0.0))];
-        let found = certify_set(&flyer, &path, far.as_slice(), &asked, &meter);
+        let found = certify_set(
+            &flyer,
+            &path,
+            &Around::only(&far),
+            (60.0, 0.0, 50.0),
+            &meter,
+        );
         assert!(found.holds(50.0));
         assert!(path.nodes().len() > 15);
         assert!(meter.done() <= 3, "{} looks", meter.done());

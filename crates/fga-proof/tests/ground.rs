@@ -15,7 +15,7 @@ mod random;
 
 use core::f64::consts::TAU;
 
-use fga_proof::certificate::{Asked, Hazards, Line, Status, Zones, certify_set, prove};
+use fga_proof::certificate::{Hazards, Line, Status, Zones, certify_set, prove};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -230,12 +230,8 @@ fn no_ground_is_nearer_than_certified() {
             ..Mission::NONE
         };
         let around = hazards.over(&mission);
-        let asked = Asked {
-            horizon_s,
-            floor_m: f64::MIN,
-            enough_m: 1e3,
-        };
-        let found = certify_set(&flyer, &path, &around, &asked, &meter);
+        let asked = (horizon_s, f64::MIN, 1e3);
+        let found = certify_set(&flyer, &path, &around, asked, &meter);
         // Beside cliffs the looks along a line may end before it is known how deep it comes: then it counts as deepest.
         let steepest = grid.steepest();
         let is_open = found.margin_m == f64::NEG_INFINITY && steepest > 10.0;

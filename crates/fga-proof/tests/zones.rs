@@ -16,7 +16,7 @@ mod random;
 
 use core::f64::consts::TAU;
 
-use fga_proof::certificate::{Asked, Hazards, MAX_ZONES, Status, certify_set, prove};
+use fga_proof::certificate::{Hazards, MAX_ZONES, Status, certify_set, prove};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -218,12 +218,8 @@ fn no_zone_is_nearer_than_certified() {
         hazards.zones.spare_m = spare_m;
         let begins_well = hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9));
         let meter = Meter::unlimited();
-        let asked = Asked {
-            horizon_s,
-            floor_m: f64::MIN,
-            enough_m: 1e3 + spare_m,
-        };
-        let found = certify_set(&flyer, &path, &hazards.over(&mission), &asked, &meter);
+        let asked = (horizon_s, f64::MIN, 1e3 + spare_m);
+        let found = certify_set(&flyer, &path, &hazards.over(&mission), asked, &meter);
         assert_eq!(found.status, Status::Proven, "{case}");
         assert_eq!(begins_well, measure(Vec3::ZERO).1 >= 0.0, "{case}");
         // Also less than is spared: even then none is entered.

@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 
 use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
-use fga::certificate::{Asked, Hazard, Status, certify_set};
+use fga::certificate::{Around, Hazard, Status, certify_set};
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -392,8 +392,8 @@ impl Drawer {
         let certificate = certify_set(
             &self.flyer,
             &self.path,
-            hazards,
-            &Asked::new(self.horizon_s, f64::MIN, f64::INFINITY),
+            &Around::only(hazards),
+            (self.horizon_s, f64::MIN, f64::INFINITY),
             &Meter::unlimited(),
         );
         let clear = certificate.status == Status::Proven

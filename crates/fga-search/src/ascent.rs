@@ -10,10 +10,10 @@ mod moves;
 use fga_proof::certificate::{Hazard, Line, Obstruction as _};
 
 use super::climbs::{Approach, Approaches, Ascent, CLOSEST, PARAMETERS, Seed, Vector, scales};
-use super::{Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
+use super::{Found, MAX_TURN_RAD, Scene, Search, SecondTurn, Turns};
 
 use linear::{Margin, lifted};
-use moves::moves;
+use moves::Moves;
 
 /// Obstacles farther than the closest one by this do not matter to a climb, turn radii.
 const NEAR: f64 = 1.3;
@@ -39,9 +39,10 @@ const LEAST_SHARE: f64 = 0.005;
 impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        if self.approaches.len() < search.scene.around.rows.len() {
-            self.find_closest(search);
+        if self.done {
+            return;
         }
+        self.find_closest(search);
         // Certified margins are a little less than these.
         let enough_m = search.scene.target_m + LEAST_GAIN_M;
         for _ in 0..steps {
@@ -103,7 +104,9 @@ impl Ascent {
             for ((x, step), scale) in tried.iter_mut().zip(step).zip(scales) {
                 *x += step * scale;
             }
-            let there = self.look(search, &tried);
+            search.evaluated += 1;
+            let places = self.approaches.iter().map(|(place, _)| place);
+            let there = self.look(search, &tried, places);
             let gained_m = (there.as_ref()).map_or(f64::MIN, |there| there.closest_m() - here_m);
             if let Some(there) = there
                 && gained_m > 0.1 * promised_m
@@ -136,21 +139,11 @@ impl Ascent {
     /// Notes the closest obstacles now.
     #[inline(never)]
     fn find_closest(&mut self, search: &mut Search<'_>) {
-        let hazards = search.scene.around.rows;
-        let mut closest = Approaches::NONE;
-        if predict(search, &self.turns(&self.at)) {
-            for (place, hazard) in (0..).zip(hazards) {
-                if search.limit_met() {
-                    self.done = true;
-                    break;
-                }
-                if let Some(approach) = nearest(search, hazard) {
-                    closest.note(place, approach);
-                }
-            }
-        } else {
+        let all = (0..).take(search.scene.around.rows.len());
+        let Some(closest) = self.look(search, &self.at, all) else {
             self.done = true;
-        }
+            return;
+        };
         let near_m = closest.closest_m() + NEAR * search.scene.turn_radius_m();
         self.approaches = Approaches::NONE;
         for (place, approach) in closest.iter().filter(|(_, it)| it.margin_m < near_m) {
@@ -158,28 +151,34 @@ impl Ascent {
         }
     }
 
-    /// The approaches of the noted obstacles with other parameters; `None` if the path is not predicted to its end.
+    /// The approaches of the obstacles at some places with other parameters; `None` if the path is not predicted to its end, or the
+    /// limit of work is met.
     #[inline(never)]
-    fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
-        search.evaluated += 1;
+    fn look(
+        &self,
+        search: &mut Search<'_>,
+        at: &Vector,
+        places: impl Iterator<Item = u8>,
+    ) -> Option<Approaches> {
         if !predict(search, &self.turns(at)) {
             return None;
         }
         let hazards = search.scene.around.rows;
         let mut approaches = Approaches::NONE;
-        for (place, _) in self.approaches.iter() {
+        for place in places {
             let hazard = hazards.get(usize::from(place));
             if let Some(approach) = hazard.and_then(|hazard| nearest(search, hazard)) {
                 approaches.note(place, approach);
             }
         }
-        Some(approaches)
+        (!search.limit_met()).then_some(approaches)
     }
 
-    /// The margin of each approach and its slope in each parameter, per natural step: that of the distance at the closest approach.
+    /// The margin of each approach and its slope in each parameter, per natural step: that of the distance at the closest approach. The
+    /// search's path is the flight from here.
     #[inline(never)]
     fn slopes(&self, search: &Search<'_>, scales: &Vector, margins: &mut [Margin; CLOSEST]) {
-        let hazards = search.scene.around.rows;
+        let Scene { flyer, around, .. } = search.scene;
         for (margin, (_, known)) in margins.iter_mut().zip(self.approaches.iter()) {
             margin.now_m = known.margin_m;
         }
@@ -188,33 +187,21 @@ impl Ascent {
         }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
-        let last_s = self
-            .approaches
-            .iter()
-            .fold(0.0, |last: f64, (_, a)| last.max(a.at_s));
-        moves(
-            search.scene.flyer,
-            &departure,
-            &turns,
-            last_s,
-            &mut |from_s, until_s, part| {
-                for (margin, (place, known)) in margins.iter_mut().zip(self.approaches.iter()) {
-                    if known.at_s < from_s || known.at_s > until_s {
-                        continue;
-                    }
-                    let Some(hazard) = hazards.get(usize::from(place)) else {
-                        continue;
-                    };
-                    let moves = part.moves_at(known.at_s - from_s);
-                    let slopes = margin.slope.iter_mut().take(self.used.into());
-                    for ((slope, move_m), scale) in slopes.zip(moves).zip(scales) {
-                        let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
-                        let margin_m = hazard.margin_m(moved_m, known.at_s);
-                        *slope = (margin_m - known.margin_m) / DIFFERENCE;
-                    }
-                }
-            },
-        );
+        let moves = Moves::new(flyer, &departure, &turns, search.path);
+        for (margin, (place, known)) in margins.iter_mut().zip(self.approaches.iter()) {
+            let hazard = around.rows.get(usize::from(place));
+            let now = search.path.state_at(flyer, known.at_s);
+            let (Some(hazard), Some(now)) = (hazard, now) else {
+                continue;
+            };
+            let moves = moves.at(&now);
+            let slopes = margin.slope.iter_mut().take(self.used.into());
+            for ((slope, move_m), scale) in slopes.zip(moves).zip(scales) {
+                let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
+                let margin_m = hazard.margin_m(moved_m, known.at_s);
+                *slope = (margin_m - known.margin_m) / DIFFERENCE;
+            }
+        }
     }
 
     /// The step within the box and the bounds that lifts the least margin most, to first order, and that margin.

@@ -1,7 +1,7 @@
 //! How far a manoeuvre departs from the mission.
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Asked, certify_set, mark_close};
+use fga_proof::certificate::{Around, certify_set, mark_close};
 use fga_proof::prediction::{MotionState, flown};
 
 use super::tuned::LONGEST_PASS_S;
@@ -83,15 +83,15 @@ impl Search<'_> {
         (self.path).predict_within(scene.flyer, start, scene.nominal, horizon_s, &self.meter);
         let hazards = scene.around.rows;
         let close = mark_close(scene.flyer, self.path, hazards, reach, &self.meter);
-        let asked = Asked::new(scene.horizon_s, f64::MIN, scene.target_m);
+        let asked = (scene.horizon_s, f64::MIN, scene.target_m);
         let conflicts = &mut *self.conflicts;
         let rows = hazards.iter().zip(&mut conflicts.marks).zip(&close);
         for ((hazard, mark), _) in rows.filter(|(_, close)| **close) {
             if self.meter.is_met() {
                 break;
             }
-            let one = core::slice::from_ref(hazard);
-            let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
+            let one = Around::only(core::slice::from_ref(hazard));
+            let closest = certify_set(scene.flyer, self.path, &one, asked, &self.meter);
             if closest.margin_m < scene.target_m {
                 *mark = true;
                 conflicts.closest_s = conflicts.closest_s.max(closest.at_s);

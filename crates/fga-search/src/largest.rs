@@ -11,7 +11,7 @@ use fga_proof::meter::COMPARED;
 use super::climbs::{Ascent, Climbs, Seed, sort};
 use super::lattice::{Prefix, Row};
 use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
-use super::{ENOUGH_M, Effort, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
+use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
 
 /// The work of filling the seeds.
 const SEEDS_WORK: usize = 8;
@@ -28,28 +28,25 @@ fn margin_m(slot: Option<&Seed>) -> f64 {
 }
 
 impl Search<'_> {
-    /// The manoeuvre with the largest margin, single or two-stage; ends as soon as one is certified. `flown` is the present
-    /// one, from which it also climbs. Searches with another `variety` begin with another part of the two-turn rows.
+    /// The manoeuvre with the largest margin; ends as soon as one is certified. `flown` is the present one, from which it also
+    /// climbs. The two-turn rows have [`GRIDS_A_SEARCH`](crate::GRIDS_A_SEARCH) parts, of which `most` are looked at; without any it is a
+    /// single turn, or near `flown`. Searches with another `variety` begin with another part.
     pub fn best(
         &mut self,
         flown: Option<Turns>,
-        effort: Effort,
+        most: u32,
         variety: u32,
     ) -> Option<(Found, Proof)> {
         self.on_board(SEEDS_WORK, |search, board| {
-            search.best_among(board.climbs()?, (flown, effort, variety))
+            search.best_among(board.climbs()?, (flown, most, variety))
         })
     }
 
     fn best_among(
         &mut self,
         climbs: &mut Climbs,
-        (flown, effort, variety): (Option<Turns>, Effort, u32),
+        (flown, most, variety): (Option<Turns>, u32, u32),
     ) -> Option<(Found, Proof)> {
-        let most = match effort {
-            Effort::Quick => 0,
-            Effort::Grids(most) => most.max(1),
-        };
         self.grids = most.min(1);
         let hazards = self.scene.around.rows;
         let target_m = self.scene.target_m;
@@ -366,7 +363,7 @@ mod tests {
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
             let mut search = Search::new(&scene, (&mut path, &mut tables), 100_000);
-            let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
+            let (found, proof) = search.best(None, PARTS, 0).unwrap();
             assert_eq!(proof, Proof::Hopeless);
             // The search may have used up its work.
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);

@@ -26,7 +26,7 @@ mod rows;
 mod terms;
 mod tuned;
 
-pub use terms::{Departure, Effort, Found, MAX_TURN_RAD, Objective, Proof, SecondTurn, Turns};
+pub use terms::{Departure, Found, MAX_TURN_RAD, Objective, Proof, SecondTurn, Turns};
 pub use tuned::PARTS as GRIDS_A_SEARCH;
 
 use climbs::Climbs;
@@ -35,9 +35,7 @@ use terms::ENOUGH_M;
 
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
-use fga_proof::certificate::{
-    Around, Asked, Certificate, Certified, MAX_HAZARDS, certify_set, prove,
-};
+use fga_proof::certificate::{Around, Certificate, Certified, MAX_HAZARDS, certify_set, prove};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -296,11 +294,10 @@ impl<'a> Search<'a> {
     }
 
     /// Certifies the path up to a moment.
-    fn certify_path(&self, horizon_s: f64, marks: (f64, f64)) -> Certificate {
-        let (floor_m, enough_m) = marks;
-        let asked = Asked::new(horizon_s, floor_m, enough_m);
+    fn certify_path(&self, horizon_s: f64, (floor_m, enough_m): (f64, f64)) -> Certificate {
+        let asked = (horizon_s, floor_m, enough_m);
         let Scene { flyer, around, .. } = self.scene;
-        certify_set(flyer, self.path, around, &asked, &self.meter)
+        certify_set(flyer, self.path, around, asked, &self.meter)
     }
 
     /// Lays the commands of a manoeuvre: the mission up to its start, then its turns from the course there, radians.

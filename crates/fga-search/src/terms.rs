@@ -3,8 +3,6 @@
 use fga_proof::certificate::Certified;
 use fga_proof::maneuver::Maneuver;
 
-use super::tuned::PARTS;
-
 /// Largest single turn of a search, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
 
@@ -103,20 +101,6 @@ pub enum Objective {
     LeastDeviation,
     /// Least extra path (§3.3).
     ShortestPath,
-}
-
-/// The effort for the largest margin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
-    /// Single turns, and the surroundings of the present manoeuvre.
-    Quick,
-    /// Also two turns, in some parts of their rows, at least one.
-    Grids(u32),
-}
-
-impl Effort {
-    /// A whole search.
-    pub const WHOLE: Self = Self::Grids(PARTS);
 }
 
 /// The departure of a manoeuvre from the mission.

@@ -7,7 +7,7 @@
 //! move as expected.
 
 use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};
-use fga::certificate::{Asked, Hazard, certify_set};
+use fga::certificate::{Around, Hazard, certify_set};
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -109,8 +109,8 @@ impl Shield {
         if !certify_set(
             &self.flyer,
             &self.path,
-            self.hazards.as_slice(),
-            &Asked::new(period_s, margin_m, margin_m),
+            &Around::only(&self.hazards),
+            (period_s, margin_m, margin_m),
             &Meter::unlimited(),
         )
         .holds(margin_m)

@@ -27,7 +27,7 @@ pub use tracks::{AllPlaces, Known, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
 use fga_index::quiet;
 
 use crate::Vec3;
-use crate::certificate::{Asked, Certificate, Hazard, certify_set};
+use crate::certificate::{Around, Certificate, Hazard, certify_set};
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
@@ -441,14 +441,9 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Bounds the separation from one hazard along the path.
-    fn certify_one(
-        &self,
-        hazard: &Hazard,
-        (horizon_s, floor_m, enough_m): (f64, f64, f64),
-    ) -> Certificate {
-        let asked = Asked::new(horizon_s, floor_m, enough_m);
-        let one = core::slice::from_ref(hazard);
-        certify_set(&self.flyer, &self.path, one, &asked, &self.meter)
+    fn certify_one(&self, hazard: &Hazard, asked: (f64, f64, f64)) -> Certificate {
+        let one = Around::only(core::slice::from_ref(hazard));
+        certify_set(&self.flyer, &self.path, &one, asked, &self.meter)
     }
 
     /// The aircraft some time into some stages.

@@ -12,7 +12,7 @@
 mod random;
 
 use fga::Vec3;
-use fga::certificate::{ALWAYS, Asked, Hazard, NO_DEPTH, Status, certify_set};
+use fga::certificate::{ALWAYS, Around, Hazard, NO_DEPTH, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -226,8 +226,8 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let certificate = certify_set(
         &flyer,
         path,
-        [hazard].as_slice(),
-        &Asked::new(horizon_s, f64::MIN, enough_m),
+        &Around::only(&[hazard]),
+        (horizon_s, f64::MIN, enough_m),
         &Meter::unlimited(),
     );
     if certificate.status != Status::Proven {
@@ -245,8 +245,8 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let floored = certify_set(
         &flyer,
         path,
-        [hazard].as_slice(),
-        &Asked::new(horizon_s, claimed + 0.5, enough_m),
+        &Around::only(&[hazard]),
+        (horizon_s, claimed + 0.5, enough_m),
         &Meter::unlimited(),
     );
     assert!(
@@ -256,8 +256,8 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let both = certify_set(
         &flyer,
         path,
-        [hazard, hazard].as_slice(),
-        &Asked::new(horizon_s, f64::MIN, enough_m),
+        &Around::only(&[hazard, hazard]),
+        (horizon_s, f64::MIN, enough_m),
         &Meter::unlimited(),
     );
     assert!(
@@ -344,8 +344,8 @@ fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
         let certificate = certify_set(
             &flyer,
             &path,
-            [hazard].as_slice(),
-            &Asked::new(60.0, asked_m, asked_m),
+            &Around::only(&[hazard]),
+            (60.0, asked_m, asked_m),
             &Meter::unlimited(),
         );
         assert!(certificate.holds(asked_m), "{certificate:?}");

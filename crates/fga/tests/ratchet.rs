@@ -33,7 +33,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
     sizes! {
         fga_proof::angle::Side,
         fga_proof::certificate::Around,
-        fga_proof::certificate::Asked,
         fga_proof::certificate::Certificate,
         fga_proof::certificate::Certified,
         fga_proof::certificate::Fixed,
@@ -70,7 +69,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::zone::Outline,
         fga_proof::zone::Zone,
         fga_search::Departure,
-        fga_search::Effort,
         fga_search::Found,
         fga_search::Objective,
         fga_search::Proof,

@@ -11,7 +11,7 @@ mod random;
 use cycles::{BenchAircraft, BenchEncounter, StepKind};
 use fga::Vec3;
 use fga::avoider::{Avoider, Block, Decision, Kept, LEAST_WORK, Settings, Start, State, Verdict};
-use fga::certificate::{Asked, Hazard, certify_set};
+use fga::certificate::{Around, Hazard, certify_set};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::search::Objective;
@@ -342,8 +342,8 @@ fn margin_m(situation: &Situation<'_>, decision: &Decision, avoider: &Avoider) -
     let all = certify_set(
         &flyer,
         &path,
-        hazards.as_slice(),
-        &Asked::new(horizon_s, f64::MIN, 1.0),
+        &Around::only(&hazards),
+        (horizon_s, f64::MIN, 1.0),
         &Meter::unlimited(),
     );
     hazards.iter().all(is_outside).then_some(all.margin_m)

@@ -8,7 +8,7 @@
 use fga::Vec3;
 use fga::angle::direction;
 use fga::avoider::{Against, Decision, Reason, Start, State, Threat};
-use fga::certificate::{Asked, Hazard, certify_set};
+use fga::certificate::{Around, Hazard, certify_set};
 use fga::limit::Limit as _;
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
@@ -360,8 +360,8 @@ impl PaperPilot {
             let ahead = certify_set(
                 &self.flyer,
                 &self.path,
-                hazards,
-                &Asked::new(left_s, 0.0, 0.0),
+                &Around::only(hazards),
+                (left_s, 0.0, 0.0),
                 &Meter::unlimited(),
             );
             if ahead.margin_m >= 0.0 {

@@ -1,6 +1,6 @@
 //! The obstacles for the certificate, together.
 
-use super::hazard::{Hazard, Obstruction};
+use super::hazard::Hazard;
 use super::zones::{Fixed, Zones};
 use crate::list::List;
 use crate::meter::Meter;
@@ -9,39 +9,13 @@ use crate::situation::Mission;
 /// Most hazards of a [`Hazards`].
 pub const MAX_HAZARDS: usize = 128;
 
-/// Hazards that a unit of work looks at.
+/// Obstructions that a unit of work looks at.
 const LOOKED_AT: usize = 4;
 
-/// Obstacles of one kind, and what is fixed beside them.
-pub trait HazardSet {
-    /// One of them.
-    type Each: Obstruction;
-
-    /// Shows each until `visit` returns false. Returns whether none did, and the meter did not refuse it.
-    fn each(&self, meter: &Meter, visit: impl FnMut(&Self::Each) -> bool) -> bool;
-
-    /// What is fixed over the ground beside them.
-    fn fixed(&self) -> Option<Fixed<'_>> {
-        None
-    }
-}
-
-impl HazardSet for [Hazard] {
-    type Each = Hazard;
-
-    #[inline]
-    fn each(&self, meter: &Meter, visit: impl FnMut(&Hazard) -> bool) -> bool {
-        meter.take(self.len().div_ceil(LOOKED_AT).max(1)) && self.iter().all(visit)
-    }
-}
-
-impl HazardSet for Fixed<'_> {
-    type Each = Self;
-
-    #[inline]
-    fn each(&self, _: &Meter, mut visit: impl FnMut(&Self) -> bool) -> bool {
-        self.is_empty() || visit(self)
-    }
+/// Shows each of some obstructions until `visit` returns false. Returns whether none did, and the meter did not refuse it.
+#[inline]
+pub fn each<O>(all: &[O], meter: &Meter, visit: impl FnMut(&O) -> bool) -> bool {
+    meter.take(all.len().div_ceil(LOOKED_AT).max(1)) && all.iter().all(visit)
 }
 
 /// Hazards one by one.
@@ -105,15 +79,10 @@ pub struct Around<'a> {
     pub fixed: Fixed<'a>,
 }
 
-impl HazardSet for Around<'_> {
-    type Each = Hazard;
-
-    #[inline]
-    fn each(&self, meter: &Meter, visit: impl FnMut(&Hazard) -> bool) -> bool {
-        self.rows.each(meter, visit)
-    }
-
-    fn fixed(&self) -> Option<Fixed<'_>> {
-        Some(self.fixed)
+impl<'a> Around<'a> {
+    /// Hazards alone.
+    pub const fn only(rows: &'a [Hazard]) -> Self {
+        let fixed = Zones::NONE.over(&Mission::NONE);
+        Self { rows, fixed }
     }
 }

@@ -1,209 +1,151 @@
 //! How the parameters of a manoeuvre move the aircraft, in closed form.
 //!
-//! Turns and changes of climb have constant rates. A larger turn therefore turns all that follows about the point where the
-//! turn ended, and a later start moves the whole flight in time. With bank lag this is nearly true if the turns begin later:
-//! good enough for a slope, because each step is flown before it counts.
+//! A larger turn turns all that follows about the place where the turn ended, a steeper climb lifts it, and a later command
+//! delays it: each is the way flown between two moments, turned or raised. With bank lag this is nearly true if the turns
+//! begin later: good enough for a slope, because each step is flown before it counts.
 
 use crate::Turns;
 use crate::climbs::PARAMETERS;
 use fga_proof::Vec3;
-use fga_proof::prediction::{Flyer, MotionState, Piece};
-
-/// Displacements of the aircraft, metres per unit of each parameter.
-pub(super) type Moves = [Vec3; PARAMETERS];
-
-/// Most pieces of constant rates: two turns and two changes of climb, each with its beginning and its end.
-const MOST_PIECES: usize = 12;
-
-/// Moments closer than this are the same, seconds.
-const SAME_S: f64 = 1e-9;
-
-/// A smaller angle than this is none, radians.
-const REACHED_RAD: f64 = 1e-9;
+use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 
 /// An angle that follows two commands one after the other at a constant rate.
-#[derive(Clone, Copy)]
 struct Followed {
-    rate_radps: f64,
-    /// The commands and when they begin, seconds.
-    commands: [(f64, f64); 2],
-    /// How many have begun.
-    begun: usize,
-    /// Its rate if the second command came a little later; none if the first one was done by then.
-    before_radps: f64,
+    /// The aircraft where the angle begins and ends to change after the first command, then after the second one.
+    changes: [MotionState; 4],
+    /// The rates of the changes, radians per second.
+    rates_radps: [f64; 2],
+    /// Whether the second command comes before the end of the first change.
+    is_cut: bool,
 }
 
 impl Followed {
-    const fn new(rate_radps: f64, commands: [(f64, f64); 2]) -> Self {
+    /// From an angle, radians, at a rate, radians per second: the commands and when they begin, seconds.
+    fn new(
+        (from_rad, limit_radps): (f64, f64),
+        [first, second]: [(f64, f64); 2],
+        at: impl Fn(f64) -> MotionState,
+    ) -> Self {
+        let change = |from_rad: f64, (begins_s, to_rad): (f64, f64)| {
+            let left_rad = to_rad - from_rad;
+            let rate_radps = libm::copysign(limit_radps, left_rad);
+            let is_changed = limit_radps > 0.0;
+            let lasts_s = if is_changed {
+                left_rad / rate_radps
+            } else {
+                0.0
+            };
+            (rate_radps, begins_s + lasts_s)
+        };
+        let (first_radps, ends_s) = change(from_rad, first);
+        let is_cut = second.0 < ends_s;
+        let between_rad = if is_cut {
+            from_rad + first_radps * (second.0 - first.0)
+        } else {
+            first.1
+        };
+        let (second_radps, over_s) = change(between_rad, second);
         Self {
-            rate_radps,
-            commands,
-            begun: 0,
-            before_radps: 0.0,
+            changes: [first.0, ends_s.min(second.0), second.0, over_s].map(at),
+            rates_radps: [first_radps, second_radps],
+            is_cut,
         }
     }
 
-    fn towards(&self, from_rad: f64, to_rad: f64) -> f64 {
-        let left_rad = to_rad - from_rad;
-        if left_rad.abs() < REACHED_RAD || self.rate_radps <= 0.0 {
-            0.0
-        } else {
-            libm::copysign(self.rate_radps, left_rad)
-        }
-    }
-
-    /// The rate from a moment on, and how long it lasts, seconds.
-    #[inline(never)]
-    fn next(&mut self, now_s: f64, angle_rad: f64) -> (f64, f64) {
-        let [first, second] = self.commands;
-        let begins = |at_s: f64| at_s <= now_s + SAME_S;
-        while self
-            .commands
-            .get(self.begun)
-            .is_some_and(|(at_s, _)| begins(*at_s))
-        {
-            self.begun += 1;
-            if self.begun == 2 {
-                self.before_radps = self.towards(angle_rad, first.1);
+    /// How the aircraft moves by a state with the time of both commands, the first angle, the time of the second command, and the
+    /// second angle. `moved` is how it moves with the angle from one state to another. A second turn adds to the first one; a
+    /// second climb angle takes its place.
+    fn moves(
+        &self,
+        now: &MotionState,
+        is_relative: bool,
+        moved: impl Fn(&MotionState, &MotionState) -> Vec3,
+    ) -> [Vec3; 4] {
+        let by_now = |state: MotionState| {
+            if state.time_s < now.time_s {
+                state
+            } else {
+                *now
             }
-        }
-        let (to_rad, until_s) = match self.begun {
-            0 => return (0.0, first.0 - now_s),
-            1 => (first.1, second.0),
-            _ => (second.1, f64::INFINITY),
         };
-        let rate_radps = self.towards(angle_rad, to_rad);
-        let left_s = until_s - now_s;
-        if rate_radps == 0.0 {
-            (0.0, left_s)
-        } else {
-            (rate_radps, left_s.min((to_rad - angle_rad) / rate_radps))
-        }
-    }
-
-    /// How much the angle in this piece grows with the first angle, with the second one, and with the time of the second
-    /// command. A second turn adds to the first one; a second climb angle takes its place.
-    fn grows(&self, rate_radps: f64, is_relative: bool) -> [f64; 3] {
-        let still = rate_radps == 0.0;
-        match (self.begun, still) {
-            (1, true) => [1.0, 0.0, 0.0],
-            (2, _) => {
-                let is_done = self.before_radps == 0.0;
-                let first = if is_relative {
-                    still || is_done
-                } else {
-                    !still && is_done
-                };
-                let later = if still {
-                    0.0
-                } else {
-                    self.before_radps - rate_radps
-                };
-                [f64::from(first), f64::from(still), later]
-            }
-            _ => [0.0; 3],
-        }
-    }
-}
-
-/// A piece of a flight of constant rates, and what precedes it.
-pub(super) struct Part<'a> {
-    flyer: &'a Flyer,
-    state: MotionState,
-    piece: Piece,
-    /// How much course and climb angle in it grow with each parameter.
-    grows: [(f64, f64); PARAMETERS],
-    /// The moves at its beginning.
-    moved: Moves,
-}
-
-impl Part<'_> {
-    /// The moves a time after its beginning, seconds.
-    #[inline(never)]
-    pub(super) fn moves_at(&self, after_s: f64) -> Moves {
-        let Self { flyer, state, .. } = self;
-        let flown_m = flyer.advance(state, &self.piece, after_s).position_m - state.position_m;
-        let level_m = flyer.airspeed_mps() * libm::cos(state.climb_rad) * after_s;
-        let slope = if level_m > 0.0 {
-            flown_m.z / level_m
-        } else {
-            0.0
+        let [begins, ends, again, over] = self.changes.map(by_now);
+        let [first_radps, second_radps] = self.rates_radps;
+        let changing = moved(&again, &over);
+        let second = moved(&over, now);
+        let first = match (self.is_cut, is_relative) {
+            (true, true) => second,
+            (true, false) => Vec3::ZERO,
+            (false, true) => moved(&ends, now),
+            (false, false) => moved(&ends, &again) + changing,
         };
-        let mut moves = self.moved;
-        for (move_m, (course, climb)) in moves.iter_mut().zip(self.grows) {
-            *move_m += Vec3::new(
-                -course * flown_m.y - climb * slope * flown_m.x,
-                course * flown_m.x - climb * slope * flown_m.y,
-                climb * level_m,
-            );
-        }
-        moves
-    }
-}
-
-/// Shows the parts of the flight of some turns from their departure until a moment: from and until when each lasts, seconds.
-#[inline(never)]
-pub(super) fn moves(
-    flyer: &Flyer,
-    departure: &MotionState,
-    turns: &Turns,
-    until_s: f64,
-    visit: &mut dyn FnMut(f64, f64, &Part<'_>),
-) {
-    let later_s = flyer.turns_later_s();
-    let second = turns.second;
-    let start_s = turns.wait_s;
-    let again_s = second.map_or(f64::INFINITY, |second| start_s + second.after_s);
-    let first_rad = departure.course_rad + turns.turn_rad;
-    let second_rad = second.map_or(first_rad, |second| first_rad + second.turn_rad);
-    let mut course = Followed::new(
-        flyer.course_rate_radps(),
+        let goes_on_radps = if self.is_cut { first_radps } else { 0.0 };
         [
+            -first_radps * moved(&begins, &ends) - second_radps * changing,
+            first,
+            (goes_on_radps - second_radps) * changing,
+            second,
+        ]
+    }
+}
+
+/// How the parameters of some turns move the aircraft.
+pub(super) struct Moves<'a> {
+    flyer: &'a Flyer,
+    course: Followed,
+    climb: Followed,
+}
+
+impl<'a> Moves<'a> {
+    /// Of turns that depart from the mission at a state, and their path.
+    pub(super) fn new(
+        flyer: &'a Flyer,
+        departure: &MotionState,
+        turns: &Turns,
+        path: &FlightPath,
+    ) -> Self {
+        let at = |time_s| path.state_at(flyer, time_s).unwrap_or(*departure);
+        let (start_s, later_s) = (turns.wait_s, flyer.turns_later_s());
+        let again_s = turns
+            .second
+            .map_or(f64::INFINITY, |second| start_s + second.after_s);
+        let second = turns.second.unwrap_or_default();
+        let from_rad = departure.course_rad + flyer.rollout_rad(departure.bank_rad);
+        let first_rad = departure.course_rad + turns.turn_rad;
+        let courses = [
             (start_s + later_s, first_rad),
-            (again_s + later_s, second_rad),
-        ],
-    );
-    let second_climb = second.map_or(turns.climb_rad, |second| second.climb_rad);
-    let mut climb = Followed::new(
-        flyer.climb_rate_radps(),
-        [(start_s, turns.climb_rad), (again_s, second_climb)],
-    );
-    let mut part = Part {
-        flyer,
-        state: MotionState {
-            time_s: start_s,
-            position_m: Vec3::ZERO,
-            course_rad: departure.course_rad + flyer.rollout_rad(departure.bank_rad),
-            climb_rad: departure.climb_rad,
-            bank_rad: 0.0,
-        },
-        piece: Piece::steady(0.0, 0.0, 0.0, 0.0),
-        grows: [(0.0, 0.0); PARAMETERS],
-        moved: [Vec3::ZERO; PARAMETERS],
-    };
-    for _ in 0..MOST_PIECES {
-        let now = &part.state;
-        let (now_s, left_s) = (now.time_s, until_s - now.time_s);
-        if left_s <= 0.0 {
-            return;
-        }
-        let (turning_radps, turns_s) = course.next(now_s, now.course_rad);
-        let (climbing_radps, climbs_s) = climb.next(now_s, now.climb_rad);
-        let lasts_s = turns_s.min(climbs_s).min(left_s);
-        let [turn, second_turn, turn_later] = course.grows(turning_radps, true);
-        let [up, second_up, up_later] = climb.grows(climbing_radps, false);
-        part.piece = Piece::steady(lasts_s, turning_radps, climbing_radps, 0.0);
-        part.grows = [
-            (-turning_radps, -climbing_radps),
-            (turn, 0.0),
-            (0.0, up),
-            (turn_later, up_later),
-            (second_turn, 0.0),
-            (0.0, second_up),
+            (again_s + later_s, first_rad + second.turn_rad),
         ];
-        visit(now_s, now_s + lasts_s, &part);
-        part.moved = part.moves_at(lasts_s);
-        part.state = flyer.advance(&part.state, &part.piece, lasts_s);
+        let climbs = [(start_s, turns.climb_rad), (again_s, second.climb_rad)];
+        let climb = (departure.climb_rad, flyer.climb_rate_radps());
+        Self {
+            flyer,
+            course: Followed::new((from_rad, flyer.course_rate_radps()), courses, at),
+            climb: Followed::new(climb, climbs, at),
+        }
+    }
+
+    /// Displacements of the aircraft at a state of the flight, metres per unit of each parameter.
+    #[inline(never)]
+    pub(super) fn at(&self, now: &MotionState) -> [Vec3; PARAMETERS] {
+        let [wait, turn, turn_later, second_turn] = self.course.moves(now, true, |from, to| {
+            let flown_m = to.position_m - from.position_m;
+            Vec3::new(-flown_m.y, flown_m.x, 0.0)
+        });
+        let [climb_wait, up, up_later, second_up] = self.climb.moves(now, false, |from, to| {
+            let flown_m = to.position_m - from.position_m;
+            let path_m = self.flyer.airspeed_mps() * (to.time_s - from.time_s);
+            let level_m = libm::sqrt((path_m * path_m - flown_m.z * flown_m.z).max(0.0));
+            let slope = flown_m.z / level_m.max(f64::MIN_POSITIVE);
+            (-slope * flown_m).with_z(level_m)
+        });
+        [
+            wait + climb_wait,
+            turn,
+            up,
+            turn_later + up_later,
+            second_turn,
+            second_up,
+        ]
     }
 }
 
@@ -213,7 +155,7 @@ mod tests {
 
     use super::*;
     use crate::SecondTurn;
-    use fga_proof::maneuver::Stage;
+    use fga_proof::maneuver::{Maneuver, Stage};
     use fga_proof::meter::Meter;
     use fga_proof::prediction::flown;
     use fga_proof::vehicle::Vehicle;
@@ -243,22 +185,30 @@ mod tests {
         }
     }
 
-    /// Where a manoeuvre leads by a moment, straight from its definition.
-    fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
+    /// The commands of a manoeuvre, straight from its definition.
+    fn stages(at: &[f64; PARAMETERS]) -> [Stage; 2] {
         let first = to_turns(at);
         let second = first.second.unwrap();
         let again_s = first.wait_s + second.after_s;
         let again_rad = first.turn_rad + second.turn_rad;
-        let stages = [
+        [
             Stage::turn(first.wait_s, first.turn_rad, first.climb_rad),
             Stage::turn(again_s, again_rad, second.climb_rad),
-        ];
+        ]
+    }
+
+    /// Where a manoeuvre leads by a moment.
+    fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
         let start = MotionState::ahead(0.0);
-        flown(flyer, &start, &stages, at_s, &Meter::unlimited()).position_m
+        flown(flyer, &start, &stages(at), at_s, &Meter::unlimited()).position_m
     }
 
     /// Displacements by differences of flights, and in closed form.
-    fn both(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> (Moves, Moves) {
+    fn both(
+        flyer: &Flyer,
+        at: &[f64; PARAMETERS],
+        at_s: f64,
+    ) -> ([Vec3; PARAMETERS], [Vec3; PARAMETERS]) {
         let mut flights = [Vec3::ZERO; PARAMETERS];
         for (parameter, slot) in flights.iter_mut().enumerate() {
             let (mut less, mut more) = (*at, *at);
@@ -273,19 +223,15 @@ mod tests {
             at[0],
             &Meter::unlimited(),
         );
-        let mut closed = None;
-        moves(
-            flyer,
-            &departure,
-            &to_turns(at),
-            at_s,
-            &mut |from_s, until_s, part| {
-                if until_s >= at_s {
-                    closed = Some(part.moves_at(at_s - from_s));
-                }
-            },
-        );
-        (flights, closed.unwrap_or([Vec3::ZERO; PARAMETERS]))
+        let (turns, mut path) = (to_turns(at), FlightPath::new());
+        let mut maneuver = Maneuver::hold();
+        maneuver.set(stages(at));
+        path.predict(flyer, &MotionState::ahead(0.0), &maneuver, 20.0);
+        let now = path.state_at(flyer, at_s).unwrap();
+        (
+            flights,
+            Moves::new(flyer, &departure, &turns, &path).at(&now),
+        )
     }
 
     fn flyer(lag_s: f64) -> Flyer {

@@ -6,7 +6,7 @@
 
 use fga::Vec3;
 use fga::avoider::{Reason, Start, State, Verdict};
-use fga::certificate::{Asked, Hazard, certify_set};
+use fga::certificate::{Around, Hazard, certify_set};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Obstacles;
@@ -76,8 +76,8 @@ impl Observer for Watch {
         let certificate = certify_set(
             &self.flyer,
             &self.path,
-            hazards.as_slice(),
-            &Asked::new(HORIZON_S, f64::MIN, 1.0),
+            &Around::only(&hazards),
+            (HORIZON_S, f64::MIN, 1.0),
             &Meter::unlimited(),
         );
         assert!(

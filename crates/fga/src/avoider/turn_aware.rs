@@ -18,7 +18,7 @@ use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
     Verdict,
 };
-use crate::certificate::{Asked, Certified, certify_set, prove};
+use crate::certificate::{Certified, certify_set, prove};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::BEND;
@@ -421,10 +421,8 @@ impl Avoider<dyn Places + '_> {
     /// Margin of a manoeuvre up to a horizon, between `floor_m`, below which it stops, and `enough_m`.
     fn margin_of(&mut self, maneuver: &Maneuver, now: &Now<'_>, asked: (f64, f64, f64)) -> f64 {
         self.predict(maneuver, now, asked.0);
-        let (horizon_s, floor_m, enough_m) = asked;
-        let asked = Asked::new(horizon_s, floor_m, enough_m);
         let around = self.tracks.around(now.mission);
-        certify_set(&self.flyer, &self.path, &around, &asked, &self.meter).proven_m()
+        certify_set(&self.flyer, &self.path, &around, asked, &self.meter).proven_m()
     }
 
     /// The certificate of the manoeuvre predicted last: that it keeps a target up to a horizon; its margin is capped.

@@ -12,16 +12,9 @@ pub(in crate::prediction) fn unit(angle_rad: f64) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
-/// sin(x) / x; up to 1 by its series, the next term of which is below 10⁻¹⁷.
+/// sin(x) / x.
 fn sinc(x: f64) -> f64 {
-    if x.abs() > 1.0 {
-        return libm::sin(x) / x;
-    }
-    let term = |sum: f64, pair: u8| {
-        let even = f64::from(2 * pair);
-        1.0 - sum * x * x * (1.0 / even / (even + 1.0))
-    };
-    (1..=8).rev().fold(1.0, term)
+    if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
 
 impl Flyer {

@@ -10,7 +10,7 @@ use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::{Effort, Found, GRIDS_A_SEARCH, Proof, Search, Turns};
+use crate::search::{Found, GRIDS_A_SEARCH, Proof, Search, Turns};
 use crate::situation::Situation;
 
 use super::{Answer, ENOUGH_M, LOOK_EVERY};
@@ -50,7 +50,7 @@ impl Avoider<dyn Places + '_> {
         let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
             let rungs = 0..if has_aircraft { 0 } else { plan.rung };
             self.highest(rungs, hold, now, &mut |search| {
-                let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
+                let (found, proof) = search.best(flown, GRIDS_A_SEARCH, variety)?;
                 proof.is_certified().then_some(found)
             })
         });
@@ -151,13 +151,13 @@ impl Avoider<dyn Places + '_> {
         let demand = self.demand_of(lowest);
         self.ask(&demand, 0.0);
         let variety = self.grids;
-        let effort = match GRIDS_A_SEARCH.saturating_sub(self.grids) {
-            left if left > 0 && flown.is_some() => Effort::Grids(left),
-            _ => Effort::WHOLE,
+        let grids = match GRIDS_A_SEARCH.saturating_sub(self.grids) {
+            left if left > 0 && flown.is_some() => left,
+            _ => GRIDS_A_SEARCH,
         };
         let from = (flown.as_ref()).and_then(|(_, flown)| Turns::of(flown, now.course_rad));
         let best = self.search(nominal, now, &demand, |search| {
-            let best = search.best(from, effort, variety)?;
+            let best = search.best(from, grids, variety)?;
             Some(Answer::new(search, best, lowest))
         })?;
         if best.proof.is_certified() {
@@ -193,7 +193,7 @@ impl Avoider<dyn Places + '_> {
         self.by_depth();
         let from = Turns::of(&self.tables.answer, now.course_rad);
         self.search(&Maneuver::HOLD, now, demand, |search| {
-            let (found, _) = search.best(from, Effort::Quick, variety)?;
+            let (found, _) = search.best(from, 0, variety)?;
             Some(Answer::new(search, (found, best.proof), best.rung))
         })
     }

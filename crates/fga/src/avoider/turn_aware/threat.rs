@@ -2,7 +2,7 @@
 
 use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Now, Places, Threat};
-use crate::certificate::{Asked, certify_set, mark_close};
+use crate::certificate::{Around, certify_set, mark_close};
 use crate::maneuver::Maneuver;
 
 use super::NEXT_ENCOUNTER_S;
@@ -88,9 +88,12 @@ impl Avoider<dyn Places + '_> {
 
     /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
     fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
-        let asked = Asked::new(horizon_s, f64::MIN, 0.0);
-        let fixed = self.tracks.around(now.mission).fixed;
-        let found = certify_set(&self.flyer, &self.path, &fixed, &asked, &self.meter);
+        let asked = (horizon_s, f64::MIN, 0.0);
+        let fixed_alone = Around {
+            rows: &[],
+            ..self.tracks.around(now.mission)
+        };
+        let found = certify_set(&self.flyer, &self.path, &fixed_alone, asked, &self.meter);
         (found.margin_m < 0.0).then_some(Threat {
             id: u32::MAX,
             entry_s: found.at_s,
