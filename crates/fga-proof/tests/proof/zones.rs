@@ -3,19 +3,11 @@
 //! The flights are integrated here in steps of a millisecond, the distances are measured here, at each step that can be the
 //! nearest. 10⁵ flights and 10⁵ places by default; `FGA_ZONE_CASES` and `FGA_ZONE_PLACES` set other numbers,
 //! `FGA_FIRST_CASE` draws other flights.
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "small counts drawn from floats"
-)]
-
-#[path = "common/flown.rs"]
-mod flown;
-#[path = "common/random.rs"]
-mod random;
 
 use core::f64::consts::TAU;
 
+use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
+use crate::random::Random;
 use fga_proof::certificate::{Hazards, MAX_ZONES, Status, certify_set, prove};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
@@ -23,8 +15,6 @@ use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::Mission;
 use fga_proof::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga_proof::{Vec2, Vec3};
-use flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
-use random::Random;
 
 /// Most corners of a drawn polygon.
 const MAX_CORNERS: usize = 256;

@@ -2,27 +2,17 @@
 //!
 //! The flights are integrated here in steps of a millisecond, the ground is looked up here, at each step that can be too low.
 //! 10⁵ flights by default; `FGA_GROUND_CASES` sets another number, `FGA_FIRST_CASE` draws others.
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "small counts drawn from floats"
-)]
-
-#[path = "common/flown.rs"]
-mod flown;
-#[path = "common/random.rs"]
-mod random;
 
 use core::f64::consts::TAU;
 
+use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
+use crate::random::Random;
 use fga_proof::certificate::{Hazards, Line, Status, Zones, certify_set, prove};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::Mission;
 use fga_proof::{Vec2, Vec3};
-use flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
-use random::Random;
 
 /// What the certificate may ask for beyond the target, metres.
 const SLACK_M: f64 = 0.01;
