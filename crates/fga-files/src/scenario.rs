@@ -176,6 +176,8 @@ pub struct ZoneTable {
     pub floor_m: Option<Spanned<f64>>,
     /// Its highest altitude, metres.
     pub ceiling_m: Option<Spanned<f64>>,
+    /// What the two are above.
+    pub above: Option<Spanned<AboveName>>,
 }
 
 /// `[terrain]`
@@ -216,6 +218,14 @@ pub enum ZoneKindName {
     KeepOut,
     /// `keep-in`
     KeepIn,
+}
+
+/// Word for what heights are above, instead of z = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AboveName {
+    /// `ground`
+    Ground,
 }
 
 /// Word for what an obstacle is.

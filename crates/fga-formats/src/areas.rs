@@ -62,12 +62,12 @@ pub enum AreaOutline {
     },
 }
 
-impl NamedArea {
+impl AreaOutline {
     /// The smallest area of latitude and longitude around it; `None` where it has none, or reaches a pole or the antimeridian.
     pub fn span(&self) -> Option<Area> {
-        let corners_deg = match &self.outline {
-            AreaOutline::Polygon(rings) => rings.first()?.clone(),
-            AreaOutline::Circle {
+        let corners_deg = match self {
+            Self::Polygon(rings) => rings.first()?.clone(),
+            Self::Circle {
                 center_deg: [latitude_deg, longitude_deg],
                 radius_m,
             } => {
@@ -91,7 +91,9 @@ impl NamedArea {
         }
         Area::new([south, west, north, east]).ok()
     }
+}
 
+impl NamedArea {
     /// Whether a zone can be made of it, wherever a flight begins.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
+use fga_formats::geodesy::LocalFrame;
 use fga_formats::terrain::Terrain;
 use fga_formats::words::counted;
 use fga_formats::{InputError, zones};
@@ -29,7 +30,7 @@ pub(super) fn all(
     let (mut zones, mut notes) = (Vec::new(), Vec::new());
     for (entry, number) in tables.iter().zip(1..) {
         let Some(path) = &entry.get_ref().file else {
-            zones.push(zone(entry, number, places)?);
+            zones.push(zone(entry, number, (places, terrain))?);
             continue;
         };
         let mut file = AreaFile {
@@ -71,6 +72,10 @@ impl AreaFile<'_> {
         if polygon.is_some() || other.is_some() || table.radius_m.is_some() {
             let message = "a zone has a file and an outline of its own, expected one of these";
             return Err(text.error_at(self.entry, message));
+        }
+        if let Some(above) = &table.above {
+            let message = "a zone has a file and heights above the ground of its own, expected one of these: the file's areas state what theirs are above";
+            return Err(text.error_at(above, message));
         }
         let folder = text.path().parent().unwrap_or(Path::new(""));
         let mut areas = areas::read(&folder.join(self.path.get_ref()))?;
@@ -117,26 +122,14 @@ impl AreaFile<'_> {
         area.keep_in.unwrap_or(self.keep_in)
     }
 
-    /// The limits of an area; those above the ground as altitudes, if the ground is known in all of the box around it: above the lowest or
-    /// the highest place there, so that no zone to keep out of is smaller than it is written, and none to stay in is larger.
+    /// The limits of an area; those above the ground as altitudes, if the ground is known in all of the box around it.
     fn over_ground(&self, area: &NamedArea) -> [Option<AreaLimit>; 2] {
-        let range_m = || {
-            let terrain = self.terrain?;
-            let error_m = terrain.vertical_error_m();
-            let [least_m, largest_m] = terrain.range_m(&area.span()?)?;
-            Some([least_m - error_m, largest_m + error_m])
-        };
         let is_above = |limit: &AreaLimit| limit.above == Reference::Ground;
         let mut limits = area.limits;
         if limits.iter().flatten().any(is_above)
-            && let Some([low_m, high_m]) = range_m()
+            && let Some(grounds_m) = grounds_m(self.terrain, &area.outline, self.keeps_in(area))
         {
-            let [floor_m, ceiling_m] = if self.keeps_in(area) {
-                [high_m, low_m]
-            } else {
-                [low_m, high_m]
-            };
-            for (limit, ground_m) in limits.iter_mut().zip([floor_m, ceiling_m]) {
+            for (limit, ground_m) in limits.iter_mut().zip(grounds_m) {
                 // On the ground itself begins what has no floor.
                 if let Some(limit) = limit
                     .as_mut()
@@ -210,6 +203,21 @@ impl AreaFile<'_> {
     }
 }
 
+/// The altitudes above which a floor and a ceiling above the ground are, metres, if the ground is known in all of the box around an
+/// outline: the lowest and the highest place there, so that no zone to keep out of is smaller than it is written, and none to stay in is
+/// larger.
+fn grounds_m(terrain: Option<&Terrain>, outline: &AreaOutline, keeps_in: bool) -> Option<[f64; 2]> {
+    let terrain = terrain?;
+    let error_m = terrain.vertical_error_m();
+    let [least_m, largest_m] = terrain.range_m(&outline.span()?)?;
+    let (low_m, high_m) = (least_m - error_m, largest_m + error_m);
+    Some(if keeps_in {
+        [high_m, low_m]
+    } else {
+        [low_m, high_m]
+    })
+}
+
 /// Beyond these altitudes a limit counts as missing, metres.
 const ALTITUDES_M: (f64, f64) = (-1e3, 5e4);
 
@@ -267,7 +275,7 @@ fn heights_m(
 fn zone(
     entry: &Spanned<ZoneTable>,
     number: usize,
-    places: &FilePlaces<'_>,
+    (places, terrain): (&FilePlaces<'_>, Option<&Terrain>),
 ) -> Result<WorldZone, InputError> {
     let (table, text) = (entry.get_ref(), &places.text);
     let name = table.name.clone();
@@ -307,10 +315,42 @@ fn zone(
             format!("{name} is a polygon with a centre, expected radius_m beside a centre");
         return Err(text.error_at(entry, message));
     }
-    let heights_m = checks::limits([&table.floor_m, &table.ceiling_m], *text)?;
+    let mut heights_m = checks::limits([&table.floor_m, &table.ceiling_m], *text)?;
     let keep_in = table.kind == ZoneKindName::KeepIn;
+    if let Some(above) = &table.above {
+        let frame = places.frame.as_ref();
+        let known = frame.and_then(|frame| {
+            let outline = on_earth(&outline, frame);
+            let grounds_m = grounds_m(terrain, &outline, keep_in)?;
+            Some(grounds_m.map(|ground_m| ground_m - frame.origin().altitude_m))
+        });
+        let Some([floor_m, ceiling_m]) = known else {
+            let message = format!(
+                "{name} is above the ground, expected a [terrain] that knows all of the box around it"
+            );
+            return Err(text.error_at(above, message));
+        };
+        heights_m = (heights_m.0 + floor_m, heights_m.1 + ceiling_m);
+    }
     WorldZone::new(name.clone(), keep_in, outline, heights_m)
         .map_err(|error| text.error_at(entry, format!("{name}: {error}")))
+}
+
+/// An outline by latitudes and longitudes.
+fn on_earth(outline: &WorldOutline, frame: &LocalFrame) -> AreaOutline {
+    let place_deg = |at_m: &Vec2| {
+        let place = frame.to_geodetic(at_m.extend(0.0));
+        [place.latitude_deg, place.longitude_deg]
+    };
+    match outline {
+        WorldOutline::Circle { center_m, radius_m } => AreaOutline::Circle {
+            center_deg: place_deg(center_m),
+            radius_m: *radius_m,
+        },
+        WorldOutline::Polygon(corners_m) => {
+            AreaOutline::Polygon(vec![corners_m.iter().map(place_deg).collect()])
+        }
+    }
 }
 
 fn polygon(corners_m: Vec<Vec2>, name: &str) -> Result<WorldOutline, String> {

@@ -268,12 +268,17 @@ fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
 
 /// A scenario at 47° north, 8° east and 400 m with zones of a file of an authority: its plan, or the error.
 fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
+    with_zone(file, &format!("file = 'zones.json'\n{table}"))
+}
+
+/// A scenario with a `[[zone]]` beside a file `zones.json`.
+fn with_zone(file: &str, zone: &str) -> Result<Plan, String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("zones.json"), file).unwrap();
     let scenario = folder.path().join("a.toml");
     let text = "name = 'a'\nduration_s = 60.0\n[origin]\nlatitude_deg = 47.0\nlongitude_deg = 8.0\naltitude_m = 400.0\n[mission]\n\
-        waypoints_m = [[0, 0, 100], [900, 0, 100]]\n[[zone]]\nfile = 'zones.json'\n";
-    std::fs::write(&scenario, format!("{text}{table}\n")).unwrap();
+        waypoints_m = [[0, 0, 100], [900, 0, 100]]\n[[zone]]\n";
+    std::fs::write(&scenario, format!("{text}{zone}\n")).unwrap();
     fga_sim::scenario::read(&scenario, None).map_err(|error| error.to_string())
 }
 
@@ -350,6 +355,31 @@ fn limits_above_known_ground_are_altitudes_and_never_the_wrong_way() {
         heights_m(&low, SQUARE, "keep-out"),
         (f64::NEG_INFINITY, 256.0)
     );
+    // A table with the same outlines.
+    let of_table = |zone: &str| with_zone("", &format!("{zone}\nabove = 'ground'\n{ground}"));
+    let square = "polygon_deg = [[47.01, 8.01], [47.01, 8.02], [47.02, 8.02], [47.02, 8.01]]\nfloor_m = 60.0\nceiling_m = 300.0";
+    for (kind, expected_m) in [("keep-out", (54.0, 436.0)), ("keep-in", (196.0, 294.0))] {
+        let plan = of_table(&format!("kind = '{kind}'\n{square}")).unwrap();
+        assert_eq!(plan.world.zones[0].heights_m(), expected_m);
+    }
+    let round =
+        "kind = 'keep-out'\ncenter_deg = [47.015, 8.015]\nradius_m = 100.0\nceiling_m = 300.0";
+    let plan = of_table(round).unwrap();
+    let [floor_m, ceiling_m] = [f64::NEG_INFINITY, 436.0];
+    assert_eq!(plan.world.zones[0].heights_m(), (floor_m, ceiling_m));
+    for (zone, expected) in [
+        (
+            round.replace("8.015", "8.002").replace("100.0", "300.0"),
+            "zone 1 is above the ground, expected a [terrain] that knows all of the box around it",
+        ),
+        (
+            "kind = 'keep-out'\nfile = 'zones.json'".to_owned(),
+            "a zone has a file and heights above the ground of its own",
+        ),
+    ] {
+        let told = of_table(&zone).unwrap_err();
+        assert!(told.contains(expected) && !told.contains('\n'), "{told}");
+    }
     // Beyond what is known.
     let circle = r#"{"type":"Circle","center":[8.002,47.015],"radius":300}"#;
     let zones = file(&[ed269("town", "PROHIBITED", &low, circle)]);
