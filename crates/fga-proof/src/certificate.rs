@@ -243,40 +243,6 @@ fn bounded_from<O: Obstruction>(
     worst
 }
 
-/// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`: the margins of all others
-/// are at least that. Marks all if the work is done before the end of the path.
-pub fn mark_close(
-    flyer: &Flyer,
-    path: &FlightPath,
-    hazards: &[Hazard],
-    (horizon_s, below_m): (f64, f64),
-    meter: &Meter,
-) -> [bool; MAX_HAZARDS] {
-    let mut marks = [false; MAX_HAZARDS];
-    let mut mark = |hazard: &Hazard| {
-        if let Some(mark) = marks.get_mut(hazard.index as usize) {
-            *mark = true;
-        }
-        true
-    };
-    let below_m = below_m + path.remainder_m();
-    let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
-    let clear = &mut Certificate::clear(below_m);
-    let goes_on = each_near(scene, path, clear, &mut |_, hazard, _, _| {
-        mark(hazard);
-    });
-    if goes_on && let Some(mut line) = path.end_line(horizon_s) {
-        line.duration_s = line.duration_s.max(0.0);
-        each(hazards, meter, |hazard| {
-            hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
-        });
-    }
-    if !goes_on || meter.is_spent() {
-        return [true; MAX_HAZARDS];
-    }
-    marks
-}
-
 /// The straight line between two moments of a flight, at constant speed.
 #[derive(Debug, Clone, Copy)]
 struct Chord<'a> {
@@ -530,39 +496,5 @@ mod tests {
         assert!(found.holds(50.0));
         assert!(path.nodes().len() > 15);
         assert!(meter.done() <= 3, "{} looks", meter.done());
-    }
-
-    #[test]
-    fn only_close_hazards_are_marked() {
-        let flyer = flyer();
-        let path = turned(&flyer, core::f64::consts::PI);
-        let mut hazards = Hazards::new();
-        let places_m = [(100.0, -40.0), (200.0, 90.0), (-300.0, 210.0)];
-        for (index, (x, y)) in (0..).zip(places_m) {
-            hazards.put(index as usize, sphere(index, Vec3::new(x, y, 0.0)));
-        }
-        let marks = mark_close(
-            &flyer,
-            &path,
-            hazards.rows(),
-            (60.0, 20.0),
-            &Meter::unlimited(),
-        );
-        assert_eq!(marks.get(..4), Some([false, true, true, false].as_slice()));
-    }
-
-    #[test]
-    fn close_hazards_are_marked_whenever_the_work_is_done() {
-        let flyer = flyer();
-        let path = turned(&flyer, core::f64::consts::PI);
-        let mut hazards = Hazards::new();
-        hazards.put(0, sphere(0, Vec3::new(200.0, 90.0, 0.0)));
-        hazards.put(1, sphere(1, Vec3::new(-300.0, 210.0, 0.0)));
-        for limit in 0..100 {
-            let meter = Meter::new(limit, 1000);
-            let marks = mark_close(&flyer, &path, hazards.rows(), (60.0, 20.0), &meter);
-            assert!(!meter.is_spent());
-            assert_eq!(marks.get(..2), Some([true, true].as_slice()), "{limit}");
-        }
     }
 }

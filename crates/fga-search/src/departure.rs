@@ -1,7 +1,7 @@
 //! How far a manoeuvre departs from the mission.
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Around, certify_set, mark_close};
+use fga_proof::certificate::{Around, certify_set};
 use fga_proof::prediction::{MotionState, flown};
 
 use super::tuned::LONGEST_PASS_S;
@@ -78,15 +78,11 @@ impl Search<'_> {
         }
         self.conflicts.is_known = true;
         let scene = self.scene;
-        let reach @ (horizon_s, _) = (scene.horizon_s, scene.target_m);
-        let start = &scene.start;
+        let (start, horizon_s) = (&scene.start, scene.horizon_s);
         (self.path).predict_within(scene.flyer, start, scene.nominal, horizon_s, &self.meter);
-        let hazards = scene.around.rows;
-        let close = mark_close(scene.flyer, self.path, hazards, reach, &self.meter);
         let asked = (scene.horizon_s, f64::MIN, scene.target_m);
         let conflicts = &mut *self.conflicts;
-        let rows = hazards.iter().zip(&mut conflicts.marks).zip(&close);
-        for ((hazard, mark), _) in rows.filter(|(_, close)| **close) {
+        for (hazard, mark) in scene.around.rows.iter().zip(&mut conflicts.marks) {
             if self.meter.is_met() {
                 break;
             }

@@ -2,7 +2,7 @@
 
 use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Now, Places, Threat};
-use crate::certificate::{Around, certify_set, mark_close};
+use crate::certificate::{Around, certify_set};
 use crate::maneuver::Maneuver;
 
 use super::NEXT_ENCOUNTER_S;
@@ -34,12 +34,10 @@ impl Avoider<dyn Places + '_> {
         now: &Now<'_>,
         demand: &Demand,
     ) -> Option<(Threat, Against)> {
-        let reach @ (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
+        let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         self.predict(nominal, now, horizon_s);
-        let hazards = self.tracks.rows();
-        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let mut first: Option<Threat> = None;
-        for (hazard, _) in hazards.iter().zip(close).filter(|(_, close)| *close) {
+        for hazard in self.tracks.rows() {
             let closest = self.certify_one(hazard, (horizon_s, f64::MIN, target_m));
             // A hazard that was not examined to its end may be anything.
             if closest.margin_m >= target_m && !self.meter.is_met() {
@@ -83,7 +81,7 @@ impl Avoider<dyn Places + '_> {
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
-        Some((first, self.with_close(against, &close, (same_s, target_m))))
+        Some((first, self.with_close(against, (same_s, target_m))))
     }
 
     /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
@@ -116,20 +114,12 @@ impl Avoider<dyn Places + '_> {
         }
         let reach = (self.settings.horizon_s, target_m);
         self.predict(maneuver, now, reach.0);
-        let hazards = self.tracks.rows();
-        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
-        self.with_close(against, &close, reach)
+        self.with_close(against, reach)
     }
 
-    /// An encounter with the marked obstacles that the path comes too close to before a time, seconds.
-    fn with_close(
-        &self,
-        mut against: Against,
-        close: &[bool],
-        (until_s, target_m): (f64, f64),
-    ) -> Against {
-        let hazards = self.tracks.rows().iter().zip(close);
-        for (hazard, _) in hazards.filter(|(_, close)| **close) {
+    /// An encounter with the obstacles that the path comes too close to before a time, seconds.
+    fn with_close(&self, mut against: Against, (until_s, target_m): (f64, f64)) -> Against {
+        for hazard in self.tracks.rows() {
             if self.meter.is_met() {
                 break;
             }
@@ -147,6 +137,7 @@ mod tests {
     use super::super::tests::{among, sphere};
     use super::*;
     use crate::avoider::demand::WANTED;
+    use crate::meter::Meter;
 
     /// At 15 m/s the surface of a sphere of 30 m is met 2 s before its centre.
     #[test]
@@ -169,5 +160,23 @@ mod tests {
         // Number 3 is entered 10 s after it at most, number 1 later, number 4 never.
         let of_it = [1, 2, 3, 4].map(|id| against.contains(id));
         assert_eq!(of_it, [false, true, true, false]);
+    }
+
+    /// Whatever the work suffices for, what may be a threat is one.
+    #[test]
+    fn a_threat_is_found_whenever_the_work_is_done() {
+        let rows = [
+            sphere(1, (800.0, 300.0), (0.0, 0.0)),
+            sphere(2, (300.0, 0.0), (0.0, 0.0)),
+        ];
+        for limit in 0..100 {
+            let found = among(&rows, |avoider, _, now| {
+                let demand = avoider.demand_of(WANTED);
+                avoider.meter = Meter::new(limit, 1000);
+                let straight = Maneuver::turn(0.0, 0.0, 0.0);
+                avoider.first_threat(&straight, now, &demand).is_some()
+            });
+            assert!(found, "{limit}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
-use crate::certificate::{Hazard, mark_close};
+use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
@@ -297,14 +297,7 @@ impl Avoider<dyn Places + '_> {
         if self.meter.is_met() {
             return WayAhead::Blocked;
         }
-        let hazards = self.tracks.rows();
-        let reach = (horizon_s, target_m);
-        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
-        let is_whole = self.path.is_complete();
-        for (hazard, close) in hazards.iter().zip(close) {
-            if is_whole && !close {
-                continue;
-            }
+        for hazard in self.tracks.rows() {
             let whole = self.certify_one(hazard, (horizon_s, target_m, target_m));
             if whole.holds(target_m) {
                 continue;
