@@ -1,9 +1,6 @@
 //! Drawn aircraft and manoeuvres, and their flights, integrated in steps of a millisecond by code of the tests.
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "small counts drawn from floats"
-)]
+
+use core::f64::consts::TAU;
 
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::prediction::Flyer;
@@ -33,6 +30,15 @@ impl Random {
             climb_rate_radps: self.within(0.02, 0.6),
             response: Response::default(),
         }
+    }
+
+    /// In half of the cases none, else level with up to half of an airspeed, metres per second.
+    pub(crate) fn wind_mps(&mut self, airspeed_mps: f64) -> Vec3 {
+        if self.chance(0.5) {
+            return Vec3::ZERO;
+        }
+        let (sin, cos) = self.within(0.0, TAU).sin_cos();
+        Vec3::new(cos, sin, 0.0) * self.within(0.0, 0.5) * airspeed_mps
     }
 
     pub(crate) fn maneuver(&mut self) -> Maneuver {

@@ -134,12 +134,7 @@ fn no_zone_is_nearer_than_certified() {
         let random = &mut Random(0x5ee0_0000 + case);
         let vehicle = random.vehicle();
         let maneuver = random.maneuver();
-        let wind = if random.chance(0.5) {
-            Vec3::ZERO
-        } else {
-            let (sin, cos) = random.within(0.0, TAU).sin_cos();
-            Vec3::new(cos, sin, 0.0) * random.within(0.0, 0.5) * vehicle.airspeed_mps
-        };
+        let wind = random.wind_mps(vehicle.airspeed_mps);
         let horizon_s = random.within(2.0, 30.0);
         let flyer = Flyer::new(&vehicle);
         let mut path = FlightPath::new();
