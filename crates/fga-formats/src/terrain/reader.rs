@@ -6,7 +6,7 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 
 use super::file::{Given, MOST_BYTES, Parsed, Stated, TerrainFile};
-use super::{ardupilot, dted, geotiff, hgt, name};
+use super::{HeightField, ardupilot, dted, geotiff, hgt, name};
 use crate::error::InputError;
 use crate::gzip::{fill, unread};
 
@@ -30,11 +30,11 @@ pub fn parse(bytes: &[u8], path: &Path, given: &Given) -> Result<TerrainFile, In
 fn file_of(input: impl Read + Seek, path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let parsed = parsed(input, &name).map_err(|message| InputError::in_file(path, message))?;
-    if parsed
-        .fields
-        .iter()
-        .all(|field| field.summary().0.is_none())
-    {
+    let has_height = |field: &HeightField| {
+        let mut rows = 0..field.grid().rows;
+        rows.any(|row| (0..field.grid().columns).any(|column| field.post_m(row, column).is_some()))
+    };
+    if !parsed.fields.iter().any(has_height) {
         let message = "has only holes, expected at least one height";
         return Err(InputError::in_file(path, message));
     }
