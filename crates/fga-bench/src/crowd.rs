@@ -35,7 +35,7 @@ pub struct Crowd {
 impl Crowd {
     /// The obstacles in still air.
     pub fn hazards(&self) -> Vec<Hazard> {
-        let hazard = |row: &Obstacle| Hazard::new(0, row, Vec3::ZERO, 0.0);
+        let hazard = |row: &Obstacle| Hazard::new(row, Vec3::ZERO, 0.0);
         self.rows.iter().map(hazard).collect()
     }
 

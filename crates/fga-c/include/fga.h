@@ -96,7 +96,7 @@
 #define FGA_HAS_RESILIENCE 32
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 41984
+#define FGA_PROVER_BYTES 40448
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

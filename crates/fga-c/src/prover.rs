@@ -1,8 +1,9 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
 use fga::Vec3;
-use fga::certificate::{Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
+use fga::certificate::{Around, Hazard, MAX_HAZARDS, Status, Zones, certify_set, prove};
 use fga::limit::SettingsError;
+use fga::list::List;
 use fga::maneuver::{MAX_STAGES, Maneuver};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
@@ -20,7 +21,7 @@ use crate::memory::{Kind, LentSpan, Object, answered, apart, fill, given, list, 
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 41_984;
+pub const FGA_PROVER_BYTES: usize = 40_448;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -127,7 +128,8 @@ struct Proving {
     flyer: Flyer,
     maneuver: Maneuver,
     path: FlightPath,
-    hazards: Hazards,
+    hazards: List<Hazard, MAX_HAZARDS>,
+    zones: Zones,
 }
 
 impl Kind for Proving {
@@ -154,13 +156,13 @@ impl Proving {
     ) -> Result<u32, Refused> {
         self.hazards.clear();
         let mut aircraft = 0;
-        for (place, (index, given)) in (0..).zip(obstacles).enumerate() {
+        for (place, given) in obstacles.iter().enumerate() {
             let Some(obstacle) = given.obstacle() else {
                 let expected = "finite numbers, none negative, an fga_volume and an fga_movement";
                 let refused = Refused::out_of_range("obstacles", f64::from(given.id), expected);
                 return Err(refused.at(place));
             };
-            let mut hazard = Hazard::new(index, &obstacle, wind_mps, sigmas);
+            let mut hazard = Hazard::new(&obstacle, wind_mps, sigmas);
             match obstacle.movement {
                 Movement::AtRest => hazard.velocity_mps = -wind_mps,
                 Movement::Straight => {}
@@ -176,7 +178,7 @@ impl Proving {
         let (place_m, wind_mps) = moment;
         let speed_mps = self.flyer.airspeed_mps() + wind_mps.length();
         let reach_m = question.target_m + speed_mps * question.horizon_s;
-        let near = &mut self.hazards.zones;
+        let near = &mut self.zones;
         near.clear(wind_mps, question.horizon_s);
         for index in 0..zones.len() {
             near.add(zones, index, (place_m, reach_m));
@@ -203,7 +205,7 @@ impl Proving {
         self.path
             .predict_within(&self.flyer, &now, &self.maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
-        let around = self.hazards.over(mission);
+        let around = Around::new(&self.hazards, &self.zones, mission);
         let proven = prove(&self.flyer, &self.path, around, asked, &meter);
         if let Some(certified) = proven {
             return Ok(FoundMargin {
@@ -216,10 +218,8 @@ impl Proving {
             });
         }
         let asked = (horizon_s, f64::MIN, target_m);
-        let around = self.hazards.over(mission);
         let closest = certify_set(&self.flyer, &self.path, &around, asked, &meter);
         let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
-        let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
         Ok(FoundMargin {
             verdict: if is_examined {
                 fga_verdict::BelowTarget
@@ -228,7 +228,7 @@ impl Proving {
             },
             margin_m: closest.margin_m,
             at_s: closest.at_s,
-            obstacle_id: self.hazards.rows().get(place).map_or(0, |hazard| hazard.id),
+            obstacle_id: closest.id.unwrap_or(0),
             straight_aircraft,
             work: meter.done(),
         })
@@ -276,7 +276,8 @@ pub unsafe extern "C" fn fga_prover_init(
                 (*proving).flyer.set(&vehicle);
                 (&raw mut (*proving).maneuver).write(Maneuver::hold());
                 (&raw mut (*proving).path).write(const { FlightPath::new() });
-                (&raw mut (*proving).hazards).write(const { Hazards::new() });
+                (&raw mut (*proving).hazards).write(const { List::new(Hazard::NONE) });
+                (&raw mut (*proving).zones).write(Zones::NONE);
             }
             Ok(())
         };

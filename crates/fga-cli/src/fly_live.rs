@@ -290,9 +290,10 @@ impl Painter {
             picture.horizon_s,
             picture.margin_m,
         );
-        let hazards: Vec<Hazard> = (0..)
-            .zip(&picture.obstacles)
-            .map(|(index, (obstacle, _))| Hazard::new(index, obstacle, wind_mps, 0.0))
+        let hazards: Vec<Hazard> = picture
+            .obstacles
+            .iter()
+            .map(|(obstacle, _)| Hazard::new(obstacle, wind_mps, 0.0))
             .collect();
         let name = |_| picture.threat_name.clone().unwrap_or_default();
         let mut decision = drawer.record(

@@ -220,7 +220,7 @@ impl CertificateCase {
         let body = &self.body;
         let mut obstacle = Obstacle::straight(1, body.position_m, body.velocity_mps, body.volume);
         obstacle.uncertainty.velocity_mps = body.growth_mps;
-        let hazard = Hazard::new(0, &obstacle, self.wind_mps, 1.0);
+        let hazard = Hazard::new(&obstacle, self.wind_mps, 1.0);
         let start = MotionState::of(&self.own);
         path.predict(&flyer, &start, &self.maneuver, self.horizon_s);
         let certificate = certify_set(

@@ -50,7 +50,7 @@ struct Turns<'a> {
     /// Present cross-track distance, metres.
     cross_m: f64,
     /// Turns to the left and to the right from the present bank.
-    bends: [&'a Bend; 2],
+    bends: [Bend; 2],
     /// The turn that rolling out at once makes, radians.
     rolls_out_rad: f64,
 }
@@ -76,7 +76,7 @@ impl Turns<'_> {
             route, leg, state, ..
         } = self;
         let flyer = route.flyer;
-        let [left, right] = self.bends;
+        let [left, right] = &self.bends;
         let first = if by_rad < self.rolls_out_rad {
             self.turned(right, state.course_rad, (-1.0, by_rad))
         } else {
@@ -84,9 +84,7 @@ impl Turns<'_> {
         };
         let intercept_rad = leg.air_course_rad + off_rad;
         let side = libm::copysign(1.0, -off_rad);
-        let second = flyer.bend_from(0.0).map_or((0.0, 0.0), |level| {
-            self.turned(level, intercept_rad, (side, -off_rad))
-        });
+        let second = self.turned(flyer.level(), intercept_rad, (side, -off_rad));
         // The bank has mostly gone before it turns again.
         let settles_s = SETTLES * flyer.bank_time_constant_s();
         let settled_m = leg.cross_speed_mps(intercept_rad) * settles_s;
@@ -133,41 +131,9 @@ impl Turns<'_> {
     }
 }
 
-/// The join of a leg at an intercept angle, exact for level flight without lag.
+/// The join of a leg at an intercept angle, exact for level flight without lag; without work left there are no turns.
+#[inline(never)]
 pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_rad: f64) -> Shot {
-    let most_rad = route.flyer.full_bank_rad();
-    let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
-    let asked = (leg, state, intercept_rad);
-    match [bank_rad, -bank_rad].map(|bank_rad| route.flyer.bend_from(bank_rad)) {
-        [Some(left), Some(right)] => {
-            let is_given = route.meter.take(SETUP);
-            shot(route, asked, is_given.then_some([left, right]))
-        }
-        _ => shot_from(route, asked, bank_rad),
-    }
-}
-
-/// The same from a bank from which no turns are kept.
-#[inline(never)]
-fn shot_from(route: &Route<'_>, asked: (&Leg, &MotionState, f64), bank_rad: f64) -> Shot {
-    let mut made = [Bend::NONE; 2];
-    let is_given = route.meter.take(SETUP + BEND * made.len());
-    if is_given {
-        let [left, right] = &mut made;
-        left.set(route.flyer, bank_rad);
-        right.set(route.flyer, -bank_rad);
-    }
-    let [left, right] = &made;
-    shot(route, asked, is_given.then_some([left, right]))
-}
-
-/// The same with the turns to the left and to the right from the present bank; without work left there are no turns.
-#[inline(never)]
-fn shot(
-    route: &Route<'_>,
-    (leg, state, intercept_rad): (&Leg, &MotionState, f64),
-    bends: Option<[&Bend; 2]>,
-) -> Shot {
     let final_climb_rad = route.climb_rad(leg);
     let mut shot = Shot {
         intercept_course_rad: state.course_rad,
@@ -177,10 +143,16 @@ fn shot(
         final_climb_rad,
         level_at_s: state.time_s,
     };
-    let Some(bends) = bends else {
+    let mut bends = [Bend::NONE; 2];
+    if !route.meter.take(SETUP + BEND * bends.len()) {
         return shot;
-    };
-    let [rolls_out, _] = bends;
+    }
+    let most_rad = route.flyer.full_bank_rad();
+    let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
+    let [left, right] = &mut bends;
+    left.set(route.flyer, bank_rad);
+    right.set(route.flyer, -bank_rad);
+    let rolls_out_rad = left.least_rad();
     let position = leg.position(state.position_m, state.time_s);
     let turns = Turns {
         route,
@@ -188,7 +160,7 @@ fn shot(
         state,
         cross_m: position.cross_m,
         bends,
-        rolls_out_rad: rolls_out.least_rad(),
+        rolls_out_rad,
     };
     let (off_rad, by_rad, straight_s) = turns.intercept(intercept_rad);
     let (_, turn_s, over_s) = turns.after((off_rad, by_rad));

@@ -80,10 +80,8 @@ impl Route<'_> {
 
     /// The line on which a turn to the left from level flight ends.
     pub(crate) fn exit(&self, turn_rad: f64) -> Exit {
-        let level = self.flyer.bend_from(0.0);
-        level
-            .and_then(|bend| bend.exit(self.flyer, turn_rad))
-            .unwrap_or_default()
+        let exit = self.flyer.level().exit(self.flyer, turn_rad);
+        exit.unwrap_or_default()
     }
 
     /// Distance in which an aircraft settles on a leg after a turn, metres; 0 without bank lag.

@@ -7,13 +7,14 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
+mod around;
 mod ground;
 mod hazard;
-mod hazards;
 mod zones;
 
+pub use around::{Around, MAX_HAZARDS, each};
 pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
-pub use hazards::{Around, Hazards, MAX_HAZARDS, Rows, each};
+
 pub use zones::{Fixed, MAX_ZONES, Zones};
 
 use crate::Vec3;
@@ -47,8 +48,8 @@ pub struct Certificate {
     /// Lower bound of the separation beyond the volumes, metres; infinite without obstacles.
     /// At most the requested `enough_m`.
     pub margin_m: f64,
-    /// Index of the hazard that determines it.
-    pub hazard: Option<u32>,
+    /// The obstacle that determines it, if one does.
+    pub id: Option<u32>,
     /// Time of the least separation, seconds from the decision.
     pub at_s: f64,
     /// Whether it is proven.
@@ -61,7 +62,7 @@ impl Certificate {
     pub const fn clear(enough_m: f64) -> Self {
         Self {
             margin_m: enough_m,
-            hazard: None,
+            id: None,
             at_s: 0.0,
             status: Status::Proven,
         }
@@ -416,7 +417,7 @@ fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &impl Obstru
         *worst = Certificate {
             margin_m,
             at_s,
-            hazard: Some(hazard.index()),
+            id: hazard.id(),
             ..*worst
         };
     }
@@ -456,10 +457,9 @@ mod tests {
         path
     }
 
-    fn sphere(index: u32, position_m: Vec3) -> Hazard {
+    fn sphere(id: u32, position_m: Vec3) -> Hazard {
         let volume = ProtectedVolume::Sphere { radius_m: 1.0 };
-        let hazard = Hazard::exact(0, position_m, Vec3::ZERO, volume);
-        Hazard { index, ..hazard }
+        Hazard::exact(id, position_m, Vec3::ZERO, volume)
     }
 
     #[test]

@@ -443,9 +443,8 @@ const fn threatened(state: State) -> bool {
 fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
     let world = &plan.world;
     let sigmas = world.settings.avoider.confidence_sigmas;
-    (0..)
-        .zip(&moment.known)
-        .map(|(index, known)| Hazard::new(index, known, world.wind_mps, sigmas))
+    (moment.known.iter())
+        .map(|known| Hazard::new(known, world.wind_mps, sigmas))
         .collect()
 }
 

@@ -273,3 +273,74 @@ fn bounds(climb: (f64, f64)) -> [(f64, f64); PARAMETERS] {
     let time = (0.0, 1e3);
     [time, turn, climb, time, turn, climb]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::scene;
+    use crate::{Tables, climbs::Climbs};
+    use fga_proof::Vec3;
+    use fga_proof::maneuver::Maneuver;
+    use fga_proof::meter::Meter;
+    use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+    use fga_proof::situation::ProtectedVolume;
+    use fga_proof::vehicle::Vehicle;
+
+    /// A climb from a single turn beside a sphere of 30 m that is 200 m ahead, to the left by some metres.
+    fn climb_from<T>(
+        turn_rad: f64,
+        left_m: f64,
+        act: impl Fn(&mut Ascent, &mut Search<'_>) -> T,
+    ) -> T {
+        let vehicle = Vehicle::lagged(0.0);
+        let flyer = Flyer::new(&vehicle);
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let at_m = Vec3::new(200.0, left_m, 0.0);
+        let hazards = [Hazard::exact(0, at_m, Vec3::ZERO, volume)];
+        let nominal = Maneuver::hold();
+        let now = (MotionState::ahead(0.0), &nominal);
+        let scene = scene(&flyer, &vehicle, now, &hazards);
+        let mut climbs = Climbs::NONE;
+        climbs.clear(0);
+        let turns = Turns {
+            wait_s: 0.0,
+            turn_rad,
+            climb_rad: 0.0,
+            second: None,
+        };
+        climbs.take(Seed {
+            turns,
+            margin_m: 0.0,
+        });
+        climbs.begin(&Meter::unlimited());
+        let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
+        let mut search = Search::new(&scene, (&mut path, &mut tables), 100_000);
+        let [first, ..] = &mut climbs.climbers;
+        act(first, &mut search)
+    }
+
+    /// By hand: a turn by 0.2 rad to the left leads 40 m nearer to a sphere 200 m ahead and to the left, later or higher it is as far.
+    #[test]
+    fn a_slope_is_what_a_natural_step_does_to_the_margin() {
+        let margins = climb_from(0.0, 70.0, |climb, search| {
+            climb.find_closest(search);
+            let mut margins = [Margin::NONE; CLOSEST];
+            climb.slopes(search, &scales(search.scene.flyer), &mut margins);
+            margins
+        });
+        let [Margin { now_m, slope }, ..] = margins;
+        assert!((now_m - 40.0).abs() < 1e-6, "{now_m}");
+        let [wait, turn, climb, ..] = slope;
+        assert!((turn + 40.0).abs() < 0.1, "{turn}");
+        assert!(wait.abs() < 0.01 && climb.abs() < 0.01, "{slope:?}");
+    }
+
+    #[test]
+    fn a_climb_ends_where_the_sphere_is_passed() {
+        let (least_m, target_m) = climb_from(-0.05, 5.0, |climb, search| {
+            climb.climb(search, 16);
+            (climb.least_m(), search.scene.target_m)
+        });
+        assert!(least_m >= target_m, "{least_m}");
+    }
+}

@@ -381,7 +381,7 @@ mod tests {
     use crate::Tables;
     use crate::tests::scene;
     use fga_proof::Vec3;
-    use fga_proof::certificate::{Hazard, Hazards};
+    use fga_proof::certificate::Hazard;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::prediction::{FlightPath, Flyer};
     use fga_proof::situation::ProtectedVolume;
@@ -392,11 +392,12 @@ mod tests {
         let vehicle = Vehicle::lagged(0.0);
         let flyer = Flyer::new(&vehicle);
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        let mut hazards = Hazards::new();
-        hazards.put(
+        let hazards = [Hazard::exact(
             0,
-            Hazard::exact(0, Vec3::new(ahead_m, left_m, 0.0), Vec3::ZERO, volume),
-        );
+            Vec3::new(ahead_m, left_m, 0.0),
+            Vec3::ZERO,
+            volume,
+        )];
         let nominal = Maneuver::hold();
         let scene = scene(
             &flyer,

@@ -343,7 +343,6 @@ mod tests {
     use crate::Tables;
     use crate::tests::scene;
     use fga_proof::Vec3;
-    use fga_proof::certificate::Hazards;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::prediction::{FlightPath, Flyer, MotionState};
     use fga_proof::situation::ProtectedVolume;
@@ -354,10 +353,9 @@ mod tests {
         for lag_s in [0.0, 0.6] {
             let vehicle = Vehicle::lagged(lag_s);
             let flyer = Flyer::new(&vehicle);
-            let mut hazards = Hazards::new();
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
             let place_m = Vec3::new(vehicle.airspeed_mps, 6.0, 2.0);
-            hazards.put(0, Hazard::exact(0, place_m, Vec3::ZERO, volume));
+            let hazards = [Hazard::exact(0, place_m, Vec3::ZERO, volume)];
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);

@@ -158,7 +158,7 @@ impl Board {
 #[derive(Debug, Clone)]
 pub struct Tables {
     board: Board,
-    bends: [Bend; 2],
+    bends: [Bend; 4],
     conflicts: Conflicts,
     /// The manoeuvre that was laid last: that of an answer.
     pub answer: Maneuver,
@@ -173,7 +173,7 @@ impl Tables {
         } else {
             Board::Climbs(Climbs::NONE)
         },
-        bends: [Bend::NONE; 2],
+        bends: [Bend::NONE; 4],
         conflicts: Conflicts::UNKNOWN,
         answer: Maneuver::hold(),
     };
@@ -198,8 +198,8 @@ pub struct Search<'a> {
     culprit: usize,
     /// Not there while it is used.
     board: Option<&'a mut Board>,
-    /// Turns to the left and to the right from the banks that were looked at last.
-    bends: &'a mut [Bend; 2],
+    /// Turns to the left and to the right from the bank at the start, and from the banks that were looked at last.
+    bends: &'a mut [Bend; 4],
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
     /// The manoeuvre that was laid last.
@@ -384,7 +384,6 @@ impl<'a> Search<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fga_proof::situation::Mission;
     use fga_proof::vehicle::Vehicle;
 
     /// A scene along +x, in which least cost is looked for.
@@ -392,14 +391,14 @@ mod tests {
         flyer: &'a Flyer,
         vehicle: &Vehicle,
         (start, nominal): (MotionState, &'a Maneuver),
-        hazards: &'a fga_proof::certificate::Hazards,
+        hazards: &'a [fga_proof::certificate::Hazard],
     ) -> Scene<'a> {
         Scene {
             flyer,
             start,
             nominal,
             original: (0.0, 0.0),
-            around: hazards.over(&Mission::NONE),
+            around: Around::only(hazards),
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

@@ -10,8 +10,8 @@ use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};
 use fga_proof::{Vec2, Vec3};
 
-use super::Search;
 use super::lattice::{Prefix, Row};
+use super::{Scene, Search};
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -73,8 +73,7 @@ impl Search<'_> {
             ..
         } = self;
         let mut least = (enough_m, line.at_s);
-        let first = scene.around.rows.get(*culprit);
-        if let Some(hazard) = first {
+        if let Some(hazard) = scene.around.rows.get(*culprit) {
             if !meter.take(1) {
                 return least;
             }
@@ -83,13 +82,13 @@ impl Search<'_> {
                 return least;
             }
         }
+        let mut places = 0..;
+        let first = *culprit;
         each(scene.around.rows, meter, |hazard| {
-            if first.is_some_and(|first| first.index == hazard.index) {
-                return true;
-            }
-            if let Some(found) = hazard.least_on_line(line, least.0, meter) {
-                least = found;
-                *culprit = hazard.index as usize;
+            let place = places.next().filter(|place| *place != first);
+            let found = place.and_then(|_| hazard.least_on_line(line, least.0, meter));
+            if let Some((found, place)) = found.zip(place) {
+                (least, *culprit) = (found, place);
             }
             least.0 >= floor_m
         });
@@ -184,19 +183,19 @@ impl Search<'_> {
 
     /// Turns to a side from a bank that is positive towards it.
     pub(super) fn bend(&mut self, bank_rad: f64, side: Side) -> Option<&Bend> {
-        let flyer = self.scene.flyer;
-        if let Some(bend) = flyer.bend_from(bank_rad) {
-            return Some(bend);
+        let Scene { flyer, start, .. } = self.scene;
+        if bank_rad == 0.0 {
+            return Some(flyer.level());
         }
-        let known = |bend: &Bend| bend.is_from(bank_rad);
-        if let Some(place) = self.bends.iter().position(known) {
-            return self.bends.get(place);
+        let is_later = bank_rad.abs() != start.bank_rad.abs();
+        let place = 2 * usize::from(is_later) + usize::from(side == Side::Right);
+        let slot = self.bends.get_mut(place)?;
+        if !slot.is_from(bank_rad) {
+            if !self.meter.take(BEND) {
+                return None;
+            }
+            slot.set(flyer, bank_rad);
         }
-        if !self.meter.take(BEND) {
-            return None;
-        }
-        let slot = self.bends.get_mut(usize::from(side == Side::Right))?;
-        slot.set(flyer, bank_rad);
         Some(slot)
     }
 }
@@ -206,7 +205,6 @@ mod tests {
     use super::*;
     use crate::Tables;
     use crate::tests::scene;
-    use fga_proof::certificate::Hazards;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::prediction::{FlightPath, Flyer};
     use fga_proof::vehicle::Vehicle;
@@ -215,13 +213,8 @@ mod tests {
     fn a_turn_moves_the_aircraft_by_the_bound_exactly_where_it_is_least() {
         let vehicle = Vehicle::lagged(0.0);
         let flyer = Flyer::new(&vehicle);
-        let (hazards, nominal) = (Hazards::new(), Maneuver::hold());
-        let scene = scene(
-            &flyer,
-            &vehicle,
-            (MotionState::ahead(0.0), &nominal),
-            &hazards,
-        );
+        let nominal = Maneuver::hold();
+        let scene = scene(&flyer, &vehicle, (MotionState::ahead(0.0), &nominal), &[]);
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
         let search = Search::new(&scene, (&mut path, &mut tables), 1000);
         // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.

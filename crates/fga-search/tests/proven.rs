@@ -5,10 +5,9 @@
 use core::f64::consts::PI;
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Hazard, Hazards};
+use fga_proof::certificate::{Around, Hazard};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
-use fga_proof::situation::Mission;
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
 use fga_search::{Found, Objective, Scene, Search, Tables};
@@ -51,7 +50,6 @@ impl Draw {
         let off_m = [self.within(-30.0, 30.0), self.within(-15.0, 15.0)];
         let there_m = Vec3::new(speed_mps * met_s, off_m[0], off_m[1]);
         let mut hazard = Hazard::exact(index, there_m - velocity_mps * met_s, velocity_mps, volume);
-        hazard.index = index;
         hazard.growth_mps = self.one_of(&[0.0, 0.0, 0.3]);
         (hazard, met_s)
     }
@@ -108,12 +106,12 @@ fn s1_what_the_search_finds_the_certificate_proves() {
         if number % 4 >= 2 && number % 3 == 0 {
             start.bank_rad = draw.within(-0.5, 0.5);
         }
-        let mut hazards = Hazards::new();
+        let mut hazards = Vec::new();
         let mut entry_s = f64::INFINITY;
         for index in 0..draw.one_of(&[1, 1, 2, 3, 6]) {
             let (hazard, met_s) = draw.hazard(index, vehicle.airspeed_mps);
             entry_s = entry_s.min(met_s);
-            hazards.put(index as usize, hazard);
+            hazards.push(hazard);
         }
         let nominal = Maneuver::hold();
         let scene = Scene {
@@ -121,7 +119,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             start,
             nominal: &nominal,
             original: (0.0, 0.0),
-            around: hazards.over(&Mission::NONE),
+            around: Around::only(&hazards),
             horizon_s: 60.0,
             target_m: draw.one_of(&[0.05, 0.05, 2.7]),
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

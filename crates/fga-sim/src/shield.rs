@@ -99,11 +99,9 @@ impl Shield {
         };
         let sigmas = self.settings.confidence_sigmas;
         self.hazards.clear();
-        let known = (0..).zip(situation.obstacles.iter());
+        let known = situation.obstacles.iter();
         self.hazards
-            .extend(known.map(|(index, obstacle)| {
-                Hazard::new(index, &obstacle, situation.wind_mps, sigmas)
-            }));
+            .extend(known.map(|obstacle| Hazard::new(&obstacle, situation.wind_mps, sigmas)));
         let margin_m = self.settings.margin_m;
         // The aircraft flies to the next decision whatever follows then.
         if !certify_set(

@@ -110,7 +110,6 @@ impl Random {
         let reach = 1.5 * volume.radius_m() + 5.0;
         Hazard {
             id: 0,
-            index: 0,
             position_m: near_m - velocity_mps * at_s + self.vector(reach, 0.7 * reach),
             velocity_mps,
             volume,
@@ -339,7 +338,7 @@ fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
         Vec3::ZERO,
         ProtectedVolume::Sphere { radius_m: 30.0 },
     );
-    let hazard = Hazard::new(0, &far, Vec3::ZERO, 0.0);
+    let hazard = Hazard::new(&far, Vec3::ZERO, 0.0);
     for asked_m in [0.025, 0.05, 3.0] {
         let certificate = certify_set(
             &flyer,

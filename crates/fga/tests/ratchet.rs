@@ -37,7 +37,6 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::certificate::Certified,
         fga_proof::certificate::Fixed,
         fga_proof::certificate::Hazard,
-        fga_proof::certificate::Hazards,
         fga_proof::certificate::Line,
         fga_proof::certificate::Status,
         fga_proof::certificate::Zones,

@@ -329,10 +329,10 @@ fn margin_m(situation: &Situation<'_>, decision: &Decision, avoider: &Avoider) -
     let settings = Settings::default();
     let flyer = Flyer::new(avoider.vehicle());
     let own = &situation.ownship;
-    let hazards: Vec<Hazard> = (situation.obstacles.iter().zip(0..))
-        .map(|(obstacle, index)| {
+    let hazards: Vec<Hazard> = (situation.obstacles.iter())
+        .map(|obstacle| {
             let sigmas = settings.confidence_sigmas;
-            Hazard::new(index, &obstacle, situation.wind_mps, sigmas)
+            Hazard::new(&obstacle, situation.wind_mps, sigmas)
         })
         .collect();
     let mut path = FlightPath::new();

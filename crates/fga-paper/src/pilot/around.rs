@@ -67,7 +67,7 @@ impl Around {
     /// Keeps an obstacle; without room it replaces the farthest one.
     fn keep(&mut self, obstacle: &Obstacle, situation: &Situation<'_>) {
         let own_m = situation.ownship.position_m;
-        let hazard = Hazard::new(0, obstacle, situation.wind_mps, 0.0);
+        let hazard = Hazard::new(obstacle, situation.wind_mps, 0.0);
         let mut place = self.len;
         if place >= MAX_TRACKED {
             let margin_m = |hazard: &Hazard| hazard.margin_m(own_m, 0.0);

@@ -127,7 +127,6 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
     };
     Hazard {
         id: one.id.min(other.id),
-        index: one.index.min(other.index),
         position_m: one.position_m + shift,
         velocity_mps: (one.velocity_mps + other.velocity_mps) / 2.0,
         volume,

@@ -15,8 +15,6 @@ const LEAST_KNOWN_M: f64 = 1e-9;
 /// A curved motion is several of these, one after the other, each valid only within its own window of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {
-    /// Index in the caller's list of hazards.
-    pub index: u32,
     /// The obstacle's identifier.
     pub id: u32,
     /// Centre at time 0, metres, air-mass frame; where the window begins later, extended backwards.
@@ -94,12 +92,11 @@ impl Hazard {
 
     /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
     /// standard deviations of position now and of velocity over time.
-    pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
+    pub fn new(obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
         let uncertainty = obstacle.uncertainty;
         let volume = obstacle.volume.grown(sigmas * uncertainty.position_m);
         let velocity_mps = obstacle.velocity_mps - wind_mps;
         Self {
-            index,
             growth_mps: sigmas * uncertainty.velocity_mps,
             ..Self::exact(obstacle.id, obstacle.position_m, velocity_mps, volume)
         }
@@ -113,7 +110,6 @@ impl Hazard {
         volume: ProtectedVolume,
     ) -> Self {
         Self {
-            index: 0,
             id,
             position_m,
             velocity_mps,
@@ -349,8 +345,8 @@ fn least_of_convex(
 
 /// What a flight keeps a margin from.
 pub trait Obstruction {
-    /// Its index in the caller's list.
-    fn index(&self) -> u32;
+    /// The identifier of the obstacle, if it is one.
+    fn id(&self) -> Option<u32>;
 
     /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
     /// the look.
@@ -365,8 +361,8 @@ pub trait Obstruction {
 
 impl Obstruction for Hazard {
     #[inline]
-    fn index(&self) -> u32 {
-        self.index
+    fn id(&self) -> Option<u32> {
+        Some(self.id)
     }
 
     #[inline]

@@ -5,7 +5,7 @@ use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
 use crate::meter::{LOOK, Meter};
-use crate::situation::{Mission, ProtectedVolume};
+use crate::situation::ProtectedVolume;
 use crate::zone::{ALL_HEIGHTS_M, Outline, Span, Zone, meet, span_m};
 use crate::{Vec2, Vec3};
 
@@ -168,15 +168,6 @@ impl Zones {
         binding: Binding::ALL,
     };
 
-    /// The zones of the mission, of which these are near, and the ground.
-    pub const fn over<'a>(&'a self, mission: &'a Mission<'a>) -> Fixed<'a> {
-        Fixed {
-            zones: self,
-            mission: mission.zones,
-            ground: mission.ground,
-        }
-    }
-
     /// Whether no zone is known.
     pub fn is_empty(&self) -> bool {
         self.all.is_empty() && !self.entered
@@ -248,8 +239,8 @@ impl Zones {
 
 /// All as one, by the distance from the nearest.
 impl Obstruction for Fixed<'_> {
-    fn index(&self) -> u32 {
-        u32::MAX
+    fn id(&self) -> Option<u32> {
+        None
     }
 
     fn is_near(&self, line: &Line, below_m: f64, meter: &Meter) -> bool {

@@ -191,8 +191,8 @@ pub struct Flyer {
     full_roll_out_rad: f64,
     /// Stretches the pieces of a roll.
     pace: f64,
-    /// Turns from level flight, and from the bank of now to the left and to the right.
-    bends: [Bend; 3],
+    /// Turns from level flight.
+    level: Bend,
 }
 
 impl Flyer {
@@ -216,7 +216,7 @@ impl Flyer {
         full_bank_rad: 0.0,
         full_roll_out_rad: 0.0,
         pace: 0.0,
-        bends: [Bend::NONE, Bend::NONE, Bend::NONE],
+        level: Bend::NONE,
     };
 
     /// Takes the motion of a vehicle.
@@ -231,11 +231,17 @@ impl Flyer {
         self.turn_rate_factor = response.turn_rate_factor;
         self.gain_radps = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps;
         (self.full_bank_rad, self.full_roll_out_rad) = (0.0, 0.0);
-        self.bends.iter_mut().for_each(Bend::clear);
         if !self.is_ideal() {
             self.prepare_rolls();
         }
-        self.keep_bend(0, 0.0);
+        let mut level = Bend::NONE;
+        level.set(self, 0.0);
+        self.level = level;
+    }
+
+    /// Turns from level flight.
+    pub const fn level(&self) -> &Bend {
+        &self.level
     }
 
     /// Time constant of the bank, seconds.

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 
 use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
 use crate::random::Random;
-use fga_proof::certificate::{Hazards, Line, Status, Zones, certify_set, prove};
+use fga_proof::certificate::{Around, Line, Status, Zones, certify_set, prove};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -207,14 +207,14 @@ fn no_ground_is_nearer_than_certified() {
         let (error_m, clearance_m) = (random.within(0.0, 16.0), random.within(0.0, 20.0));
         let ground = grid.ground(error_m, clearance_m);
         let needed_m = error_m + clearance_m;
-        let mut hazards = Hazards::new();
-        hazards.zones.clear(wind, f64::INFINITY);
+        let mut zones = Zones::NONE;
+        zones.clear(wind, f64::INFINITY);
         let meter = Meter::unlimited();
         let mission = Mission {
             ground: Some(&ground),
             ..Mission::NONE
         };
-        let around = hazards.over(&mission);
+        let around = Around::new(&[], &zones, &mission);
         let asked = (horizon_s, f64::MIN, 1e3);
         let found = certify_set(&flyer, &path, &around, asked, &meter);
         // Beside cliffs the looks along a line may end before it is known how deep it comes: then it counts as deepest.
@@ -332,7 +332,7 @@ fn a_flight_into_a_ridge_is_as_deep_as_at_its_crest() {
     };
     let mut zones = Zones::NONE;
     zones.clear(Vec3::ZERO, 60.0);
-    let (fixed, clear) = (zones.over(&mission), (5.0, 0.0));
+    let (fixed, clear) = (Around::new(&[], &zones, &mission).fixed, (5.0, 0.0));
     for (depth_m, at_s) in [
         ground
             .least_on_line(&line, 5.0, Binding::ALL, &meter)

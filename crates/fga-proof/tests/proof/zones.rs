@@ -8,7 +8,7 @@ use core::f64::consts::TAU;
 
 use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
 use crate::random::Random;
-use fga_proof::certificate::{Hazards, MAX_ZONES, Status, certify_set, prove};
+use fga_proof::certificate::{Around, MAX_ZONES, Status, Zones, certify_set, prove};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -193,24 +193,36 @@ fn no_zone_is_nearer_than_certified() {
             zones: &[zone],
             ..Mission::NONE
         };
-        let mut hazards = Hazards::new();
-        hazards.zones.clear(wind, f64::INFINITY);
+        let mut zones = Zones::NONE;
+        zones.clear(wind, f64::INFINITY);
         let spare_m = if random.chance(0.7) {
             0.0
         } else {
             random.within(0.0, 20.0)
         };
-        hazards.zones.spare_m = spare_m;
-        let begins_well = hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9));
+        zones.spare_m = spare_m;
+        let begins_well = zones.add(mission.zones, 0, (Vec3::ZERO, 1e9));
         let meter = Meter::unlimited();
         let asked = (horizon_s, f64::MIN, 1e3 + spare_m);
-        let found = certify_set(&flyer, &path, &hazards.over(&mission), asked, &meter);
+        let found = certify_set(
+            &flyer,
+            &path,
+            &Around::new(&[], &zones, &mission),
+            asked,
+            &meter,
+        );
         assert_eq!(found.status, Status::Proven, "{case}");
         assert_eq!(begins_well, measure(Vec3::ZERO).1 >= 0.0, "{case}");
         // Also less than is spared: even then none is entered.
         let target_m = random.within(-20.0, 30.0).max(-spare_m);
         let scene = (horizon_s, target_m + spare_m, 1e3 + spare_m);
-        let proven = prove(&flyer, &path, hazards.over(&mission), scene, &meter);
+        let proven = prove(
+            &flyer,
+            &path,
+            Around::new(&[], &zones, &mission),
+            scene,
+            &meter,
+        );
         let proven_m = proven.map_or(f64::MIN, |proven| proven.margin_m());
         let bound_m = found.margin_m.max(proven_m) - spare_m;
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
@@ -388,32 +400,32 @@ fn without_room_for_all_zones_nothing_is_proven() {
     let flyer = Flyer::new(&Random(1).vehicle());
     let mut path = FlightPath::new();
     path.predict(&flyer, &MotionState::ahead(0.0), &Maneuver::hold(), 10.0);
-    let mut hazards = Hazards::new();
-    hazards.zones.clear(Vec3::ZERO, 10.0);
-    let proven = |hazards: &Hazards| {
+    let mut zones = Zones::NONE;
+    zones.clear(Vec3::ZERO, 10.0);
+    let proven = |zones: &Zones| {
         let scene = (10.0, 0.0, 1e3);
         prove(
             &flyer,
             &path,
-            hazards.over(&mission),
+            Around::new(&[], zones, &mission),
             scene,
             &Meter::unlimited(),
         )
         .is_some()
     };
     for _ in 0..2 {
-        assert!(hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
-        assert!(proven(&hazards));
+        assert!(zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
+        assert!(proven(&zones));
     }
-    assert!(!hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
-    assert!(!proven(&hazards));
+    assert!(!zones.add(mission.zones, 0, (Vec3::ZERO, 1e9)));
+    assert!(!proven(&zones));
     // Far edges, and what is far as a whole, take no room.
-    hazards.zones.clear(Vec3::ZERO, 10.0);
+    zones.clear(Vec3::ZERO, 10.0);
     for _ in 0..MAX_ZONES {
-        assert!(hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
-        assert!(hazards.zones.add(mission.zones, 1, (Vec3::ZERO, 5e3)));
+        assert!(zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
+        assert!(zones.add(mission.zones, 1, (Vec3::ZERO, 5e3)));
     }
-    assert!(proven(&hazards));
-    assert!(!hazards.zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
-    assert!(!proven(&hazards));
+    assert!(proven(&zones));
+    assert!(!zones.add(mission.zones, 0, (Vec3::ZERO, 5e3)));
+    assert!(!proven(&zones));
 }

@@ -67,8 +67,7 @@ impl Observer for Watch {
         };
         let hazards: Vec<Hazard> = rows
             .iter()
-            .zip(0..)
-            .map(|(row, index)| Hazard::new(index, row, Vec3::ZERO, 0.0))
+            .map(|row| Hazard::new(row, Vec3::ZERO, 0.0))
             .collect();
         let now = MotionState::of(&situation.ownship);
         let command = &moment.decision.command;

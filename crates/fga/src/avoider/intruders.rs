@@ -431,8 +431,8 @@ impl Moment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certificate::Hazards;
     use crate::situation::Movement;
+    use alloc::vec::Vec;
 
     const BOUNDS: MovementBounds = MovementBounds::CREWED;
 
@@ -458,12 +458,12 @@ mod tests {
         }
     }
 
-    fn motions(freedom: Freedom, trend: Trend) -> Hazards {
+    fn motions(freedom: Freedom, trend: Trend) -> Vec<Hazard> {
         let obstacle = intruder();
-        let mut motions = Hazards::new();
-        let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
+        let mut motions = Vec::new();
+        let hazard = Hazard::new(&obstacle, Vec3::ZERO, 3.0);
         add_aircraft(
-            &mut |hazard| assert!(motions.put(motions.rows().len(), hazard)),
+            &mut |hazard| motions.push(hazard),
             &hazard,
             (&obstacle, trend),
             (freedom, EXACT),
@@ -472,12 +472,12 @@ mod tests {
         motions
     }
 
-    fn motions_of(obstacle: &Obstacle, freedom: Freedom, turns: usize) -> Hazards {
-        let mut motions = Hazards::new();
-        let hazard = Hazard::new(0, obstacle, Vec3::ZERO, 3.0);
+    fn motions_of(obstacle: &Obstacle, freedom: Freedom, turns: usize) -> Vec<Hazard> {
+        let mut motions = Vec::new();
+        let hazard = Hazard::new(obstacle, Vec3::ZERO, 3.0);
         let trend = Trend::of(obstacle);
         add_aircraft(
-            &mut |hazard| assert!(motions.put(motions.rows().len(), hazard)),
+            &mut |hazard| motions.push(hazard),
             &hazard,
             (obstacle, trend),
             (freedom, EXACT),
@@ -518,8 +518,8 @@ mod tests {
     }
 
     /// Whether a hazard that exists at that time contains the volume about a position.
-    fn is_within(motions: &Hazards, place_m: Vec3, at_s: f64) -> bool {
-        motions.rows().iter().any(|hazard| {
+    fn is_within(motions: &[Hazard], place_m: Vec3, at_s: f64) -> bool {
+        motions.iter().any(|hazard| {
             let (from_s, until_s) = hazard.window_s;
             let volume = intruder().volume;
             let room_m = hazard.volume.radius_m() - volume.radius_m() + hazard.growth_mps * at_s;
@@ -547,7 +547,7 @@ mod tests {
             Freedom::Brief,
         ] {
             let motions = motions_of(&obstacle, freedom, MOTIONS);
-            let heights_m = motions.rows().iter().map(|row| {
+            let heights_m = motions.iter().map(|row| {
                 let (now_m, more_mps) = row.stretch_m;
                 (row.volume.half_height_m() + now_m, more_mps)
             });
@@ -572,7 +572,7 @@ mod tests {
             };
             let ends_s = |freedom, turns| {
                 let motions = motions_of(&obstacle, freedom, turns);
-                let ends_s = motions.rows().iter().map(|row| row.window_s.1);
+                let ends_s = motions.iter().map(|row| row.window_s.1);
                 ends_s.fold(0.0, f64::max)
             };
             for turns in [MOTIONS, 0] {
@@ -621,7 +621,7 @@ mod tests {
         };
         let is_met = |at_m: Vec3, motions| {
             let motions = motions_of(&obstacle, Freedom::Share(0.5, 3.0), motions);
-            let mut rows = motions.rows().iter();
+            let mut rows = motions.iter();
             let at_s = 30.0;
             rows.any(|row| {
                 let is_now = (row.window_s.0..row.window_s.1).contains(&at_s);
@@ -695,7 +695,7 @@ mod tests {
                 .chain([Freedom::Expected, Freedom::Brief])
             {
                 let most = super::most_hazards(freedom, (&obstacle, trend), MOTIONS);
-                let taken = motions(freedom, trend).rows().len();
+                let taken = motions(freedom, trend).len();
                 assert!(
                     (taken..=taken + 4).contains(&most),
                     "{freedom:?}: {taken} of {most}"

@@ -94,9 +94,8 @@ struct SeenFrom {
 impl SeenFrom {
     /// The expected motion of an obstacle that counts up to a moment, seconds.
     #[inline(never)]
-    fn hazard(&self, place: usize, obstacle: &Obstacle, until_s: f64) -> Hazard {
-        let index = u32::try_from(place).unwrap_or(u32::MAX);
-        let mut hazard = Hazard::new(index, obstacle, self.wind_mps, self.sigmas);
+    fn hazard(&self, obstacle: &Obstacle, until_s: f64) -> Hazard {
+        let mut hazard = Hazard::new(obstacle, self.wind_mps, self.sigmas);
         hazard.window_s.1 = until_s;
         let offset_m = self.own_m - obstacle.position_m;
         if hazard.volume.margin_m(offset_m) < 0.0 {
@@ -187,10 +186,7 @@ impl<P: Places + ?Sized> Tracks<P> {
 
     /// The hazards, and what the mission has of zones and ground.
     pub(super) fn around<'a>(&'a self, mission: &'a Mission<'a>) -> Around<'a> {
-        Around {
-            rows: self.rows(),
-            fixed: self.zones.over(mission),
-        }
+        Around::new(self.rows(), &self.zones, mission)
     }
 
     /// All places of obstacles.
@@ -271,7 +267,7 @@ impl<P: Places + ?Sized> Tracks<P> {
             let Some(known) = self.obstacle(next.1) else {
                 break;
             };
-            let hazard = (self.seen_from).hazard(next.1, &known.obstacle, known.until_s);
+            let hazard = (self.seen_from).hazard(&known.obstacle, known.until_s);
             let of = (&known.obstacle, known.trend);
             let more = most_hazards(freedom(&hazard), of, motions) - 1;
             if more > turning.left {
@@ -321,16 +317,13 @@ impl<P: Places + ?Sized> Tracks<P> {
             let (known, trend) = (tracked.obstacle, tracked.trend);
             let may_turn = turning.aircraft > 0 && (tracked.distance_m, place) <= turning.last;
             let motions = if may_turn { turning.motions } else { straight };
-            let mut hazard = (self.seen_from).hazard(place, &known, tracked.until_s);
+            let mut hazard = (self.seen_from).hazard(&known, tracked.until_s);
             let asked = (freedom(&hazard), clearance);
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
                 (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
             }
             let before = self.hazards;
-            let mut add = |hazard| {
-                let index = u32::try_from(self.hazards).unwrap_or(u32::MAX);
-                self.put_hazard(self.hazards, Hazard { index, ..hazard });
-            };
+            let mut add = |hazard| self.put_hazard(self.hazards, hazard);
             add_aircraft(&mut add, &hazard, (&known, trend), asked, motions);
             let added = self.hazards - before;
             if !meter.take(MOTION * added) {
@@ -348,7 +341,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         self.hazards = 0;
         for place in 0..self.count {
             if let Some(known) = self.obstacle(place) {
-                let hazard = (self.seen_from).hazard(place, &known.obstacle, known.until_s);
+                let hazard = (self.seen_from).hazard(&known.obstacle, known.until_s);
                 self.put_hazard(place, hazard);
             }
         }
@@ -529,7 +522,7 @@ impl<P: Places + ?Sized> Tracks<P> {
             } else {
                 let (farthest, distance_m) = self.farthest();
                 let is_nearer =
-                    distance_m > Hazard::new(0, obstacle, wind_mps, sigmas).margin_m(own_m, 0.0);
+                    distance_m > Hazard::new(obstacle, wind_mps, sigmas).margin_m(own_m, 0.0);
                 self.overflow |= !is_nearer || farthest < place;
                 if !is_nearer {
                     return;
@@ -554,7 +547,7 @@ impl<P: Places + ?Sized> Tracks<P> {
 
     /// Takes an obstacle at a place with its expected motion, and what is remembered of it.
     fn put(&mut self, place: usize, seen: &Obstacle, known: Known) {
-        let hazard = self.seen_from.hazard(place, seen, known.until_s);
+        let hazard = self.seen_from.hazard(seen, known.until_s);
         self.put_hazard(place, hazard);
         let own_m = self.seen_from.own_m;
         if let Some(slot) = self.places.all_mut().0.get_mut(place) {

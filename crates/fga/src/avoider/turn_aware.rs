@@ -21,7 +21,6 @@ use crate::avoider::{
 use crate::certificate::{Certified, certify_set, prove};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::meter::BEND;
 use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
@@ -344,15 +343,6 @@ impl Avoider<dyn Places + '_> {
         (self.tracks).all_pass(now.position_m, ours_mps, is_avoided)
     }
 
-    /// Keeps the turns from the bank of now, from which many predictions are about to begin.
-    #[inline(never)]
-    fn keep_bends(&mut self, now: &MotionState) {
-        let is_kept = self.flyer.bend_from(now.bank_rad).is_some();
-        if !is_kept && self.meter.take(2 * BEND) {
-            self.flyer.keep_bends_from(now.bank_rad);
-        }
-    }
-
     /// Runs a search in the present scene with the limits of a demand; returns its result, none if it met even the reserve for
     /// finishing.
     fn search<T: Default>(
@@ -382,7 +372,6 @@ impl Avoider<dyn Places + '_> {
         look: &mut dyn FnMut(&mut Search<'_>),
     ) -> bool {
         self.within_limits(demand, |avoider| {
-            avoider.keep_bends(now);
             let is_whole = avoider.plan.is_none() || !avoider.flyer.is_ideal();
             let most = if is_whole { u32::MAX } else { GRID_WORK };
             let scene = Scene {

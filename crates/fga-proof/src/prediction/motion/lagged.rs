@@ -5,7 +5,7 @@ use core::f64::consts::FRAC_PI_2;
 use crate::Vec2;
 use crate::limit::{Limit as _, root};
 use crate::prediction::motion::arc::unit;
-use crate::prediction::motion::{Bend, Flyer, MotionState, Piece, REACHED_RAD};
+use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD};
 use crate::prediction::roll::{GAUSS, Roll, roll_out};
 
 /// A smaller bank has no roll-out left, radians.
@@ -101,27 +101,6 @@ impl Flyer {
         }
         let step_s = LEVEL_TURN * tau;
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
-    }
-
-    /// Keeps the turns from a bank at which many predictions are about to begin.
-    pub fn keep_bends_from(&mut self, bank_rad: f64) {
-        self.keep_bend(1, bank_rad);
-        self.keep_bend(2, -bank_rad);
-    }
-
-    /// Keeps the turns from a bank in a place.
-    pub(super) fn keep_bend(&mut self, place: usize, bank_rad: f64) {
-        let mut bend = Bend::NONE;
-        bend.set(self, bank_rad);
-        if let Some(slot) = self.bends.get_mut(place) {
-            *slot = bend;
-        }
-    }
-
-    /// Turns from a bank that is positive towards their side, if they are kept.
-    #[inline]
-    pub fn bend_from(&self, bank_rad: f64) -> Option<&Bend> {
-        self.bends.iter().find(|bend| bend.is_from(bank_rad))
     }
 
     /// The bank of the largest course rate, radians.

@@ -46,13 +46,6 @@ impl Avoider<dyn Places + '_> {
             // The margin up to a moment only falls with time: halve to the entry.
             let (mut before_s, mut after_s) = (0.0, closest.at_s);
             let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
-            if let Some(first) = first {
-                let so_far = self.certify_one(hazard, (first.entry_s, f64::MIN, target_m));
-                if so_far.margin_m > entered_m {
-                    // Its entry is later than the first one.
-                    continue;
-                }
-            }
             for _ in 0..ENTRY_HALVINGS {
                 if self.meter.is_met() {
                     break;
