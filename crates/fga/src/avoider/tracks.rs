@@ -15,7 +15,9 @@ use crate::avoider::intruders::{
 };
 use crate::certificate::{Around, Hazard, MAX_HAZARDS, Zones};
 use crate::meter::{COMPARED, MOTION, Meter};
-use crate::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
+use crate::situation::{
+    Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation,
+};
 
 /// A missing obstacle is extrapolated for this long, seconds.
 const COASTED_S: f64 = 5.0;
@@ -281,14 +283,14 @@ impl<P: Places + ?Sized> Tracks<P> {
     }
 
     /// Whether every aircraft of some moves away from ours.
-    pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
+    pub(super) fn all_pass(&self, own: &Ownship, of: impl Fn(u32) -> bool) -> bool {
         (0..self.count)
             .filter_map(|place| self.obstacle(place))
             .map(|known| known.obstacle)
             .filter(|known| known.movement.bounds().is_some() && of(known.id))
             .all(|known| {
                 let velocity_mps = known.velocity_mps - self.seen_from.wind_mps;
-                (known.position_m - own_m).dot(velocity_mps - own_mps) > 0.0
+                (known.position_m - own.position_m).dot(velocity_mps - own.velocity_mps()) > 0.0
             })
     }
 

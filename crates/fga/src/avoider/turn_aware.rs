@@ -291,7 +291,7 @@ impl Avoider<dyn Places + '_> {
             return self.watch(situation, now, decision);
         };
         let looks = (LOOK_BACK_EVERY, f64::INFINITY);
-        if self.has_begun(&plan, situation, now)
+        if self.has_begun(&plan, situation)
             && self.way_back(situation, now, &mut plan, looks, &mut decision.command)
         {
             (self.plan, self.flown) = (Some(plan), decision.command);
@@ -329,18 +329,22 @@ impl Avoider<dyn Places + '_> {
         self.report(decision, &plan, time_s, reason);
     }
 
-    /// Whether a way back may end the manoeuvre: it has been flown for the time of a turn, or all aircraft pass. Otherwise an
-    /// intruder that turns back and forth would start and end it.
-    fn has_begun(&self, plan: &Plan, situation: &Situation<'_>, now: &MotionState) -> bool {
+    /// Whether a way back may end the manoeuvre: it has been flown for the time of a turn, and is not held, or all aircraft pass. Otherwise
+    /// an intruder that turns back and forth would start and end it.
+    fn has_begun(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
         let turned_rad = (situation.time_s - plan.start_s) * self.flyer.course_rate_radps();
-        turned_rad >= BEGUN_RAD || self.all_pass(plan, situation, now)
+        let all_pass = (self.tracks).all_pass(&situation.ownship, |id| plan.against.contains(id));
+        all_pass || turned_rad >= BEGUN_RAD && !self.is_held(plan, situation)
     }
 
-    /// Whether all aircraft that a plan avoids move away from ours.
-    fn all_pass(&self, plan: &Plan, situation: &Situation<'_>, now: &MotionState) -> bool {
-        let ours_mps = situation.ownship.velocity_mps();
-        let is_avoided = |id| plan.against.contains(id);
-        (self.tracks).all_pass(now.position_m, ours_mps, is_avoided)
+    /// Whether a certified manoeuvre is flown until its threat passes, for a minute at most: where reports are uncertain, most ways
+    /// back are given up again, because the threat turns, or noise looks like that.
+    fn is_held(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
+        let is_threat = |id| plan.threat.is_some_and(|threat| threat.id == id);
+        self.tracks.uncertain
+            && plan.proof.is_certified()
+            && plan.given_up(situation.time_s) < 3
+            && !self.tracks.all_pass(&situation.ownship, is_threat)
     }
 
     /// Runs a search in the present scene with the limits of a demand; returns its result, none if it met even the reserve for
@@ -625,13 +629,13 @@ mod tests {
     #[test]
     fn a_way_back_waits_for_the_time_of_a_turn_or_until_the_aircraft_passes() {
         let has_begun = |rows: &[Obstacle], turned_rad: f64| {
-            among(rows, |avoider, situation, now| {
+            among(rows, |avoider, situation, _| {
                 let plan = plan(avoider, situation, (0.5, WANTED));
                 let later = Situation {
                     time_s: turned_rad / avoider.flyer.course_rate_radps(),
                     ..*situation
                 };
-                avoider.has_begun(&plan, &later, now)
+                avoider.has_begun(&plan, &later)
             })
         };
         let comes = aircraft(1, (300.0, 80.0), (-20.0, 0.0));
@@ -643,5 +647,30 @@ mod tests {
         let other = Obstacle { id: 2, ..comes };
         assert!(has_begun(&[passes, other], 0.0));
         assert!(has_begun(&[sphere(1, (300.0, 0.0), (-20.0, 0.0))], 0.0));
+    }
+
+    /// Of which only reports with errors are known, and only a certified manoeuvre.
+    #[test]
+    fn among_uncertain_reports_a_certified_manoeuvre_is_flown_until_its_threat_passes() {
+        let has_begun = |ahead_m: f64, velocity_mps: f64, later_s: f64, is_certified| {
+            let mut row = aircraft(1, (ahead_m, 80.0), (-20.0, 0.0));
+            row.uncertainty.velocity_mps = velocity_mps;
+            among(&[row], |avoider, situation, now| {
+                let mut plan = plan(avoider, situation, (0.5, WANTED));
+                if is_certified {
+                    let (flown, asked) = (avoider.flown, (60.0, f64::MIN, 0.0));
+                    avoider.predict(&flown, now, 60.0);
+                    plan.proof = Proof::Certified(avoider.prove(now, asked).unwrap());
+                }
+                let later = Situation {
+                    time_s: later_s,
+                    ..*situation
+                };
+                avoider.has_begun(&plan, &later)
+            })
+        };
+        assert!(!has_begun(300.0, 0.5, 59.0, true) && has_begun(300.0, 0.5, 61.0, true));
+        assert!(has_begun(-300.0, 0.5, 59.0, true));
+        assert!(has_begun(300.0, 0.0, 59.0, true) && has_begun(300.0, 0.5, 59.0, false));
     }
 }

@@ -58,7 +58,8 @@ impl Avoider<dyn Places + '_> {
             return higher;
         }
         // A course nearer to the mission uses up what was kept for the aircraft.
-        if !self.all_pass(plan, situation, now) && !self.is_free(now) {
+        let is_avoided = |id| plan.against.contains(id);
+        if !self.tracks.all_pass(&situation.ownship, is_avoided) && !self.is_free(now) {
             return None;
         }
         let rung = plan.rung.min(WANTED);
@@ -274,7 +275,10 @@ mod tests {
             let row = aircraft(1, (f64::from(ahead_m), -50.0), (-60.0, 0.0));
             let (is_free, better) = among(&[row], |avoider, situation, now| {
                 let plan = plan(avoider, situation, (1.4, 0));
-                let is_free = avoider.is_free(now) || avoider.all_pass(&plan, situation, now);
+                let is_free = avoider.is_free(now)
+                    || avoider
+                        .tracks
+                        .all_pass(&situation.ownship, |id| plan.against.contains(id));
                 let flown = avoider.flown;
                 (is_free, avoider.better(&plan, &flown, situation, now))
             });
