@@ -50,7 +50,7 @@ struct Turns<'a> {
     /// Present cross-track distance, metres.
     cross_m: f64,
     /// Turns to the left and to the right from the present bank.
-    bends: [Bend; 2],
+    bends: &'a [Bend; 2],
     /// The turn that rolling out at once makes, radians.
     rolls_out_rad: f64,
 }
@@ -76,7 +76,7 @@ impl Turns<'_> {
             route, leg, state, ..
         } = self;
         let flyer = route.flyer;
-        let [left, right] = &self.bends;
+        let [left, right] = self.bends;
         let first = if by_rad < self.rolls_out_rad {
             self.turned(right, state.course_rad, (-1.0, by_rad))
         } else {
@@ -159,7 +159,7 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
         leg,
         state,
         cross_m: position.cross_m,
-        bends,
+        bends: &bends,
         rolls_out_rad,
     };
     let (off_rad, by_rad, straight_s) = turns.intercept(intercept_rad);
