@@ -314,7 +314,11 @@ mod tests {
         });
         climbs.begin(&Meter::unlimited());
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-        let mut search = Search::new(&scene, (&mut path, &mut tables), 100_000);
+        let mut search = Search::new(
+            &scene,
+            (&mut path, &mut tables),
+            Meter::new(100_000, u32::MAX),
+        );
         let [first, ..] = &mut climbs.climbers;
         act(first, &mut search)
     }

@@ -383,6 +383,7 @@ mod tests {
     use fga_proof::Vec3;
     use fga_proof::certificate::Hazard;
     use fga_proof::maneuver::Maneuver;
+    use fga_proof::meter::Meter;
     use fga_proof::prediction::{FlightPath, Flyer};
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;
@@ -406,7 +407,11 @@ mod tests {
             &hazards,
         );
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-        look(&mut Search::new(&scene, (&mut path, &mut tables), 100_000))
+        look(&mut Search::new(
+            &scene,
+            (&mut path, &mut tables),
+            Meter::new(100_000, u32::MAX),
+        ))
     }
 
     #[test]

@@ -344,6 +344,7 @@ mod tests {
     use crate::tests::scene;
     use fga_proof::Vec3;
     use fga_proof::maneuver::Maneuver;
+    use fga_proof::meter::Meter;
     use fga_proof::prediction::{FlightPath, Flyer, MotionState};
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;
@@ -360,12 +361,20 @@ mod tests {
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-            let mut search = Search::new(&scene, (&mut path, &mut tables), 100_000);
+            let mut search = Search::new(
+                &scene,
+                (&mut path, &mut tables),
+                Meter::new(100_000, u32::MAX),
+            );
             let (found, proof) = search.best(None, PARTS, 0).unwrap();
             assert_eq!(proof, Proof::Hopeless);
             // The search may have used up its work.
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-            let mut judge = Search::new(&scene, (&mut path, &mut tables), 1_000_000);
+            let mut judge = Search::new(
+                &scene,
+                (&mut path, &mut tables),
+                Meter::new(1_000_000, u32::MAX),
+            );
             for climb_rad in scene.extreme_climbs() {
                 for k in -30..=30 {
                     let turns = Turns {

@@ -177,6 +177,11 @@ impl Tables {
         conflicts: Conflicts::UNKNOWN,
         answer: Maneuver::hold(),
     };
+
+    /// Forgets the turns of a vehicle: before another one, or another step, flies.
+    pub fn forget_turns(&mut self) {
+        self.bends.iter_mut().for_each(Bend::clear);
+    }
 }
 
 /// The scratch space of a search.
@@ -209,13 +214,8 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search with about `limit` tests of a line against four obstacles at most.
-    pub fn new(scene: &'a Scene<'a>, space: Space<'a>, limit: u32) -> Self {
-        Self::within(scene, space, Meter::new(limit, u32::MAX))
-    }
-
     /// A search that ends at the limit of a meter, and takes no more than that has.
-    pub fn within(scene: &'a Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
+    pub fn new(scene: &'a Scene<'a>, (path, tables): Space<'a>, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
         let Tables {
             board,
@@ -223,7 +223,6 @@ impl<'a> Search<'a> {
             conflicts,
             answer,
         } = tables;
-        bends.iter_mut().for_each(Bend::clear);
         *conflicts = Conflicts::UNKNOWN;
         Self {
             scene,

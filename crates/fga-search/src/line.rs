@@ -206,6 +206,7 @@ mod tests {
     use crate::Tables;
     use crate::tests::scene;
     use fga_proof::maneuver::Maneuver;
+    use fga_proof::meter::Meter;
     use fga_proof::prediction::{FlightPath, Flyer};
     use fga_proof::vehicle::Vehicle;
 
@@ -216,7 +217,7 @@ mod tests {
         let nominal = Maneuver::hold();
         let scene = scene(&flyer, &vehicle, (MotionState::ahead(0.0), &nominal), &[]);
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
-        let search = Search::new(&scene, (&mut path, &mut tables), 1000);
+        let search = Search::new(&scene, (&mut path, &mut tables), Meter::new(1000, u32::MAX));
         // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.
         let (speed_mps, rate_radps) = (flyer.airspeed_mps(), flyer.course_rate_radps());
         let moved_m = speed_mps * (0.2 * 4.0 - 0.04 / (2.0 * rate_radps));

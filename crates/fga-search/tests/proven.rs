@@ -7,6 +7,7 @@ use core::f64::consts::PI;
 use fga_proof::Vec3;
 use fga_proof::certificate::{Around, Hazard};
 use fga_proof::maneuver::Maneuver;
+use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
@@ -128,7 +129,11 @@ fn s1_what_the_search_finds_the_certificate_proves() {
         };
         let target_m = scene.target_m;
         let mut search = |look: &mut dyn FnMut(&mut Search<'_>, &mut [Count; 5])| {
-            let mut search = Search::new(&scene, (&mut path, &mut tables), 1_000_000);
+            let mut search = Search::new(
+                &scene,
+                (&mut path, &mut tables),
+                Meter::new(1_000_000, u32::MAX),
+            );
             look(&mut search, &mut counts);
             made += 1;
         };

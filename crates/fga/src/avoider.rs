@@ -342,6 +342,7 @@ impl Avoider<dyn Places + '_> {
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
+        self.tables.forget_turns();
         let most = self.settings.work_limit;
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);

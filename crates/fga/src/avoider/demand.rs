@@ -144,6 +144,7 @@ impl Avoider<dyn Places + '_> {
         if let Some(vehicle) = &mut self.in_need {
             core::mem::swap(vehicle, &mut self.vehicle);
             self.flyer.set(&self.vehicle);
+            self.tables.forget_turns();
         }
     }
 }

@@ -49,7 +49,7 @@ pub struct Tracks<P: ?Sized = AllPlaces> {
     /// Number of all that the next step remembers: the limits of altitude are not among them.
     len: usize,
     /// Number of aircraft among them.
-    aircraft: usize,
+    pub aircraft: usize,
     /// What their hazards are computed from.
     seen_from: SeenFrom,
     /// Work for taking in the obstacles of this step.

@@ -334,17 +334,14 @@ impl Avoider<dyn Places + '_> {
     fn has_begun(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
         let turned_rad = (situation.time_s - plan.start_s) * self.flyer.course_rate_radps();
         let all_pass = (self.tracks).all_pass(&situation.ownship, |id| plan.against.contains(id));
-        all_pass || turned_rad >= BEGUN_RAD && !self.is_held(plan, situation)
+        all_pass || turned_rad >= BEGUN_RAD && !self.is_held(plan, situation.time_s)
     }
 
-    /// Whether a certified manoeuvre is flown until its threat passes, for a minute at most: where reports are uncertain, most ways
-    /// back are given up again, because the threat turns, or noise looks like that.
-    fn is_held(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
-        let is_threat = |id| plan.threat.is_some_and(|threat| threat.id == id);
-        self.tracks.uncertain
-            && plan.proof.is_certified()
-            && plan.given_up(situation.time_s) < 3
-            && !self.tracks.all_pass(&situation.ownship, is_threat)
+    /// Whether a certified manoeuvre is flown until the only aircraft passes, for a minute at most: where reports are uncertain, most ways
+    /// back are given up again, because the aircraft turns, or noise looks like that. Among several the next one would be met meanwhile.
+    fn is_held(&self, plan: &Plan, time_s: f64) -> bool {
+        let is_alone = self.tracks.uncertain && self.tracks.aircraft == 1;
+        is_alone && plan.proof.is_certified() && plan.given_up(time_s) < 3
     }
 
     /// Runs a search in the present scene with the limits of a demand; returns its result, none if it met even the reserve for
@@ -392,7 +389,7 @@ impl Avoider<dyn Places + '_> {
             };
             let meter = avoider.meter.part(most);
             let space = (&mut avoider.path, &mut avoider.tables);
-            let mut search = Search::within(&scene, space, meter);
+            let mut search = Search::new(&scene, space, meter);
             look(&mut search);
             avoider.looked_at += search.evaluated;
             avoider.meter.count(search.work() as usize);
@@ -649,13 +646,16 @@ mod tests {
         assert!(has_begun(&[sphere(1, (300.0, 0.0), (-20.0, 0.0))], 0.0));
     }
 
-    /// Of which only reports with errors are known, and only a certified manoeuvre.
+    /// Only a certified one, not past another aircraft, and for a minute at most.
     #[test]
-    fn among_uncertain_reports_a_certified_manoeuvre_is_flown_until_its_threat_passes() {
-        let has_begun = |ahead_m: f64, velocity_mps: f64, later_s: f64, is_certified| {
-            let mut row = aircraft(1, (ahead_m, 80.0), (-20.0, 0.0));
+    fn among_uncertain_reports_a_manoeuvre_is_flown_until_the_aircraft_passes() {
+        let row = |id, ahead_m, velocity_mps| {
+            let mut row = aircraft(id, (ahead_m, 80.0), (-20.0, 0.0));
             row.uncertainty.velocity_mps = velocity_mps;
-            among(&[row], |avoider, situation, now| {
+            row
+        };
+        let has_begun = |rows: &[Obstacle], later_s: f64, is_certified| {
+            among(rows, |avoider, situation, now| {
                 let mut plan = plan(avoider, situation, (0.5, WANTED));
                 if is_certified {
                     let (flown, asked) = (avoider.flown, (60.0, f64::MIN, 0.0));
@@ -669,8 +669,10 @@ mod tests {
                 avoider.has_begun(&plan, &later)
             })
         };
-        assert!(!has_begun(300.0, 0.5, 59.0, true) && has_begun(300.0, 0.5, 61.0, true));
-        assert!(has_begun(-300.0, 0.5, 59.0, true));
-        assert!(has_begun(300.0, 0.0, 59.0, true) && has_begun(300.0, 0.5, 59.0, false));
+        let comes = row(1, 300.0, 0.5);
+        assert!(!has_begun(&[comes], 59.0, true) && has_begun(&[comes], 61.0, true));
+        assert!(has_begun(&[comes], 59.0, false) && has_begun(&[row(1, 300.0, 0.0)], 59.0, true));
+        assert!(has_begun(&[row(1, -300.0, 0.5)], 59.0, true));
+        assert!(has_begun(&[comes, row(2, 900.0, 0.5)], 59.0, true));
     }
 }
