@@ -290,9 +290,7 @@ impl Painter {
             picture.horizon_s,
             picture.margin_m,
         );
-        let hazards: Vec<Hazard> = picture
-            .obstacles
-            .iter()
+        let hazards: Vec<Hazard> = (picture.obstacles.iter())
             .map(|(obstacle, _)| Hazard::new(obstacle, wind_mps, 0.0))
             .collect();
         let name = |_| picture.threat_name.clone().unwrap_or_default();
