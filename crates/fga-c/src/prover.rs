@@ -206,8 +206,7 @@ impl Proving {
             .predict_within(&self.flyer, &now, &self.maneuver, horizon_s, &meter);
         let asked = (horizon_s, target_m, target_m);
         let around = Around::new(&self.hazards, &self.zones, mission);
-        let proven = prove(&self.flyer, &self.path, around, asked, &meter);
-        if let Some(certified) = proven {
+        if let Some(certified) = prove(&self.flyer, &self.path, around, asked, &meter) {
             return Ok(FoundMargin {
                 verdict: fga_verdict::Proven,
                 margin_m: certified.margin_m(),
