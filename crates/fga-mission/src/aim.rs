@@ -51,8 +51,6 @@ struct Turns<'a> {
     cross_m: f64,
     /// Turns to the left and to the right from the present bank.
     bends: &'a [Bend; 2],
-    /// The turn that rolling out at once makes, radians.
-    rolls_out_rad: f64,
 }
 
 impl Turns<'_> {
@@ -77,7 +75,7 @@ impl Turns<'_> {
         } = self;
         let flyer = route.flyer;
         let [left, right] = self.bends;
-        let first = if by_rad < self.rolls_out_rad {
+        let first = if by_rad < left.least_rad() {
             self.turned(right, state.course_rad, (-1.0, by_rad))
         } else {
             self.turned(left, state.course_rad, (1.0, by_rad))
@@ -152,7 +150,6 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
     let [left, right] = &mut bends;
     left.set(route.flyer, bank_rad);
     right.set(route.flyer, -bank_rad);
-    let rolls_out_rad = left.least_rad();
     let position = leg.position(state.position_m, state.time_s);
     let turns = Turns {
         route,
@@ -160,7 +157,6 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
         state,
         cross_m: position.cross_m,
         bends: &bends,
-        rolls_out_rad,
     };
     let (off_rad, by_rad, straight_s) = turns.intercept(intercept_rad);
     let (_, turn_s, over_s) = turns.after((off_rad, by_rad));

@@ -9,10 +9,10 @@ pub use self::known::Known;
 pub use self::places::{AllPlaces, LIMITS, Lent, MAX_TRACKED, Places};
 use self::relaxed::{LEAVING_SHARE, relaxed};
 use crate::Vec3;
-use crate::avoider::Kept;
 use crate::avoider::intruders::{
     AT_ONCE, Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards,
 };
+use crate::avoider::{Against, Kept};
 use crate::certificate::{Around, Hazard, MAX_HAZARDS, Zones};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{
@@ -282,12 +282,12 @@ impl<P: Places + ?Sized> Tracks<P> {
         Some(turning)
     }
 
-    /// Whether every aircraft of some moves away from ours.
-    pub(super) fn all_pass(&self, own: &Ownship, of: impl Fn(u32) -> bool) -> bool {
+    /// Whether every aircraft of an encounter moves away from ours.
+    pub(super) fn all_pass(&self, own: &Ownship, against: &Against) -> bool {
         (0..self.count)
             .filter_map(|place| self.obstacle(place))
             .map(|known| known.obstacle)
-            .filter(|known| known.movement.bounds().is_some() && of(known.id))
+            .filter(|known| known.movement.bounds().is_some() && against.contains(known.id))
             .all(|known| {
                 let velocity_mps = known.velocity_mps - self.seen_from.wind_mps;
                 (known.position_m - own.position_m).dot(velocity_mps - own.velocity_mps()) > 0.0

@@ -333,7 +333,7 @@ impl Avoider<dyn Places + '_> {
     /// an intruder that turns back and forth would start and end it.
     fn has_begun(&self, plan: &Plan, situation: &Situation<'_>) -> bool {
         let turned_rad = (situation.time_s - plan.start_s) * self.flyer.course_rate_radps();
-        let all_pass = (self.tracks).all_pass(&situation.ownship, |id| plan.against.contains(id));
+        let all_pass = (self.tracks).all_pass(&situation.ownship, &plan.against);
         all_pass || turned_rad >= BEGUN_RAD && !self.is_held(plan, situation.time_s)
     }
 

@@ -58,8 +58,7 @@ impl Avoider<dyn Places + '_> {
             return higher;
         }
         // A course nearer to the mission uses up what was kept for the aircraft.
-        let is_avoided = |id| plan.against.contains(id);
-        if !self.tracks.all_pass(&situation.ownship, is_avoided) && !self.is_free(now) {
+        if !self.tracks.all_pass(&situation.ownship, &plan.against) && !self.is_free(now) {
             return None;
         }
         let rung = plan.rung.min(WANTED);
@@ -276,9 +275,7 @@ mod tests {
             let (is_free, better) = among(&[row], |avoider, situation, now| {
                 let plan = plan(avoider, situation, (1.4, 0));
                 let is_free = avoider.is_free(now)
-                    || avoider
-                        .tracks
-                        .all_pass(&situation.ownship, |id| plan.against.contains(id));
+                    || (avoider.tracks).all_pass(&situation.ownship, &plan.against);
                 let flown = avoider.flown;
                 (is_free, avoider.better(&plan, &flown, situation, now))
             });
