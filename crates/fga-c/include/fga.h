@@ -95,8 +95,12 @@
 // Bit of `fga_decision::has`: what the manoeuvre withstands is known, `resilience`.
 #define FGA_HAS_RESILIENCE 32
 
+// Bit of `fga_decision::has`: the aircraft is already in a volume; what is proven is that it leaves it, and keeps clear of all
+// others, `certified_...`. It excludes `FGA_HAS_CERTIFICATE`.
+#define FGA_HAS_LEAVING 64
+
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 40448
+#define FGA_PROVER_BYTES 40512
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

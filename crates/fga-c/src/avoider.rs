@@ -1,11 +1,12 @@
 //! The avoider in storage that the caller lends.
 
 use fga::Vec3;
+use fga::assumptions::MAX_HAZARDS;
 use fga::avoider::{
     Avoider, Decision, Known, LIMITS, Lent, MAX_TRACKED, Record, Settings, State, Tracks,
 };
-use fga::certificate::{Hazard, MAX_HAZARDS};
-use fga::maneuver::Maneuver;
+use fga::certificate::Hazard;
+use fga::command::Command;
 use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing};
 use fga::vehicle::Vehicle;
@@ -333,7 +334,7 @@ pub unsafe extern "C" fn fga_avoider_init(
                 let tracks = Tracks::within(places(object, obstacles_most));
                 (&raw mut (*flying).avoider).write(Avoider::within(settings, vehicle, tracks));
                 (*flying).avoider.prepare()?;
-                (&raw mut (*flying).decided.command).write(Maneuver::hold());
+                (&raw mut (*flying).decided.command).write(Command::hold());
                 (&raw mut (*flying).decided.state).write(State::Cruise);
                 (&raw mut (*flying).decided.record).write(Record::default());
                 (&raw mut (*flying).counts).write_bytes(0, 1);

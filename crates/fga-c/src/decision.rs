@@ -3,6 +3,7 @@
 use core::ffi::{CStr, c_char};
 
 use fga::avoider::{Decision, Reason, State};
+use fga::command::Proof;
 use fga::maneuver::MAX_STAGES;
 
 use crate::growable::Growable;
@@ -158,6 +159,9 @@ pub const FGA_HAS_START: u32 = 8;
 pub const FGA_HAS_LATEST_START: u32 = 16;
 /// Bit of `fga_decision::has`: what the manoeuvre withstands is known, `resilience`.
 pub const FGA_HAS_RESILIENCE: u32 = 32;
+/// Bit of `fga_decision::has`: the aircraft is already in a volume; what is proven is that it leaves it, and keeps clear of all
+/// others, `certified_...`. It excludes `FGA_HAS_CERTIFICATE`.
+pub const FGA_HAS_LEAVING: u32 = 64;
 
 /// The obstacle that a decision is about.
 #[repr(C)]
@@ -255,11 +259,14 @@ impl fga_decision {
             self.has |= FGA_HAS_MANEUVER;
             (self.margin_m, self.cost) = (chosen.margin_m, chosen.cost);
         }
-        if let Some(certified) = &record.certified {
-            self.has |= FGA_HAS_CERTIFICATE;
-            self.certified_margin_m = certified.margin_m();
-            self.certified_horizon_s = certified.horizon_s();
-            self.certified_hazards = certified.hazards();
+        if let Some(proof) = decision.command.proof() {
+            self.has |= match proof {
+                Proof::Certified(_) => FGA_HAS_CERTIFICATE,
+                Proof::Leaving(_) => FGA_HAS_LEAVING,
+            };
+            self.certified_margin_m = proof.bound().margin_m();
+            self.certified_horizon_s = proof.bound().horizon_s();
+            self.certified_hazards = proof.bound().hazards();
         }
         if let Some(start_s) = record.start_s {
             self.has |= FGA_HAS_START;

@@ -1,10 +1,12 @@
 //! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
 
 use fga::Vec3;
-use fga::certificate::{Around, Hazard, MAX_HAZARDS, Status, Zones, certify_set, prove};
+use fga::assumptions::{Assumptions, MAX_HAZARDS};
+use fga::certificate::{Hazard, Status, Zones, certify_set};
+use fga::command::{Command, Terms};
 use fga::limit::SettingsError;
 use fga::list::List;
-use fga::maneuver::{MAX_STAGES, Maneuver};
+use fga::maneuver::MAX_STAGES;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::{Mission, Movement};
@@ -21,7 +23,7 @@ use crate::memory::{Kind, LentSpan, Object, answered, apart, fill, given, list, 
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 40_448;
+pub const FGA_PROVER_BYTES: usize = 40_512;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
@@ -126,7 +128,7 @@ unsafe impl Growable for fga_certificate {}
 /// The vehicle, and the scratch space of a proof.
 struct Proving {
     flyer: Flyer,
-    maneuver: Maneuver,
+    command: Command,
     path: FlightPath,
     hazards: List<Hazard, MAX_HAZARDS>,
     zones: Zones,
@@ -162,12 +164,8 @@ impl Proving {
                 let refused = Refused::out_of_range("obstacles", f64::from(given.id), expected);
                 return Err(refused.at(place));
             };
-            let mut hazard = Hazard::new(&obstacle, wind_mps, sigmas);
-            match obstacle.movement {
-                Movement::AtRest => hazard.velocity_mps = -wind_mps,
-                Movement::Straight => {}
-                Movement::Aircraft(_) => aircraft += 1,
-            }
+            aircraft += u32::from(matches!(obstacle.movement, Movement::Aircraft(_)));
+            let hazard = Hazard::new(&obstacle, wind_mps, sigmas);
             self.hazards.put(place, hazard);
         }
         Ok(aircraft)
@@ -195,21 +193,21 @@ impl Proving {
         let mut now = UNSAID;
         situation.moment(&mut now)?;
         let (ownship, wind_mps) = (now.ownship, now.wind_mps);
-        take_stages(&mut self.maneuver, stages)?;
+        take_stages(self.command.edit(), stages)?;
         let straight_aircraft =
             self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;
         self.take_zones(mission.zones, (ownship.position_m, wind_mps), question);
         let meter = within(question.work_limit);
         let (horizon_s, target_m) = (question.horizon_s, question.target_m);
         let now = MotionState::of(&ownship);
-        self.path
-            .predict_within(&self.flyer, &now, &self.maneuver, horizon_s, &meter);
-        let asked = (horizon_s, target_m, target_m);
-        let around = Around::new(&self.hazards, &self.zones, mission);
-        if let Some(certified) = prove(&self.flyer, &self.path, around, asked, &meter) {
+        let around = Assumptions::new(&self.hazards, &self.zones, mission);
+        let terms = Terms::new(horizon_s, target_m, target_m);
+        let flight = (&self.flyer, &mut self.path);
+        let proof = terms.map(|terms| self.command.prove(flight, &now, &around, &terms, &meter));
+        if let Some(Ok(proof)) = proof {
             return Ok(FoundMargin {
                 verdict: fga_verdict::Proven,
-                margin_m: certified.margin_m(),
+                margin_m: proof.bound().margin_m(),
                 at_s: 0.0,
                 obstacle_id: 0,
                 straight_aircraft,
@@ -273,7 +271,7 @@ pub unsafe extern "C" fn fga_prover_init(
             unsafe {
                 (&raw mut (*proving).flyer).write(Flyer::NONE);
                 (*proving).flyer.set(&vehicle);
-                (&raw mut (*proving).maneuver).write(Maneuver::hold());
+                (&raw mut (*proving).command).write(Command::hold());
                 (&raw mut (*proving).path).write(const { FlightPath::new() });
                 (&raw mut (*proving).hazards).write(const { List::new(Hazard::NONE) });
                 (&raw mut (*proving).zones).write(Zones::NONE);
@@ -400,11 +398,11 @@ pub unsafe extern "C" fn fga_predict(
             SettingsError::unless(is_within, "after_s", after_s, "0 to 600")?;
             let own = (*ownship).ownship()?;
             let proving = at_work.value();
-            take_stages(&mut proving.maneuver, stages)?;
+            take_stages(proving.command.edit(), stages)?;
             let state = flown(
                 &proving.flyer,
                 &MotionState::of(&own),
-                proving.maneuver.stages(),
+                proving.command.stages(),
                 after_s,
                 &within(u32::MAX),
             );

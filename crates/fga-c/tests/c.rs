@@ -11,6 +11,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use fga::avoider::Decision;
+use fga::command::Proof;
 use fga_emulator::{Parameters, PlantSettings, STEP_S, Target, VehiclePlant, Vertical};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, fly};
@@ -178,10 +179,11 @@ fn numbers(decision: &Decision) -> Vec<f64> {
     let has = [
         record.threat.is_some(),
         record.chosen.is_some(),
-        record.certified.is_some(),
+        decision.command.certified().is_some(),
         record.start_s.is_some(),
         record.latest_start_s.is_some(),
         record.resilience.is_some(),
+        matches!(decision.command.proof(), Some(Proof::Leaving(_))),
     ];
     let bits: u32 = (0..).zip(has).map(|(bit, has)| u32::from(has) << bit).sum();
     let mut numbers = vec![position(state), position(reason), f64::from(bits)];
@@ -195,9 +197,7 @@ fn numbers(decision: &Decision) -> Vec<f64> {
     }
     numbers.extend([
         record.chosen.map_or(0.0, |chosen| chosen.margin_m),
-        record
-            .certified
-            .map_or(0.0, |certified| certified.margin_m()),
+        (decision.command.proof()).map_or(0.0, |proof| proof.bound().margin_m()),
         record.start_s.unwrap_or(0.0),
     ]);
     numbers

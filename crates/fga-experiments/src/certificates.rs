@@ -6,7 +6,8 @@
 
 use clap::Args;
 use fga::Vec3;
-use fga::certificate::{Around, Hazard, Status, certify_set};
+use fga::assumptions::Assumptions;
+use fga::certificate::{Hazard, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -226,7 +227,7 @@ impl CertificateCase {
         let certificate = certify_set(
             &flyer,
             path,
-            &Around::only(&[hazard]),
+            &Assumptions::only(&[hazard]),
             (self.horizon_s, f64::MIN, WORK),
             &Meter::unlimited(),
         );

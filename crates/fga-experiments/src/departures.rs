@@ -117,7 +117,7 @@ impl Pilot for OraclePilot {
         }
         Decision {
             state: State::Avoiding,
-            command: self.maneuver.after(situation.time_s),
+            command: self.maneuver.after(situation.time_s).into(),
             ..self.idle.step(situation)
         }
     }

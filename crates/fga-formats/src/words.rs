@@ -248,7 +248,7 @@ mod tests {
         let maneuver = Maneuver::turn(0.0, 1.0 + 38.0_f64.to_radians(), 0.1);
         let decision = Decision {
             state: State::Avoiding,
-            command: maneuver,
+            command: maneuver.into(),
             record: Record {
                 reason: Reason::ManeuverChosen,
                 threat: Some(Threat {

@@ -252,7 +252,7 @@ impl Pilot for PaperPilot {
 fn threat(relative: &Relative, obstacle: &Hazard, edition: Edition) -> Option<Threat> {
     let closest = relative.closest();
     let of = |entry_s: f64, margin_m: f64| Threat {
-        id: obstacle.id,
+        id: obstacle.id(),
         entry_s,
         closest_s: closest.time_s,
         margin_m,
@@ -273,7 +273,7 @@ fn threat(relative: &Relative, obstacle: &Hazard, edition: Edition) -> Option<Th
                 closest_s,
                 margin_m,
             } => Some(Threat {
-                id: obstacle.id,
+                id: obstacle.id(),
                 entry_s,
                 closest_s,
                 margin_m,

@@ -7,17 +7,16 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
-mod around;
 mod ground;
 mod hazard;
 mod zones;
 
-pub use around::{Around, MAX_HAZARDS, each};
-pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
+pub use hazard::{ALWAYS, Extent, Hazard, Line, NO_DEPTH, Obstruction};
 
 pub use zones::{Fixed, MAX_ZONES, Zones};
 
 use crate::Vec3;
+use crate::assumptions::{Assumptions, each};
 use crate::meter::{LOOK, Meter};
 use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
 
@@ -25,7 +24,7 @@ use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
 const SPLITS: u32 = 5;
 
 /// ... and for a proof into more while their bows decide, up to this many: 10 µm are left of a bow of 0.16 m.
-const MOST_SPLITS: u32 = SPLITS * SPLITS * SPLITS;
+pub(crate) const MOST_SPLITS: u32 = SPLITS * SPLITS * SPLITS;
 
 /// Work for a look at it, and for flying to the ends of those.
 const SPLIT_WORK: usize = LOOK + 12;
@@ -44,7 +43,7 @@ pub enum Status {
 
 /// The certified separation along a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Certificate {
+pub struct Closest {
     /// Lower bound of the separation beyond the volumes, metres; infinite without obstacles.
     /// At most the requested `enough_m`.
     pub margin_m: f64,
@@ -56,7 +55,7 @@ pub struct Certificate {
     pub status: Status,
 }
 
-impl Certificate {
+impl Closest {
     /// Nothing known yet: the requested margin.
     #[inline]
     pub const fn clear(enough_m: f64) -> Self {
@@ -83,82 +82,27 @@ impl Certificate {
     }
 }
 
-/// A separation that is proven: a manoeuvre is *certified* where this comes with it. Only [`prove`] makes one:
-///
-/// ```compile_fail,E0451
-/// use fga_proof::certificate::Certified;
-/// let certified = Certified { margin_m: 1.0, target_m: 0.05, horizon_s: 60.0, hazards: 1 };
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Certified {
-    margin_m: f64,
-    target_m: f64,
-    horizon_s: f64,
-    hazards: u32,
-}
-
-impl Certified {
-    /// Lower bound of the separation beyond the volumes, metres; at least the target.
-    pub const fn margin_m(&self) -> f64 {
-        self.margin_m
-    }
-
-    /// Separation that was asked for, metres.
-    pub const fn target_m(&self) -> f64 {
-        self.target_m
-    }
-
-    /// Horizon of the proof, seconds from the beginning of the path.
-    pub const fn horizon_s(&self) -> f64 {
-        self.horizon_s
-    }
-
-    /// Number of hazards that it was proven against; an aircraft that may turn is several.
-    pub const fn hazards(&self) -> u32 {
-        self.hazards
-    }
-}
-
-/// Proves that a path keeps `target_m` from every hazard up to a horizon, seconds; `None` where the certificate does not
-/// show it. Margins are capped at `enough_m`.
-pub fn prove(
-    flyer: &Flyer,
-    path: &FlightPath,
-    around: Around<'_>,
-    (horizon_s, target_m, enough_m): (f64, f64, f64),
-    meter: &Meter,
-) -> Option<Certified> {
-    let asked = (horizon_s, target_m, enough_m);
-    let found = bounded(flyer, path, &around, asked, (MOST_SPLITS, meter));
-    found.holds(target_m).then_some(Certified {
-        margin_m: found.margin_m,
-        target_m,
-        horizon_s,
-        hazards: u32::try_from(around.rows.len()).unwrap_or(u32::MAX),
-    })
-}
-
 /// Bounds the separation from all that is around along a path up to a horizon, seconds, as far as a meter allows: the rest is not
 /// examined once a margin is below a floor, metres, and margins are capped, metres.
 pub fn certify_set(
     flyer: &Flyer,
     path: &FlightPath,
-    around: &Around<'_>,
+    around: &Assumptions<'_>,
     asked: (f64, f64, f64),
     meter: &Meter,
-) -> Certificate {
+) -> Closest {
     bounded(flyer, path, around, asked, (SPLITS, meter))
 }
 
 /// The same with chords split into this many at most.
 #[inline(never)]
-fn bounded(
+pub(crate) fn bounded(
     flyer: &Flyer,
     path: &FlightPath,
-    Around { rows, fixed }: &Around<'_>,
+    Assumptions { rows, fixed }: &Assumptions<'_>,
     asked @ (horizon_s, floor_m, _): (f64, f64, f64),
     effort: (u32, &Meter),
-) -> Certificate {
+) -> Closest {
     let found = bounded_from(flyer, path, rows, asked, effort);
     if found.status != Status::Proven || fixed.is_empty() {
         return found;
@@ -173,7 +117,7 @@ fn bounded(
     if nearest.holds(enough_m) {
         return found;
     }
-    Certificate {
+    Closest {
         margin_m: found.margin_m.min(fixed.margin_m(nearest.margin_m)),
         ..nearest
     }
@@ -186,17 +130,17 @@ fn bounded_from<O: Obstruction>(
     hazards: &[O],
     (horizon_s, floor_m, enough_m): (f64, f64, f64),
     (most_splits, meter): (u32, &Meter),
-) -> Certificate {
+) -> Closest {
     if meter.is_met() {
-        return Certificate {
+        return Closest {
             status: Status::LimitMet,
-            ..Certificate::clear(enough_m)
+            ..Closest::clear(enough_m)
         };
     }
     // The prediction errs by at most this, so the certificate asks for that much more.
     let remainder_m = path.remainder_m();
     let (floor_m, most_m) = (floor_m + remainder_m, enough_m + remainder_m);
-    let mut worst = Certificate::clear(most_m);
+    let mut worst = Closest::clear(most_m);
     // First the long straight line at the end: what comes close there rules out most chords.
     let above = path.end_line(horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
@@ -293,7 +237,7 @@ impl<'a> Chord<'a> {
         flyer: &Flyer,
         hazard: &impl Obstruction,
         (floor_m, most_splits): (f64, u32),
-        worst: &mut Certificate,
+        worst: &mut Closest,
         meter: &Meter,
     ) {
         if !meter.take(SPLIT_WORK) {
@@ -322,7 +266,7 @@ impl<'a> Chord<'a> {
         splits: u32,
         flyer: &Flyer,
         hazard: &impl Obstruction,
-        worst: &mut Certificate,
+        worst: &mut Closest,
         meter: &Meter,
     ) -> f64 {
         let mut from: MotionState = self.node.state;
@@ -366,7 +310,7 @@ impl FlightPath {
 }
 
 /// Looks at a hazard near a chord, with its least margin there and when.
-type Visit<'a, O> = dyn FnMut(&Chord<'_>, &O, (f64, f64), &mut Certificate) + 'a;
+type Visit<'a, O> = dyn FnMut(&Chord<'_>, &O, (f64, f64), &mut Closest) + 'a;
 
 /// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
 /// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
@@ -375,7 +319,7 @@ type Visit<'a, O> = dyn FnMut(&Chord<'_>, &O, (f64, f64), &mut Certificate) + 'a
 fn each_near<O: Obstruction>(
     (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &[O], (f64, f64), &Meter),
     path: &FlightPath,
-    worst: &mut Certificate,
+    worst: &mut Closest,
     look: &mut Visit<'_, O>,
 ) -> bool {
     let mut rest = path.nodes();
@@ -412,12 +356,13 @@ fn each_near<O: Obstruction>(
 }
 
 #[inline]
-fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &impl Obstruction) {
-    if margin_m < worst.margin_m {
-        *worst = Certificate {
+fn lower(worst: &mut Closest, margin_m: f64, at_s: f64, hazard: &impl Obstruction) {
+    // After what is not a number nothing is proven.
+    if margin_m < worst.margin_m || margin_m.is_nan() {
+        *worst = Closest {
             margin_m,
             at_s,
-            id: hazard.id(),
+            id: hazard.obstacle(),
             ..*worst
         };
     }
@@ -472,7 +417,7 @@ mod tests {
             let found = certify_set(
                 &flyer,
                 &path,
-                &Around::only(&[sphere(0, apex_m)]),
+                &Assumptions::only(&[sphere(0, apex_m)]),
                 (60.0, f64::MIN, 50.0),
                 &Meter::unlimited(),
             );
@@ -489,7 +434,7 @@ mod tests {
         let found = certify_set(
             &flyer,
             &path,
-            &Around::only(&far),
+            &Assumptions::only(&far),
             (60.0, 0.0, 50.0),
             &meter,
         );

@@ -10,7 +10,9 @@
 //! | [`vehicle`] | what can the vehicle do? |
 //! | [`maneuver`] | what does a command say, and when? |
 //! | [`prediction`] | where would that take the aircraft? |
+//! | [`assumptions`] | what is assumed about all of it? |
 //! | [`certificate`] | how close to the obstacles, in continuous time? |
+//! | [`command`] | what is flown, and what is proven about it? |
 //! | [`ground`] | how high is a line above the ground? |
 //! | [`zone`] | which airspace may not be flown in? |
 //! | [`list`] | what holds a number of things that is known only in flight? |
@@ -27,7 +29,9 @@
 extern crate std;
 
 pub mod angle;
+pub mod assumptions;
 pub mod certificate;
+pub mod command;
 pub mod ground;
 pub mod limit;
 pub mod list;

@@ -131,8 +131,8 @@ impl<const N: usize> StageList<N> {
         }
     }
 
-    /// Appends a stage. It refuses a stage beyond the capacity, one that begins before the last, and one with a
-    /// number that is not finite; then the manoeuvre is no longer [whole](Self::is_whole).
+    /// Appends a stage. It refuses a stage beyond the capacity, one that begins before the last, one with a
+    /// number that is not finite, and one with a share of the rate that is not in (0, 1]; then the manoeuvre is no longer [whole](Self::is_whole).
     #[inline]
     pub fn push(&mut self, stage: Stage) -> bool {
         let numbers = [
@@ -145,7 +145,10 @@ impl<const N: usize> StageList<N> {
             .stages()
             .last()
             .is_none_or(|last| stage.start_s >= last.start_s);
-        let usable = in_order && numbers.iter().all(|number| number.is_finite());
+        let usable = in_order
+            && numbers.iter().all(|number| number.is_finite())
+            && stage.rate_share > 0.0
+            && stage.rate_share <= 1.0;
         let is_taken = usable && self.list.push(stage).is_some();
         self.is_cut |= !is_taken;
         is_taken

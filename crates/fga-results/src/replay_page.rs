@@ -3,8 +3,9 @@
 use alloc::sync::Arc;
 
 use fga::Vec3;
+use fga::assumptions::Assumptions;
 use fga::avoider::{Decision, Reason, State};
-use fga::certificate::{Around, Hazard, Status, certify_set};
+use fga::certificate::{Hazard, Status, certify_set};
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -392,7 +393,7 @@ impl Drawer {
         let certificate = certify_set(
             &self.flyer,
             &self.path,
-            &Around::only(hazards),
+            &Assumptions::only(hazards),
             (self.horizon_s, f64::MIN, f64::INFINITY),
             &Meter::unlimited(),
         );

@@ -1,7 +1,8 @@
 //! How far a manoeuvre departs from the mission.
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Around, certify_set};
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::certify_set;
 use fga_proof::prediction::{MotionState, flown};
 
 use super::tuned::LONGEST_PASS_S;
@@ -86,7 +87,7 @@ impl Search<'_> {
             if self.meter.is_met() {
                 break;
             }
-            let one = Around::only(core::slice::from_ref(hazard));
+            let one = Assumptions::only(core::slice::from_ref(hazard));
             let closest = certify_set(scene.flyer, self.path, &one, asked, &self.meter);
             if closest.margin_m < scene.target_m {
                 *mark = true;

@@ -4,14 +4,13 @@
 //! linear programs ([`super::ascent`]), a little from many and on from the best.
 
 use fga_proof::angle::Side;
-use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
 use super::climbs::{Ascent, Climbs, Seed, sort};
 use super::lattice::{Prefix, Row};
 use super::tuned::{FAR, GAPS, LEVEL_AFTER, PARTS, ROUNDS, SEEDS, STEP_RAD, WORTH_A_CLIMB};
-use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
+use super::{ENOUGH_M, Found, MAX_TURN_RAD, Outcome, Search, SecondTurn, Turns};
 
 /// The work of filling the seeds.
 const SEEDS_WORK: usize = 8;
@@ -36,7 +35,7 @@ impl Search<'_> {
         flown: Option<Turns>,
         most: u32,
         variety: u32,
-    ) -> Option<(Found, Proof)> {
+    ) -> Option<(Found, Outcome)> {
         self.on_board(SEEDS_WORK, |search, board| {
             search.best_among(board.climbs()?, (flown, most, variety))
         })
@@ -46,7 +45,7 @@ impl Search<'_> {
         &mut self,
         climbs: &mut Climbs,
         (flown, most, variety): (Option<Turns>, u32, u32),
-    ) -> Option<(Found, Proof)> {
+    ) -> Option<(Found, Outcome)> {
         self.grids = most.min(1);
         let hazards = self.scene.around.rows;
         let target_m = self.scene.target_m;
@@ -71,27 +70,27 @@ impl Search<'_> {
                     climbs.take(Seed { turns, margin_m });
                 }
                 self.single_turns(climbs);
-                if most > 0 && hazards.iter().any(Hazard::is_cylinder) {
+                if most > 0 && hazards.iter().any(|hazard| hazard.is_cylinder()) {
                     self.levelled(climbs);
                 }
             }
             self.climb(climbs, &mut best);
             let found = best?;
             if found.margin_m >= target_m {
-                let proof = self.prove(&found).map_or(Proof::Open, Proof::Certified);
-                return Some((found, proof));
+                let open = (found, Outcome::Open);
+                return Some(self.proven(found).unwrap_or(open));
             }
             if round > 0 {
                 work = self.meter.done() - begin;
                 if is_certain && found.margin_m < target_m - FAR * self.scene.turn_radius_m() {
-                    return Some((found, Proof::Hopeless));
+                    return Some((found, Outcome::Hopeless));
                 }
             }
             if self.answering || round > 0 && self.limit_met() {
                 break;
             }
         }
-        best.map(|found| (found, Proof::Open))
+        best.map(|found| (found, Outcome::Open))
     }
 
     /// The margin of a manoeuvre as it is flown, metres.
@@ -203,7 +202,7 @@ impl Search<'_> {
         let floor_m = climbs.floor_m().max(least_m);
         let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
         let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
-        (self.maneuver).set([Stage::turn(0.0, start.course_rad + turn_rad, climb_rad)]);
+        (self.maneuver.edit()).set([Stage::turn(0.0, start.course_rad + turn_rad, climb_rad)]);
         (self.path).predict_within(flyer, start, self.maneuver, longest_s + 1.0, meter);
         for gap in GAPS {
             let after_s = exit.begins_s + gap / rate_radps;
@@ -356,7 +355,12 @@ mod tests {
             let flyer = Flyer::new(&vehicle);
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
             let place_m = Vec3::new(vehicle.airspeed_mps, 6.0, 2.0);
-            let hazards = [Hazard::exact(0, place_m, Vec3::ZERO, volume)];
+            let hazards = [fga_proof::certificate::Hazard::exact(
+                0,
+                place_m,
+                Vec3::ZERO,
+                volume,
+            )];
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
@@ -367,7 +371,7 @@ mod tests {
                 Meter::new(100_000, u32::MAX),
             );
             let (found, proof) = search.best(None, PARTS, 0).unwrap();
-            assert_eq!(proof, Proof::Hopeless);
+            assert_eq!(proof, Outcome::Hopeless);
             // The search may have used up its work.
             let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
             let mut judge = Search::new(

@@ -26,7 +26,7 @@ mod rows;
 mod terms;
 mod tuned;
 
-pub use terms::{Departure, Found, MAX_TURN_RAD, Objective, Proof, SecondTurn, Turns};
+pub use terms::{Departure, Found, MAX_TURN_RAD, Objective, Outcome, SecondTurn, Turns};
 pub use tuned::PARTS as GRIDS_A_SEARCH;
 
 use climbs::Climbs;
@@ -35,7 +35,9 @@ use terms::ENOUGH_M;
 
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
-use fga_proof::certificate::{Around, Certificate, Certified, MAX_HAZARDS, certify_set, prove};
+use fga_proof::assumptions::{Assumptions, MAX_HAZARDS};
+use fga_proof::certificate::{Closest, certify_set};
+use fga_proof::command::{Command, Terms};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -56,7 +58,7 @@ pub struct Scene<'a> {
     /// Course and climb angle from which deviations count, `ψ_ori` and `θ_ori`, radians.
     pub original: (f64, f64),
     /// The obstacles, zones and ground.
-    pub around: Around<'a>,
+    pub around: Assumptions<'a>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -161,7 +163,7 @@ pub struct Tables {
     bends: [Bend; 4],
     conflicts: Conflicts,
     /// The manoeuvre that was laid last: that of an answer.
-    pub answer: Maneuver,
+    pub answer: Command,
 }
 
 impl Tables {
@@ -175,7 +177,7 @@ impl Tables {
         },
         bends: [Bend::NONE; 4],
         conflicts: Conflicts::UNKNOWN,
-        answer: Maneuver::hold(),
+        answer: Command::hold(),
     };
 
     /// Forgets the turns of a vehicle: before another one, or another step, flies.
@@ -208,7 +210,7 @@ pub struct Search<'a> {
     /// What comes too close on the mission, once that was asked.
     conflicts: &'a mut Conflicts,
     /// The manoeuvre that was laid last.
-    maneuver: &'a mut Maneuver,
+    maneuver: &'a mut Command,
     /// The mission's direction.
     along: Vec3,
 }
@@ -293,7 +295,7 @@ impl<'a> Search<'a> {
     }
 
     /// Certifies the path up to a moment.
-    fn certify_path(&self, horizon_s: f64, (floor_m, enough_m): (f64, f64)) -> Certificate {
+    fn certify_path(&self, horizon_s: f64, (floor_m, enough_m): (f64, f64)) -> Closest {
         let asked = (horizon_s, floor_m, enough_m);
         let Scene { flyer, around, .. } = self.scene;
         certify_set(flyer, self.path, around, asked, &self.meter)
@@ -305,12 +307,13 @@ impl<'a> Search<'a> {
             wait_s, climb_rad, ..
         } = *turns;
         let nominal = self.scene.nominal.stages().iter();
-        (self.maneuver).set(nominal.filter(|stage| stage.start_s < wait_s).copied());
+        let maneuver = self.maneuver.edit();
+        maneuver.set(nominal.filter(|stage| stage.start_s < wait_s).copied());
         let course_rad = from_rad + turns.turn_rad;
-        (self.maneuver).push(Stage::turn(wait_s, course_rad, climb_rad));
+        maneuver.push(Stage::turn(wait_s, course_rad, climb_rad));
         if let Some(second) = turns.second {
             let (start_s, course_rad) = (wait_s + second.after_s, course_rad + second.turn_rad);
-            (self.maneuver).push(Stage::turn(start_s, course_rad, second.climb_rad));
+            maneuver.push(Stage::turn(start_s, course_rad, second.climb_rad));
         }
     }
 
@@ -323,7 +326,7 @@ impl<'a> Search<'a> {
     }
 
     /// The manoeuvre that was laid last.
-    pub const fn maneuver(&self) -> &Maneuver {
+    pub const fn maneuver(&self) -> &Command {
         self.maneuver
     }
 
@@ -340,26 +343,31 @@ impl<'a> Search<'a> {
     }
 
     /// Certifies one manoeuvre that departs from a course, radians; stops early below `floor_m`.
-    pub fn certify(&mut self, turns: &Turns, from_rad: f64, floor_m: f64) -> Certificate {
+    pub fn certify(&mut self, turns: &Turns, from_rad: f64, floor_m: f64) -> Closest {
         self.evaluated += 1;
         self.predict(turns, from_rad);
         self.certify_path(self.scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
-    /// The certificate of an answer: that it keeps the separation asked for from all hazards. What it takes comes from
-    /// the work that is kept for the answer.
-    pub fn prove(&mut self, found: &Found) -> Option<Certified> {
+    /// Lays the manoeuvre of an answer and proves that it keeps the separation asked for from all that is assumed, if it does. What it
+    /// takes comes from the work that is kept for the answer.
+    pub fn prove(&mut self, found: &Found) -> bool {
         self.answer();
+        self.keep(&found.turns);
         let scene = self.scene;
-        let from_rad = self.departure(found.turns.wait_s).course_rad;
-        self.predict(&found.turns, from_rad);
-        let asked = (scene.horizon_s, scene.target_m, scene.target_m);
-        prove(scene.flyer, self.path, scene.around, asked, &self.meter)
+        let terms = Terms::new(scene.horizon_s, scene.target_m, scene.target_m);
+        let flight = (scene.flyer, &mut *self.path);
+        terms.is_some_and(|terms| {
+            let proof =
+                self.maneuver
+                    .prove(flight, &scene.start, &scene.around, &terms, &self.meter);
+            proof.is_ok()
+        })
     }
 
-    /// An answer with its certificate; none where that does not prove it.
-    pub fn proven(&mut self, found: Found) -> Option<(Found, Proof)> {
-        Some((found, Proof::Certified(self.prove(&found)?)))
+    /// An answer that is proven; none where it is not.
+    pub fn proven(&mut self, found: Found) -> Option<(Found, Outcome)> {
+        self.prove(&found).then_some((found, Outcome::Proven))
     }
 
     /// The cost of a manoeuvre that departs from a course, radians, by the scene's objective.
@@ -397,7 +405,7 @@ mod tests {
             start,
             nominal,
             original: (0.0, 0.0),
-            around: Around::only(hazards),
+            around: Assumptions::only(hazards),
             horizon_s: 60.0,
             target_m: 0.05,
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

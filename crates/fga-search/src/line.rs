@@ -4,7 +4,8 @@
 //! moment τ after the turns part; a turn longer by Δψ has moved the aircraft by V (Δψ τ − Δψ² / 2ω) at most by then.
 
 use fga_proof::angle::Side;
-use fga_proof::certificate::{Line, Obstruction as _, each};
+use fga_proof::assumptions::each;
+use fga_proof::certificate::{Line, Obstruction as _};
 use fga_proof::limit::Limit as _;
 use fga_proof::meter::BEND;
 use fga_proof::prediction::{Bend, MotionState};

@@ -1,6 +1,5 @@
 //! The terms of a search: what is asked of it, and what it answers.
 
-use fga_proof::certificate::Certified;
 use fga_proof::maneuver::Maneuver;
 
 /// Largest single turn of a search, radians: short of a full circle.
@@ -65,30 +64,15 @@ pub struct Found {
     pub cost: f64,
 }
 
-/// The status of the best manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Proof {
-    /// It keeps the requested separation: this proves it.
-    Certified(Certified),
+/// What is known of the best manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// It keeps the requested separation: the manoeuvre that was laid last has the proof.
+    Proven,
     /// It does not, and another search may find one that does.
     Open,
     /// It does not, and hardly another one will.
     Hopeless,
-}
-
-impl Proof {
-    /// Whether the manoeuvre keeps the requested separation.
-    pub const fn is_certified(&self) -> bool {
-        matches!(self, Self::Certified(_))
-    }
-
-    /// The certificate, if there is one.
-    pub const fn certified(&self) -> Option<Certified> {
-        match self {
-            Self::Certified(certified) => Some(*certified),
-            Self::Open | Self::Hopeless => None,
-        }
-    }
 }
 
 /// The measure of the cheapest manoeuvre.

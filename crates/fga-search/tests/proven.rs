@@ -5,7 +5,8 @@
 use core::f64::consts::PI;
 
 use fga_proof::Vec3;
-use fga_proof::certificate::{Around, Hazard};
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -51,7 +52,7 @@ impl Draw {
         let off_m = [self.within(-30.0, 30.0), self.within(-15.0, 15.0)];
         let there_m = Vec3::new(speed_mps * met_s, off_m[0], off_m[1]);
         let mut hazard = Hazard::exact(index, there_m - velocity_mps * met_s, velocity_mps, volume);
-        hazard.growth_mps = self.one_of(&[0.0, 0.0, 0.3]);
+        hazard = hazard.growing(self.one_of(&[0.0, 0.0, 0.3]));
         (hazard, met_s)
     }
 }
@@ -70,7 +71,7 @@ impl Count {
             return;
         };
         self.answers += 1;
-        if search.prove(found).is_none() {
+        if !search.prove(found) {
             self.unproven += 1;
             let from_rad = search.departure(found.turns.wait_s).course_rad;
             let margin_m = search.certify(&found.turns, from_rad, f64::MIN).margin_m;
@@ -120,7 +121,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             start,
             nominal: &nominal,
             original: (0.0, 0.0),
-            around: Around::only(&hazards),
+            around: Assumptions::only(&hazards),
             horizon_s: 60.0,
             target_m: draw.one_of(&[0.05, 0.05, 2.7]),
             climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),

@@ -122,7 +122,7 @@ impl<P: Pilot> Pilot for Ahead<P> {
             mission: situation.mission,
             wind_mps: situation.wind_mps,
         });
-        self.under_way.push_back((now_s, decision.command));
+        self.under_way.push_back((now_s, *decision.command));
         decision
     }
 

@@ -77,7 +77,7 @@ impl Pilot for MissionPilot {
         };
         self.progress.update(&route, &now, situation.time_s);
         let mut decision = Decision::default();
-        let command = &mut decision.command;
+        let command = decision.command.edit();
         (self.progress).guidance(&route, &now, self.horizon_s, command);
         decision.record.reason = if self.progress.is_complete() {
             Reason::MissionComplete

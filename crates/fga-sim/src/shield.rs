@@ -6,8 +6,9 @@
 //! again. The certificate has the avoider's assumptions: the aircraft flies as its limits say, and obstacles
 //! move as expected.
 
+use fga::assumptions::Assumptions;
 use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};
-use fga::certificate::{Around, Hazard, certify_set};
+use fga::certificate::{Hazard, certify_set};
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -107,7 +108,7 @@ impl Shield {
         if !certify_set(
             &self.flyer,
             &self.path,
-            &Around::only(&self.hazards),
+            &Assumptions::only(&self.hazards),
             (period_s, margin_m, margin_m),
             &Meter::unlimited(),
         )

@@ -27,12 +27,15 @@ pub use tracks::{AllPlaces, Known, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
 use fga_index::quiet;
 
 use crate::Vec3;
-use crate::certificate::{Around, Certificate, Hazard, certify_set};
+use crate::assumptions::Assumptions;
+use crate::certificate::{Closest, Hazard, certify_set};
+use crate::command::Command;
+use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route};
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
-use crate::search::{Proof, Tables};
+use crate::search::{Outcome, Tables};
 use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
 
@@ -72,8 +75,8 @@ struct Plan {
     start_s: f64,
     /// Time of the return to the mission, or infinity.
     joined_s: f64,
-    /// Its certificate.
-    proof: Proof,
+    /// What is known of it.
+    outcome: Outcome,
     /// The rung of the ladder of demands that it keeps.
     rung: usize,
     margin_m: f64,
@@ -136,8 +139,10 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     path: FlightPath,
     tables: Tables,
     plan: Option<Plan>,
-    /// The manoeuvre of the plan.
-    flown: Maneuver,
+    /// The manoeuvre of the plan, with its proof of when it was decided.
+    flown: Command,
+    /// The climb angles that a manoeuvre may command between the mission's limits of altitude, radians.
+    level_rad: (f64, f64),
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -200,7 +205,8 @@ impl<P> Avoider<P> {
             tables: Tables::NONE,
             mission_meter: Meter::unlimited(),
             plan: None,
-            flown: Maneuver::hold(),
+            flown: Command::hold(),
+            level_rad: (f64::NEG_INFINITY, f64::INFINITY),
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -337,18 +343,18 @@ impl Avoider<dyn Places + '_> {
     ) {
         decision.record.alternative = None;
         if !situation.is_usable() {
-            decision.command.set([]);
+            decision.command.edit().set([]);
             return self.say(decision, Reason::InvalidInput);
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
         self.tables.forget_turns();
+        self.level_rad = self.level_rad(situation);
         let most = self.settings.work_limit;
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);
         self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
         self.decide(situation, kept, decision);
-        self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
@@ -412,7 +418,7 @@ impl Avoider<dyn Places + '_> {
         let threat = self.plan.as_ref().and_then(|plan| plan.threat);
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
         let hazards = self.tracks.rows();
-        if !threat.is_some_and(|t| hazards.iter().any(|h| h.id == t.id && is_at_rest(h))) {
+        if !threat.is_some_and(|t| hazards.iter().any(|h| h.id() == t.id && is_at_rest(h))) {
             return false;
         }
         let passed_s = self.settings.decision_period_s;
@@ -430,9 +436,15 @@ impl Avoider<dyn Places + '_> {
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
-    /// Sets a command to the rest of a plan's manoeuvre.
-    fn go_on(&self, plan: &Plan, time_s: f64, command: &mut Maneuver) {
-        command.set_later(&self.flown, time_s - plan.decided_s);
+    /// Sets a command to the rest of a plan's manoeuvre, within the limits of altitude; the proof of one that was decided now stays.
+    fn go_on(&self, plan: &Plan, time_s: f64, command: &mut Command) {
+        if plan.decided_s == time_s {
+            *command = self.flown;
+            return;
+        }
+        let rest = command.edit();
+        rest.set_later(&self.flown, time_s - plan.decided_s);
+        rest.limit_climbs(self.level_rad.0, self.level_rad.1);
     }
 
     /// Predicts a manoeuvre into the path, up to a horizon.
@@ -442,8 +454,8 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Bounds the separation from one hazard along the path.
-    fn certify_one(&self, hazard: &Hazard, asked: (f64, f64, f64)) -> Certificate {
-        let one = Around::only(core::slice::from_ref(hazard));
+    fn certify_one(&self, hazard: &Hazard, asked: (f64, f64, f64)) -> Closest {
+        let one = Assumptions::only(core::slice::from_ref(hazard));
         certify_set(&self.flyer, &self.path, &one, asked, &self.meter)
     }
 
@@ -493,29 +505,15 @@ impl Avoider<dyn Places + '_> {
         [z_m - down_m - steps_m, z_m + up_m + steps_m]
     }
 
-    /// Levels a command off at the mission's limits of altitude, whatever is known about it.
-    #[inline(never)]
-    fn level_off(&self, situation: &Situation<'_>, command: &mut Maneuver) {
-        let own = &situation.ownship;
-        let [lowest_m, highest_m] = self.levels_m(own);
+    /// The climb angles with which the aircraft stays between the mission's limits of altitude, radians: level near one of them.
+    fn level_rad(&self, situation: &Situation<'_>) -> (f64, f64) {
+        let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
         let (floor_m, ceiling_m) = situation.mission.limits_m;
-        let low = if lowest_m < floor_m {
-            0.0
-        } else {
-            f64::NEG_INFINITY
-        };
-        let high = if highest_m > ceiling_m {
-            0.0
-        } else {
-            f64::INFINITY
-        };
-        if low.is_infinite() && high.is_infinite() {
-            return;
-        }
-        if command.stage_at(0.0).is_none() {
-            command.set([Stage::turn(0.0, own.course_rad, own.climb_rad)]);
-        }
-        command.limit_climbs(low, high);
+        let level = |is_near, otherwise| if is_near { 0.0 } else { otherwise };
+        (
+            level(lowest_m < floor_m, f64::NEG_INFINITY),
+            level(highest_m > ceiling_m, f64::INFINITY),
+        )
     }
 
     /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
@@ -530,6 +528,14 @@ impl Avoider<dyn Places + '_> {
 
     fn climb_limits_rad(&self) -> (f64, f64) {
         (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
+    }
+
+    /// The same for a manoeuvre, which stays between the limits of altitude.
+    fn maneuver_climbs_rad(&self) -> (f64, f64) {
+        let (low_rad, high_rad) = self.level_rad;
+        let limits = self.climb_limits_rad();
+        let within = |climb_rad: f64| climb_rad.limited(low_rad, high_rad);
+        (within(limits.0), within(limits.1))
     }
 
     /// Looks at the mission's geometry, with what is left of the step's work at most.

@@ -46,7 +46,8 @@ pub mod pilot;
 pub use fga_index::situation;
 pub use fga_mission as mission;
 pub use fga_proof::{
-    Vec2, Vec3, angle, certificate, ground, limit, list, maneuver, meter, prediction, vehicle, zone,
+    Vec2, Vec3, angle, assumptions, certificate, command, ground, limit, list, maneuver, meter,
+    prediction, vehicle, zone,
 };
 pub use fga_search as search;
 

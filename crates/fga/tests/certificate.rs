@@ -12,7 +12,8 @@
 mod random;
 
 use fga::Vec3;
-use fga::certificate::{ALWAYS, Around, Hazard, NO_DEPTH, Status, certify_set};
+use fga::assumptions::Assumptions;
+use fga::certificate::{ALWAYS, Extent, Hazard, NO_DEPTH, Status, certify_set};
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -91,7 +92,7 @@ impl Random {
     }
 
     /// A hazard near a point at a time, so that the answer is seldom trivial.
-    fn hazard(&mut self, near_m: Vec3, at_s: f64) -> Hazard {
+    fn extent(&mut self, near_m: Vec3, at_s: f64) -> Extent {
         let velocity_mps = if self.chance(0.3) {
             Vec3::ZERO
         } else {
@@ -108,8 +109,7 @@ impl Random {
             }
         };
         let reach = 1.5 * volume.radius_m() + 5.0;
-        Hazard {
-            id: 0,
+        Extent {
             position_m: near_m - velocity_mps * at_s + self.vector(reach, 0.7 * reach),
             velocity_mps,
             volume,
@@ -130,7 +130,7 @@ impl Random {
 }
 
 /// Distance from the hazard's surface, metres, or minus the depth inside, by elementary geometry.
-fn margin_m(hazard: &Hazard, position_m: Vec3, at_s: f64) -> f64 {
+fn margin_m(hazard: &Extent, position_m: Vec3, at_s: f64) -> f64 {
     let mut offset = position_m - (hazard.position_m + hazard.velocity_mps * at_s);
     // From the nearest point of the stretched centre line.
     let (now_m, more_mps) = hazard.stretch_m;
@@ -208,7 +208,7 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     path.predict(&flyer, &start, &maneuver, horizon_s);
     let at_s = random.within(0.0, horizon_s);
     let near = path.state_at(&flyer, at_s)?;
-    let mut hazard = random.hazard(near.position_m, at_s);
+    let mut hazard = random.extent(near.position_m, at_s);
     let is_cylinder = matches!(hazard.volume, ProtectedVolume::Cylinder { .. });
     if case.is_multiple_of(2) && is_cylinder {
         hazard.allowed_depth_m = (case % 40) as f64;
@@ -225,7 +225,7 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let certificate = certify_set(
         &flyer,
         path,
-        &Around::only(&[hazard]),
+        &Assumptions::only(&[Hazard::compared(0, hazard)]),
         (horizon_s, f64::MIN, enough_m),
         &Meter::unlimited(),
     );
@@ -244,7 +244,7 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let floored = certify_set(
         &flyer,
         path,
-        &Around::only(&[hazard]),
+        &Assumptions::only(&[Hazard::compared(0, hazard)]),
         (horizon_s, claimed + 0.5, enough_m),
         &Meter::unlimited(),
     );
@@ -255,7 +255,7 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let both = certify_set(
         &flyer,
         path,
-        &Around::only(&[hazard, hazard]),
+        &Assumptions::only(&[Hazard::compared(0, hazard); 2]),
         (horizon_s, f64::MIN, enough_m),
         &Meter::unlimited(),
     );
@@ -343,7 +343,7 @@ fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
         let certificate = certify_set(
             &flyer,
             &path,
-            &Around::only(&[hazard]),
+            &Assumptions::only(&[hazard]),
             (60.0, asked_m, asked_m),
             &Meter::unlimited(),
         );

@@ -18,11 +18,11 @@ fn s1_every_certified_decision_holds_a_certificate() {
                     let record = &decision.record;
                     let chosen = record.chosen.map(|chosen| chosen.verdict);
                     assert_eq!(
-                        record.certified.is_some(),
+                        decision.command.proof().is_some(),
                         chosen == Some(Verdict::Chosen),
                         "{record:?}"
                     );
-                    if let Some(proof) = record.certified {
+                    if let Some(proof) = decision.command.certified() {
                         assert!(proof.margin_m() >= proof.target_m() && proof.target_m() > 0.0);
                         assert!(proof.horizon_s() > 0.0);
                         certified += 1;

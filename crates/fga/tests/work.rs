@@ -10,8 +10,9 @@ mod random;
 
 use cycles::{BenchAircraft, BenchEncounter, StepKind};
 use fga::Vec3;
+use fga::assumptions::Assumptions;
 use fga::avoider::{Avoider, Block, Decision, Kept, LEAST_WORK, Settings, Start, State, Verdict};
-use fga::certificate::{Around, Hazard, certify_set};
+use fga::certificate::{Hazard, certify_set};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::search::Objective;
@@ -342,7 +343,7 @@ fn margin_m(situation: &Situation<'_>, decision: &Decision, avoider: &Avoider) -
     let all = certify_set(
         &flyer,
         &path,
-        &Around::only(&hazards),
+        &Assumptions::only(&hazards),
         (horizon_s, f64::MIN, 1.0),
         &Meter::unlimited(),
     );

@@ -115,7 +115,7 @@ impl Companion {
         let is_back = decision.state == AvoiderState::Cruise;
         if self.keeper.commands() && self.handover.listens(now_s) && is_back {
             // The course of the manoeuvre: the way back may lead to what was not heard yet.
-            decision.command = Maneuver::hold();
+            decision.command = Maneuver::hold().into();
         }
         let decided = Decided {
             decision,

@@ -194,7 +194,7 @@ mod tests {
     fn decided(state: State, in_need: bool) -> Decided {
         let decision = Decision {
             state,
-            command: Maneuver::hold(),
+            command: Maneuver::hold().into(),
             record: Record {
                 in_need,
                 ..Record::default()

@@ -178,7 +178,7 @@ mod tests {
     fn decision(state: State, start_s: Option<f64>) -> Decision {
         Decision {
             state,
-            command: Maneuver::hold(),
+            command: Maneuver::hold().into(),
             record: Record {
                 start_s,
                 ..Record::default()

@@ -45,7 +45,7 @@ impl DubinsPath {
     pub fn clearance(&self, airspeed_mps: f64, obstacles: &[Hazard], margin_m: f64) -> Clearance {
         let usable = airspeed_mps.is_finite() && airspeed_mps > 0.0 && margin_m.is_finite();
         let duration_s = self.duration_s(airspeed_mps);
-        if !usable || !duration_s.is_finite() || !obstacles.iter().all(Hazard::is_valid) {
+        if !usable || !duration_s.is_finite() || !obstacles.iter().all(|row| row.is_valid()) {
             return Clearance::Undecided;
         }
         let level_mps = airspeed_mps * libm::cos(self.climb_rad());

@@ -1,9 +1,8 @@
 //! The obstacles of one step for the paper's rules: known exactly, in the air mass.
 
-use fga::Vec3;
 use fga::avoider::MAX_TRACKED;
 use fga::certificate::Hazard;
-use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume, Situation};
+use fga::situation::{Obstacle, ObstacleKind, Situation};
 
 /// The obstacles within the surveillance radius that the aircraft could meet within the horizon.
 #[derive(Debug, Clone)]
@@ -16,9 +15,8 @@ pub(super) struct Around {
 
 impl Around {
     pub(super) const fn new() -> Self {
-        let point = ProtectedVolume::Sphere { radius_m: 0.0 };
         Self {
-            hazards: [Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point); MAX_TRACKED],
+            hazards: [Hazard::NONE; MAX_TRACKED],
             kinds: [ObstacleKind::Unknown; MAX_TRACKED],
             len: 0,
             seen: 0,

@@ -128,7 +128,7 @@ impl PaperPilot {
         let air = self.air(situation.wind_mps);
         let obstacle_m = hazard.position_m;
         let known = self.round.filter(|round| {
-            let is_same = round.id == hazard.id
+            let is_same = round.id == hazard.id()
                 && round.wind_mps.distance(situation.wind_mps) <= SAME_WIND_MPS;
             let along = relative.velocity_mps().with_z(0.0);
             is_same
@@ -141,14 +141,14 @@ impl PaperPilot {
         // Without a threat to the volume itself, the margin would be entered.
         let closest = relative.closest();
         let told = threat(&relative, hazard, Edition::Corrected).unwrap_or(Threat {
-            id: hazard.id,
+            id: hazard.id(),
             entry_s: closest.time_s,
             closest_s: closest.time_s,
             margin_m: closest.distance_m - least_m + self.settings.margin_m,
         });
         let mut round = known.unwrap_or_else(|| Round {
             way: Way::plan((time_s, now), obstacle_m, least_m, &air),
-            id: hazard.id,
+            id: hazard.id(),
             wind_mps: situation.wind_mps,
             planned_s: time_s,
             told_s: time_s,

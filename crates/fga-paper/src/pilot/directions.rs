@@ -7,8 +7,9 @@
 
 use fga::Vec3;
 use fga::angle::direction;
+use fga::assumptions::Assumptions;
 use fga::avoider::{Against, Decision, Reason, Start, State, Threat};
-use fga::certificate::{Around, Hazard, certify_set};
+use fga::certificate::{Hazard, certify_set};
 use fga::limit::Limit as _;
 use fga::maneuver::{Maneuver, Stage};
 use fga::meter::Meter;
@@ -70,8 +71,8 @@ impl PaperPilot {
             let Some(threat) = threat(&relative, obstacle, edition) else {
                 continue;
             };
-            against.add(obstacle.id);
-            if !old.contains(obstacle.id) {
+            against.add(obstacle.id());
+            if !old.contains(obstacle.id()) {
                 let wait_s = self.start_of(&relative, (obstacle, kind), edition, start);
                 start_s = start_s.min(time_s + wait_s.max(0.0));
             }
@@ -242,7 +243,7 @@ impl PaperPilot {
             .around
             .hazards()
             .iter()
-            .filter(|obstacle| plan.against.contains(obstacle.id))
+            .filter(|obstacle| plan.against.contains(obstacle.id()))
             .all(|obstacle| {
                 let offset = obstacle.position_m - own.position_m;
                 offset.dot(velocity - obstacle.velocity_mps) <= 0.0
@@ -265,8 +266,8 @@ impl PaperPilot {
             let relative = Relative::new(offset, velocity_mps - obstacle.velocity_mps);
             if relative.is_some_and(|relative| threatens(&relative, &obstacle.volume)) {
                 clear = false;
-                if !against.contains(obstacle.id) {
-                    against.add(obstacle.id);
+                if !against.contains(obstacle.id()) {
+                    against.add(obstacle.id());
                 }
             }
         }
@@ -360,7 +361,7 @@ impl PaperPilot {
             let ahead = certify_set(
                 &self.flyer,
                 &self.path,
-                &Around::only(hazards),
+                &Assumptions::only(hazards),
                 (left_s, 0.0, 0.0),
                 &Meter::unlimited(),
             );

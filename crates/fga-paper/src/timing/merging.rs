@@ -2,7 +2,7 @@
 
 use crate::conflict::{Relative, threatens};
 use fga::Vec3;
-use fga::certificate::Hazard;
+use fga::certificate::{Extent, Hazard};
 use fga::situation::{Ownship, ProtectedVolume};
 
 /// The number of volumes on the aircraft's straight path (§3.4.4).
@@ -125,8 +125,7 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
             (volume, shift)
         }
     };
-    Hazard {
-        id: one.id.min(other.id),
+    let extent = Extent {
         position_m: one.position_m + shift,
         velocity_mps: (one.velocity_mps + other.velocity_mps) / 2.0,
         volume,
@@ -140,7 +139,8 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
             one.window_s.1.max(other.window_s.1),
         ),
         allowed_depth_m: one.allowed_depth_m.min(other.allowed_depth_m),
-    }
+    };
+    Hazard::compared(one.id().min(other.id()), extent)
 }
 
 #[cfg(test)]
@@ -178,10 +178,10 @@ mod tests {
         );
         assert_eq!(merge_overlapping(&mut obstacles, 0.0, 0.0), 2);
         let merged = obstacles[0];
-        assert_eq!(merged.id, 1);
+        assert_eq!(merged.id(), 1);
         assert!(merged.position_m.distance(Vec3::X * 200.0) < 1e-9);
         assert!((merged.volume.radius_m() - 55.0).abs() < 1e-12);
-        assert_eq!(obstacles[1].id, 3);
+        assert_eq!(obstacles[1].id(), 3);
         assert_eq!(
             path_overlap(&ownship(), &obstacles[..2]),
             PathOverlap::One(0)
@@ -199,16 +199,17 @@ mod tests {
     #[test]
     fn obstacles_that_move_apart_are_not_merged() {
         let mut obstacles = [sphere(1, 200.0, 0.0, 30.0), sphere(2, 210.0, 0.0, 30.0)];
-        obstacles[1].velocity_mps = Vec3::Y * 5.0;
+        let moves = obstacles[1];
+        obstacles[1] = Hazard::exact(2, moves.position_m, Vec3::Y * 5.0, moves.volume);
         assert_eq!(merge_overlapping(&mut obstacles, 0.0, 0.1), 2);
     }
 
     #[test]
     fn the_lower_identifier_and_the_faster_growth_stay() {
         let mut obstacles = [sphere(8, 0.0, 0.0, 30.0), sphere(7, 1.0, 0.0, 5.0)];
-        obstacles[1].growth_mps = 4.0;
+        obstacles[1] = obstacles[1].growing(4.0);
         assert_eq!(merge_overlapping(&mut obstacles, 0.0, 0.0), 1);
-        assert_eq!((obstacles[0].id, obstacles[0].growth_mps), (7, 4.0));
+        assert_eq!((obstacles[0].id(), obstacles[0].growth_mps), (7, 4.0));
         // The smaller one lies within the larger one, which stays as it is.
         assert_eq!(obstacles[0].volume.radius_m(), 30.0);
     }

@@ -1,8 +1,10 @@
 //! An obstacle for the certificate: how close a line comes to it.
 
 use crate::Vec3;
+use crate::assumptions::Assumption;
+use crate::limit::LARGEST;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
-use crate::situation::{Obstacle, ProtectedVolume};
+use crate::situation::ProtectedVolume;
 
 /// Most steps to the least margin of a cylinder on a line; six are usual.
 const MOST_STEPS: u32 = 40;
@@ -10,13 +12,11 @@ const MOST_STEPS: u32 = 40;
 /// Accuracy of a cylinder's least margin on a line, metres.
 const LEAST_KNOWN_M: f64 = 1e-9;
 
-/// An obstacle for the certificate: a volume that moves straight and grows, for a time.
+/// A volume that moves straight and grows, for a time, in the air mass.
 ///
 /// A curved motion is several of these, one after the other, each valid only within its own window of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hazard {
-    /// The obstacle's identifier.
-    pub id: u32,
+pub struct Extent {
     /// Centre at time 0, metres, air-mass frame; where the window begins later, extended backwards.
     pub position_m: Vec3,
     /// Velocity in the air mass, metres per second.
@@ -33,6 +33,39 @@ pub struct Hazard {
     /// the distance outside. The depth is s·w·f/(w + f), with the distances to wall and face as shares w and f of radius
     /// and half height, and s the smaller of the two: at one height it grows towards the axis.
     pub allowed_depth_m: f64,
+}
+
+impl Extent {
+    /// A volume that keeps its size and its velocity.
+    pub const fn exact(position_m: Vec3, velocity_mps: Vec3, volume: ProtectedVolume) -> Self {
+        Self {
+            position_m,
+            velocity_mps,
+            volume,
+            growth_mps: 0.0,
+            stretch_m: (0.0, 0.0),
+            window_s: ALWAYS,
+            allowed_depth_m: NO_DEPTH,
+        }
+    }
+}
+
+/// What a flight keeps clear of: an extent, the obstacle that it belongs to, and what it stands for. Everybody may read it,
+/// and only the makers of [`assumptions`](crate::assumptions) may make one against which anything is proven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hazard {
+    pub(crate) extent: Extent,
+    pub(crate) id: u32,
+    pub(crate) stands_for: Assumption,
+}
+
+impl core::ops::Deref for Hazard {
+    type Target = Extent;
+
+    #[inline]
+    fn deref(&self) -> &Extent {
+        &self.extent
+    }
 }
 
 /// The margin inside is minus the distance to the nearest surface.
@@ -78,63 +111,43 @@ impl Line {
 }
 
 impl Hazard {
-    /// Zeros, which are written without a copy.
-    pub const NONE: Self = Self {
-        window_s: (0.0, 0.0),
-        allowed_depth_m: 0.0,
-        ..Self::exact(
-            0,
-            Vec3::ZERO,
-            Vec3::ZERO,
-            ProtectedVolume::Sphere { radius_m: 0.0 },
-        )
-    };
-
-    /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
-    /// standard deviations of position now and of velocity over time.
-    pub fn new(obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
-        let uncertainty = obstacle.uncertainty;
-        let volume = obstacle.volume.grown(sigmas * uncertainty.position_m);
-        let velocity_mps = obstacle.velocity_mps - wind_mps;
-        Self {
-            growth_mps: sigmas * uncertainty.velocity_mps,
-            ..Self::exact(obstacle.id, obstacle.position_m, velocity_mps, volume)
-        }
+    /// The identifier of its obstacle.
+    #[inline]
+    pub const fn id(&self) -> u32 {
+        self.id
     }
 
-    /// A hazard known exactly, by its motion in the air mass.
-    pub const fn exact(
-        id: u32,
-        position_m: Vec3,
-        velocity_mps: Vec3,
-        volume: ProtectedVolume,
-    ) -> Self {
-        Self {
-            id,
-            position_m,
-            velocity_mps,
-            volume,
-            growth_mps: 0.0,
-            stretch_m: (0.0, 0.0),
-            window_s: ALWAYS,
-            allowed_depth_m: NO_DEPTH,
-        }
+    /// What it stands for.
+    pub const fn stands_for(&self) -> Assumption {
+        self.stands_for
     }
+}
 
+impl Extent {
     /// Centre `after_s` seconds from now, metres.
     #[inline]
     pub fn position_after_m(&self, after_s: f64) -> Vec3 {
         self.position_m + self.velocity_mps * after_s
     }
 
-    /// Whether every number is finite and no length is negative.
+    /// Whether its numbers are finite and in the range of the claim, and no length is negative within its window.
     pub fn is_valid(&self) -> bool {
-        let length_ok = |length: f64| length.is_finite() && length >= 0.0;
-        self.position_m.is_finite()
-            && self.velocity_mps.is_finite()
-            && self.growth_mps.is_finite()
-            && length_ok(self.volume.radius_m())
-            && length_ok(self.volume.half_height_m())
+        let (from_s, until_s) = self.window_s;
+        let (stretch_m, stretch_mps) = self.stretch_m;
+        let is_length = |length_m: f64| (0.0..=LARGEST).contains(&length_m);
+        let is_near = |vector: Vec3| vector.abs().max_element() <= LARGEST;
+        let first_m = stretch_m + stretch_mps * from_s.max(0.0);
+        let last_m = if until_s < f64::INFINITY {
+            stretch_m + stretch_mps * until_s
+        } else {
+            stretch_mps
+        };
+        is_near(self.position_m)
+            && is_near(self.velocity_mps)
+            && is_length(self.volume.radius_m())
+            && is_length(self.volume.half_height_m())
+            && is_length(self.growth_mps)
+            && (from_s > until_s || is_length(first_m) && last_m >= 0.0)
     }
 
     /// Whether its volume is a cylinder.
@@ -157,7 +170,7 @@ impl Hazard {
         self.stretch_m != (0.0, 0.0)
     }
 
-    /// The part of a line that lies in the hazard's window.
+    /// The part of a line that lies in its window.
     fn within_window(&self, line: &Line) -> Option<Line> {
         let (from_s, until_s) = self.window_s;
         let skipped_s = (from_s - line.at_s).max(0.0);
@@ -170,7 +183,17 @@ impl Hazard {
         })
     }
 
-    /// The least margin on a line within the hazard's window.
+    /// The least margin on a line and when, if it is below one; minus infinity if the meter refuses the look.
+    #[inline]
+    pub fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        if self.window_s == ALWAYS {
+            self.least_within(line, below_m, meter)
+        } else {
+            self.least_within(&self.within_window(line)?, below_m, meter)
+        }
+    }
+
+    /// The least margin on a line within its window.
     fn least_within(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
         let (at_s, duration_s) = (line.at_s, line.duration_s);
         let offset = self.offset_m(line.from_m, at_s);
@@ -346,7 +369,7 @@ fn least_of_convex(
 /// What a flight keeps a margin from.
 pub trait Obstruction {
     /// The identifier of the obstacle, if it is one.
-    fn id(&self) -> Option<u32>;
+    fn obstacle(&self) -> Option<u32>;
 
     /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
     /// the look.
@@ -361,16 +384,12 @@ pub trait Obstruction {
 
 impl Obstruction for Hazard {
     #[inline]
-    fn id(&self) -> Option<u32> {
+    fn obstacle(&self) -> Option<u32> {
         Some(self.id)
     }
 
     #[inline]
     fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
-        if self.window_s == ALWAYS {
-            self.least_within(line, below_m, meter)
-        } else {
-            self.least_within(&self.within_window(line)?, below_m, meter)
-        }
+        self.extent.least_on_line(line, below_m, meter)
     }
 }

@@ -1,6 +1,6 @@
 //! What is fixed over the ground, for the certificate: how close a line comes to the zones near an aircraft, and to the ground.
 
-use super::hazard::{Hazard, Line, Obstruction};
+use super::hazard::{Extent, Line, Obstruction};
 use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
@@ -77,16 +77,25 @@ pub struct Zones {
 /// The zones near an aircraft, and the ground.
 #[derive(Debug, Clone, Copy)]
 pub struct Fixed<'a> {
-    pub(super) zones: &'a Zones,
+    pub(crate) zones: &'a Zones,
     /// The zones of the mission.
-    pub(super) mission: &'a [Zone<'a>],
-    pub(super) ground: Option<&'a Ground<'a>>,
+    pub(crate) mission: &'a [Zone<'a>],
+    pub(crate) ground: Option<&'a Ground<'a>>,
 }
 
 impl Fixed<'_> {
     /// Whether there is neither.
     pub fn is_empty(&self) -> bool {
         self.zones.is_empty() && self.ground.is_none()
+    }
+
+    /// How much less than is asked for is kept from them, metres.
+    pub(crate) fn spared_m(&self) -> f64 {
+        if self.is_empty() {
+            0.0
+        } else {
+            self.zones.spare_m
+        }
     }
 
     /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or anything below a floor.
@@ -239,7 +248,7 @@ impl Zones {
 
 /// All as one, by the distance from the nearest.
 impl Obstruction for Fixed<'_> {
-    fn id(&self) -> Option<u32> {
+    fn obstacle(&self) -> Option<u32> {
         None
     }
 
@@ -312,7 +321,7 @@ impl Zone<'_> {
                     half_height_m: 0.5 * (ceiling_m - floor_m),
                 };
                 let center_m = center_m.extend(0.5 * (floor_m + ceiling_m));
-                let cylinder = Hazard::exact(0, center_m, Vec3::ZERO, volume);
+                let cylinder = Extent::exact(center_m, Vec3::ZERO, volume);
                 let found = cylinder.least_on_line(line, below_m, &Meter::unlimited());
                 found.map(|(distance_m, at_s)| note(distance_m, at_s - line.at_s));
             }

@@ -7,7 +7,8 @@ use core::f64::consts::TAU;
 
 use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
 use crate::random::Random;
-use fga_proof::certificate::{Around, Line, Status, Zones, certify_set, prove};
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::{Line, Status, Zones, certify_set};
 use fga_proof::ground::{Binding, Ground};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -214,7 +215,7 @@ fn no_ground_is_nearer_than_certified() {
             ground: Some(&ground),
             ..Mission::NONE
         };
-        let around = Around::new(&[], &zones, &mission);
+        let around = Assumptions::new(&[], &zones, &mission);
         let asked = (horizon_s, f64::MIN, 1e3);
         let found = certify_set(&flyer, &path, &around, asked, &meter);
         // Beside cliffs the looks along a line may end before it is known how deep it comes: then it counts as deepest.
@@ -225,18 +226,13 @@ fn no_ground_is_nearer_than_certified() {
         assert!(is_known, "{case} {found:?} {steepest} {:?}", grid.spacing);
         let target_m = random.within(0.0, 15.0);
         let before = meter.done();
-        let proven = prove(
-            &flyer,
-            &path,
-            around,
-            (horizon_s, target_m, target_m),
-            &meter,
-        );
+        let asked = (horizon_s, target_m, target_m);
+        let proven = crate::proven((&flyer, &mut path), &maneuver, &around, asked, &meter);
         most_work = most_work.max(meter.done() - before);
         certified += u64::from(proven.is_some());
         let bound_m = found
             .margin_m
-            .max(proven.map_or(f64::MIN, |proven| proven.margin_m()));
+            .max(proven.map_or(f64::MIN, |proven| proven.bound().margin_m()));
         let speed_mps = vehicle.airspeed_mps + wind.length();
         let asked_m = target_m + path.remainder_m() + SLACK_M + STEP_S * speed_mps;
         // Within so much the certificate looks at the posts themselves.
@@ -332,7 +328,7 @@ fn a_flight_into_a_ridge_is_as_deep_as_at_its_crest() {
     };
     let mut zones = Zones::NONE;
     zones.clear(Vec3::ZERO, 60.0);
-    let (fixed, clear) = (Around::new(&[], &zones, &mission).fixed, (5.0, 0.0));
+    let (fixed, clear) = (Assumptions::new(&[], &zones, &mission).fixed, (5.0, 0.0));
     for (depth_m, at_s) in [
         ground
             .least_on_line(&line, 5.0, Binding::ALL, &meter)

@@ -8,7 +8,8 @@ use core::f64::consts::TAU;
 
 use crate::flown::{Flown, INTEGRATED_M, STEP_S, drawn, number};
 use crate::random::Random;
-use fga_proof::certificate::{Around, MAX_ZONES, Status, Zones, certify_set, prove};
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::{MAX_ZONES, Status, Zones, certify_set};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -207,7 +208,7 @@ fn no_zone_is_nearer_than_certified() {
         let found = certify_set(
             &flyer,
             &path,
-            &Around::new(&[], &zones, &mission),
+            &Assumptions::new(&[], &zones, &mission),
             asked,
             &meter,
         );
@@ -216,14 +217,14 @@ fn no_zone_is_nearer_than_certified() {
         // Also less than is spared: even then none is entered.
         let target_m = random.within(-20.0, 30.0).max(-spare_m);
         let scene = (horizon_s, target_m + spare_m, 1e3 + spare_m);
-        let proven = prove(
-            &flyer,
-            &path,
-            Around::new(&[], &zones, &mission),
+        let proven = crate::proven(
+            (&flyer, &mut path),
+            &maneuver,
+            &Assumptions::new(&[], &zones, &mission),
             scene,
             &meter,
         );
-        let proven_m = proven.map_or(f64::MIN, |proven| proven.margin_m());
+        let proven_m = proven.map_or(f64::MIN, |proven| proven.bound().margin_m());
         let bound_m = found.margin_m.max(proven_m) - spare_m;
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
         let speed_mps = vehicle.airspeed_mps + wind.length();
@@ -399,16 +400,14 @@ fn without_room_for_all_zones_nothing_is_proven() {
     };
     let flyer = Flyer::new(&Random(1).vehicle());
     let mut path = FlightPath::new();
-    path.predict(&flyer, &MotionState::ahead(0.0), &Maneuver::hold(), 10.0);
     let mut zones = Zones::NONE;
     zones.clear(Vec3::ZERO, 10.0);
-    let proven = |zones: &Zones| {
-        let scene = (10.0, 0.0, 1e3);
-        prove(
-            &flyer,
-            &path,
-            Around::new(&[], zones, &mission),
-            scene,
+    let mut proven = |zones: &Zones| {
+        crate::proven(
+            (&flyer, &mut path),
+            &Maneuver::hold(),
+            &Assumptions::new(&[], zones, &mission),
+            (10.0, 0.0, 1e3),
             &Meter::unlimited(),
         )
         .is_some()

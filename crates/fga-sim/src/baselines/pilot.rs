@@ -226,13 +226,13 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             .filter(|velocity| velocity.is_finite() && velocity.length() > 1e-6)
             .filter(|velocity| velocity.angle_between(preferred_mps) > SAME_DIRECTION_RAD);
         if let Some(velocity) = chosen {
-            decision.command = self.turn_to(velocity, own.course_rad);
+            decision.command = self.turn_to(velocity, own.course_rad).into();
             decision.record.reason = avoiding(&mut self.state);
         } else {
             let reason = decision.record.reason;
             (self.state, decision.record.reason) = returning(self.state, situation, &route, reason);
             if self.state == State::Recovering && self.is_blocked(&route, guided_mps) {
-                decision.command = self.turn_to(preferred_mps, own.course_rad);
+                decision.command = self.turn_to(preferred_mps, own.course_rad).into();
             }
         }
         decision.state = self.state;

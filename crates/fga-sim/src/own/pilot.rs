@@ -175,7 +175,8 @@ impl OwnPilot {
                     0.0,
                     own_rad + wrap_pi(course_rad - own_rad),
                     climb_rad.clamp(least, most),
-                );
+                )
+                .into();
                 decision.record.reason = avoiding(&mut self.state);
             }
             PolicyAnswer::Mission => {

@@ -73,7 +73,7 @@ struct Seen {
 impl Observer for Seen {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         self.unproven |= moment.decision.record.reason.is_unproven();
-        self.commands.push(moment.decision.command);
+        self.commands.push(*moment.decision.command);
     }
 }
 

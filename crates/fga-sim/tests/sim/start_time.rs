@@ -5,8 +5,9 @@
 //! stays so until it is over and ends without an entry.
 
 use fga::Vec3;
+use fga::assumptions::Assumptions;
 use fga::avoider::{Reason, Start, State, Verdict};
-use fga::certificate::{Around, Hazard, certify_set};
+use fga::certificate::{Hazard, certify_set};
 use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Obstacles;
@@ -75,7 +76,7 @@ impl Observer for Watch {
         let certificate = certify_set(
             &self.flyer,
             &self.path,
-            &Around::only(&hazards),
+            &Assumptions::only(&hazards),
             (HORIZON_S, f64::MIN, 1.0),
             &Meter::unlimited(),
         );

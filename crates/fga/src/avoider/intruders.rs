@@ -10,13 +10,10 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
+use crate::assumptions::{Changes, SPEED_CHANGES_S, Turn};
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
-use crate::prediction::whole;
-use crate::situation::{MovementBounds, Obstacle, ProtectedVolume};
-
-/// Duration of a change of climb, seconds.
-pub(super) const CLIMB_CHANGES_S: f64 = 20.0;
+use crate::situation::{MovementBounds, Obstacle};
 
 /// Expected duration of an aircraft's present turn, seconds.
 const TURNS_ON_S: f64 = 10.0;
@@ -24,15 +21,9 @@ const TURNS_ON_S: f64 = 10.0;
 /// Smaller turn rates count as straight flight, radians per second (0.5°/s).
 const STRAIGHT_RADPS: f64 = 0.009;
 
-/// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
-const CHORD_RAD: f64 = 0.27;
-
 /// Distance kept beyond the volumes of an aircraft at least, for errors of its track and of our own
 /// flight, metres; the margin of a search counts towards it.
 const TRACKING_M: f64 = 5.0;
-
-/// Duration of a change of speed, seconds: that of a turn of 60° at 6 °/s.
-const SPEED_CHANGES_S: f64 = 10.0;
 
 /// A way back withstands an aircraft for the time of its turn, at most this, seconds: 60° at the standard rate take as long.
 pub(super) const BACK_WITHSTANDS_S: f64 = 20.0;
@@ -155,40 +146,19 @@ pub(super) const AT_ONCE: usize = 4;
 /// The same, and a turn to either side later.
 pub(super) const MOTIONS: usize = AT_ONCE + 2;
 
-/// A turn of an aircraft, or none.
-#[derive(Clone, Copy)]
-struct IntruderTurn {
-    /// Turn rate, radians per second, left positive.
-    rate_radps: f64,
-    /// How long it turns, seconds.
-    for_s: f64,
-    /// How long it flies straight before, seconds.
-    later_s: f64,
-}
-
-impl IntruderTurn {
-    /// Number of its chords.
-    fn chords(&self) -> usize {
-        if self.rate_radps == 0.0 {
-            return 0;
-        }
-        whole((self.rate_radps * self.for_s).abs() / CHORD_RAD, 5)
-    }
-}
-
 /// The turns of an aircraft's motions.
 fn turns(
     freedom: Freedom,
     (obstacle, trend): (&Obstacle, Trend),
     bounds: &MovementBounds,
-) -> [Option<IntruderTurn>; MOTIONS] {
+) -> [Option<Turn>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share, _) => (share, bounds.turn_rate_radps),
         Freedom::Brief => (1.0, bounds.brief_turn_rate_radps),
     };
     let expected_radps = trend.expected_radps(obstacle, bounds);
-    let turn = |rate_radps, for_s, later_s| IntruderTurn {
+    let turn = |rate_radps, for_s, later_s| Turn {
         rate_radps,
         for_s,
         later_s,
@@ -224,7 +194,7 @@ pub(super) fn most_hazards(
     };
     let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
     let legs = 2 + usize::from(freedom == Freedom::Brief);
-    let legs_of = |turn: IntruderTurn| turn.chords() + legs + usize::from(turn.later_s > 0.0);
+    let legs_of = |turn: Turn| turn.chords() + legs + usize::from(turn.later_s > 0.0);
     all.take(motions).flatten().map(legs_of).sum()
 }
 
@@ -237,10 +207,11 @@ pub(super) fn add_aircraft(
     (freedom, clearance): (Freedom, Clearance),
     motions: usize,
 ) {
-    let mut hazard = *hazard;
-    if clearance.is_unproven && hazard.is_cylinder() {
-        hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
-    }
+    let hazard = if clearance.is_unproven {
+        hazard.by_depth()
+    } else {
+        *hazard
+    };
     let Some(bounds) = obstacle.movement.bounds() else {
         return add(hazard);
     };
@@ -252,186 +223,30 @@ pub(super) fn add_aircraft(
         Freedom::Share(share, _) => (share, (CLIMB_SHARE * share).min(1.0), 0.0, always),
         Freedom::Brief => (1.0, 1.0, speeds_m, turn_s),
     };
-    hazard.window_s.1 = until_s;
-    hazard.volume = hazard.volume.grown(clearance.growth_m(climbs));
+    let hazard = hazard
+        .possible_until(until_s)
+        .grown(clearance.growth_m(climbs));
     let change_mps = (changes * bounds.climb_change_mps).max(trend.climb_change_mps(obstacle));
-    let age_s = obstacle.age_s.max(0.0);
-    let since = Since {
-        age_s,
+    let changes = Changes {
+        age_s: obstacle.age_s.max(0.0),
         change_mps,
         end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
         speeds_m,
     };
     if motions == 0 {
-        hazard.volume = widened(hazard.volume, since.speeds_m);
-        let at = since.report(&hazard);
-        hazard.velocity_mps = at.velocity_mps;
-        hazard.position_m = at.position_m + at.velocity_mps * age_s;
-        hazard.stretch_m = since.later_m();
-        return add(hazard);
+        return add(hazard.straight(&changes));
     }
     let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
     for turn in all.take(motions).flatten() {
-        add_motion(add, &hazard, &since, &turn);
-    }
-}
-
-/// A turn, then straight on, of a hazard that stretches.
-fn add_motion(add: &mut impl FnMut(Hazard), hazard: &Hazard, since: &Since, turn: &IntruderTurn) {
-    let mut hazard = *hazard;
-    let mut at = since.report(&hazard);
-    let begins_s = at.at_s;
-    hazard.stretch_m = since.first_m();
-    if turn.later_s > 0.0 {
-        let next = at.turned(0.0, turn.later_s);
-        add_leg(add, &hazard, &at, &next, 0.0);
-        at = next;
-    }
-    let chords = turn.chords();
-    for _ in 0..chords {
-        let next = at.turned(turn.rate_radps, turn.for_s / chords as f64);
-        let faster = since.faster(&hazard, next.at_s);
-        add_leg(add, &faster, &at, &next, turn.rate_radps);
-        at = next;
-    }
-    let left_s = begins_s + SPEED_CHANGES_S - at.at_s;
-    if left_s > 0.0 && since.speeds_m > 0.0 {
-        let next = at.turned(0.0, left_s);
-        add_leg(add, &since.faster(&hazard, next.at_s), &at, &next, 0.0);
-        at = next;
-    }
-    hazard.volume = widened(hazard.volume, since.speeds_m);
-    let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
-    if left_s > 0.0 && since.change_mps > 0.0 {
-        let next = at.turned(0.0, left_s);
-        add_leg(add, &hazard, &at, &next, 0.0);
-        at = next;
-    }
-    add(Hazard {
-        position_m: at.position_m - at.velocity_mps * at.at_s,
-        velocity_mps: at.velocity_mps,
-        stretch_m: since.later_m(),
-        window_s: (at.at_s, hazard.window_s.1),
-        ..hazard
-    });
-}
-
-fn add_leg(
-    add: &mut impl FnMut(Hazard),
-    hazard: &Hazard,
-    from: &Moment,
-    to: &Moment,
-    rate_radps: f64,
-) {
-    let duration_s = to.at_s - from.at_s;
-    let velocity_mps = (to.position_m - from.position_m) / duration_s;
-    let speed_mps = libm::sqrt(
-        from.velocity_mps.x * from.velocity_mps.x + from.velocity_mps.y * from.velocity_mps.y,
-    );
-    let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
-    add(Hazard {
-        position_m: from.position_m - velocity_mps * from.at_s,
-        velocity_mps,
-        volume: widened(hazard.volume, bow_m),
-        window_s: (from.at_s, to.at_s.min(hazard.window_s.1)),
-        ..*hazard
-    });
-}
-
-/// A volume with places to all sides of it at the same height.
-const fn widened(mut volume: ProtectedVolume, by_m: f64) -> ProtectedVolume {
-    let (ProtectedVolume::Sphere { radius_m } | ProtectedVolume::Cylinder { radius_m, .. }) =
-        &mut volume;
-    *radius_m += by_m;
-    volume
-}
-
-/// How heights and speeds may have changed since a report, and may change: by a change of climb, by its end, by a change of speed.
-struct Since {
-    age_s: f64,
-    change_mps: f64,
-    /// Half of the climb that may end.
-    end_mps: f64,
-    /// The way that a change of speed makes in its time, metres.
-    speeds_m: f64,
-}
-
-impl Since {
-    /// The aircraft at its report, with a climb halfway between going on and ending.
-    fn report(&self, hazard: &Hazard) -> Moment {
-        let position_m = hazard.position_m - hazard.velocity_mps * self.age_s;
-        Moment {
-            at_s: -self.age_s,
-            position_m,
-            velocity_mps: hazard.velocity_mps - Vec3::new(0.0, 0.0, self.end_mps),
-        }
-    }
-
-    /// The hazard while the speed changes, up to a moment, seconds: the way ½ a t² is below its chord.
-    fn faster(&self, hazard: &Hazard, until_s: f64) -> Hazard {
-        let grows_mps =
-            self.speeds_m * (until_s + self.age_s) / (SPEED_CHANGES_S * SPEED_CHANGES_S);
-        Hazard {
-            volume: widened(hazard.volume, grows_mps * self.age_s),
-            growth_mps: hazard.growth_mps + grows_mps,
-            ..*hazard
-        }
-    }
-
-    /// The stretch while the climb changes, metres: at time 0, and its increase per second.
-    fn first_m(&self) -> (f64, f64) {
-        let rate_mps = self.change_mps + self.end_mps.abs();
-        (rate_mps * self.age_s, rate_mps)
-    }
-
-    /// The same from then on.
-    fn later_m(&self) -> (f64, f64) {
-        let rate_mps = self.end_mps.abs();
-        (
-            rate_mps * self.age_s + self.change_mps * CLIMB_CHANGES_S,
-            rate_mps,
-        )
-    }
-}
-
-/// An aircraft at a moment, in the air mass.
-#[derive(Clone, Copy)]
-struct Moment {
-    at_s: f64,
-    position_m: Vec3,
-    velocity_mps: Vec3,
-}
-
-impl Moment {
-    /// The same aircraft after a turn at a constant rate.
-    fn turned(&self, rate_radps: f64, for_s: f64) -> Self {
-        let v = self.velocity_mps;
-        let angle = rate_radps * for_s;
-        let (sin, cos) = libm::sincos(angle);
-        let velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
-        // ∫ R(ω t) v dt = (sin a · v + (1 − cos a) · v⊥) / ω
-        let (along_s, across_s) = if angle.abs() < 1e-9 {
-            (for_s, 0.0)
-        } else {
-            (sin / rate_radps, (1.0 - cos) / rate_radps)
-        };
-        let moved = Vec3::new(
-            along_s * v.x - across_s * v.y,
-            along_s * v.y + across_s * v.x,
-            v.z * for_s,
-        );
-        Self {
-            at_s: self.at_s + for_s,
-            position_m: self.position_m + moved,
-            velocity_mps,
-        }
+        hazard.motion(&turn, &changes, add);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::situation::Movement;
+    use crate::assumptions::CLIMB_CHANGES_S;
+    use crate::situation::{Movement, ProtectedVolume};
     use alloc::vec::Vec;
 
     const BOUNDS: MovementBounds = MovementBounds::CREWED;
@@ -608,16 +423,21 @@ mod tests {
         };
         let bounds = obstacle.movement.bounds().unwrap();
         let after = |later_s: f64, time_s: f64| {
-            let at = Moment {
-                at_s: 0.0,
-                position_m: obstacle.position_m,
-                velocity_mps: obstacle.velocity_mps,
+            let rate_radps = bounds.turn_rate_radps;
+            let for_s = 0.5 * bounds.turn_rad / rate_radps;
+            // Along the circle by its chord, then along the new course.
+            let begins_m = obstacle.position_after_m(later_s);
+            let half_rad = 0.5 * rate_radps * for_s;
+            let turned = |by_rad: f64| {
+                let (sin, cos) = by_rad.sin_cos();
+                let v = obstacle.velocity_mps;
+                Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
             };
-            let for_s = 0.5 * bounds.turn_rad / bounds.turn_rate_radps;
-            let turned = at
-                .turned(0.0, later_s)
-                .turned(bounds.turn_rate_radps, for_s);
-            turned.turned(0.0, time_s - turned.at_s).position_m
+            let level = Vec3::new(1.0, 1.0, 0.0);
+            let chord_m = turned(half_rad) * level * (for_s * half_rad.sin() / half_rad);
+            let climbed_m = Vec3::Z * obstacle.velocity_mps.z * for_s;
+            let left_s = time_s - later_s - for_s;
+            begins_m + chord_m + climbed_m + turned(2.0 * half_rad) * left_s
         };
         let is_met = |at_m: Vec3, motions| {
             let motions = motions_of(&obstacle, Freedom::Share(0.5, 3.0), motions);

@@ -1,6 +1,6 @@
 //! The decision and its reasons.
 
-use crate::certificate::Certified;
+use crate::command::Command;
 use crate::maneuver::{Maneuver, StageList};
 
 /// State of the avoider.
@@ -136,8 +136,6 @@ pub struct Record {
     pub start_s: Option<f64>,
     /// The manoeuvre of the command, flown or awaited.
     pub chosen: Option<Candidate>,
-    /// Its certificate; `None` for a manoeuvre without one.
-    pub certified: Option<Certified>,
     /// The best manoeuvre to the other side and what it is worth, if there was a search for it and it has at most eight stages.
     pub alternative: Option<(StageList<8>, Candidate)>,
     /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
@@ -159,8 +157,8 @@ pub struct Record {
 pub struct Decision {
     /// State of the avoider.
     pub state: State,
-    /// The command; in cruise the guidance along the mission.
-    pub command: Maneuver,
+    /// The command, with its proof if it has one; in cruise the guidance along the mission.
+    pub command: Command,
     /// The reasons.
     pub record: Record,
 }
@@ -194,10 +192,10 @@ impl Reason {
 }
 
 impl Decision {
-    /// A decision with nothing on record but its reason.
+    /// A decision of which nothing is proven, with nothing on record but its reason.
     pub fn new(state: State, command: &Maneuver, reason: Reason) -> Self {
         let mut decision = Self {
-            command: *command,
+            command: Command::from(*command),
             ..Self::default()
         };
         decision.set(state, reason);
@@ -209,7 +207,7 @@ impl Decision {
         self.state = state;
         let record = &mut self.record;
         (record.reason, record.work) = (reason, Work::default());
-        (record.threat, record.certified) = (None, None);
+        record.threat = None;
         (record.chosen, record.start_s, record.latest_start_s) = (None, None, None);
         (record.resilience, record.straight_aircraft) = (None, 0);
         (record.in_need, record.clock_set_back) = (false, false);
@@ -239,7 +237,6 @@ mod tests {
             latest_start_s: Some(1.0),
             start_s: Some(1.0),
             chosen,
-            certified: None,
             alternative: None,
             resilience: Some(1.0),
             straight_aircraft: 1,

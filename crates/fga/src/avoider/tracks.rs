@@ -2,18 +2,17 @@
 
 mod known;
 mod places;
-mod relaxed;
 pub(super) mod zones;
 
 pub use self::known::Known;
 pub use self::places::{AllPlaces, LIMITS, Lent, MAX_TRACKED, Places};
-use self::relaxed::{LEAVING_SHARE, relaxed};
 use crate::Vec3;
+use crate::assumptions::{Assumptions, MAX_HAZARDS, Viewpoint};
 use crate::avoider::intruders::{
     AT_ONCE, Clearance, Freedom, MOTIONS, Trend, add_aircraft, most_hazards,
 };
 use crate::avoider::{Against, Kept};
-use crate::certificate::{Around, Hazard, MAX_HAZARDS, Zones};
+use crate::certificate::{Hazard, Zones};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{
     Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation,
@@ -50,8 +49,9 @@ pub struct Tracks<P: ?Sized = AllPlaces> {
     len: usize,
     /// Number of aircraft among them.
     pub aircraft: usize,
-    /// What their hazards are computed from.
-    seen_from: SeenFrom,
+    /// When they are seen, seconds, and from where.
+    time_s: f64,
+    seen_from: Viewpoint,
     /// Work for taking in the obstacles of this step.
     pub(super) work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
@@ -84,38 +84,6 @@ struct Turning {
     left: usize,
 }
 
-/// What an obstacle is seen from.
-#[derive(Debug, Clone, Copy, Default)]
-struct SeenFrom {
-    time_s: f64,
-    own_m: Vec3,
-    wind_mps: Vec3,
-    sigmas: f64,
-}
-
-impl SeenFrom {
-    /// The expected motion of an obstacle that counts up to a moment, seconds.
-    #[inline(never)]
-    fn hazard(&self, obstacle: &Obstacle, until_s: f64) -> Hazard {
-        let mut hazard = Hazard::new(obstacle, self.wind_mps, self.sigmas);
-        hazard.window_s.1 = until_s;
-        let offset_m = self.own_m - obstacle.position_m;
-        if hazard.volume.margin_m(offset_m) < 0.0 {
-            if obstacle.volume.margin_m(offset_m) < 0.0 && hazard.is_cylinder() {
-                hazard.allowed_depth_m = 0.0;
-                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
-                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
-            } else {
-                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
-            }
-        }
-        if obstacle.movement == Movement::AtRest {
-            hazard.velocity_mps = -self.wind_mps;
-        }
-        hazard
-    }
-}
-
 impl Default for Tracks {
     fn default() -> Self {
         Self::new()
@@ -143,8 +111,8 @@ impl<P: Places> Tracks<P> {
             count: 0,
             len: 0,
             aircraft: 0,
-            seen_from: SeenFrom {
-                time_s: 0.0,
+            time_s: 0.0,
+            seen_from: Viewpoint {
                 own_m: Vec3::ZERO,
                 wind_mps: Vec3::ZERO,
                 sigmas: 0.0,
@@ -187,8 +155,8 @@ impl<P: Places + ?Sized> Tracks<P> {
     }
 
     /// The hazards, and what the mission has of zones and ground.
-    pub(super) fn around<'a>(&'a self, mission: &'a Mission<'a>) -> Around<'a> {
-        Around::new(self.rows(), &self.zones, mission)
+    pub(super) fn around<'a>(&'a self, mission: &'a Mission<'a>) -> Assumptions<'a> {
+        Assumptions::new(self.rows(), &self.zones, mission)
     }
 
     /// All places of obstacles.
@@ -214,7 +182,7 @@ impl<P: Places + ?Sized> Tracks<P> {
     #[inline(never)]
     fn obstacle(&self, place: usize) -> Option<Known> {
         let known = self.known().get(place)?;
-        let missing_s = self.seen_from.time_s - known.heard_s;
+        let missing_s = self.time_s - known.heard_s;
         Some(Known {
             obstacle: known.coasted(missing_s),
             ..*known
@@ -269,7 +237,7 @@ impl<P: Places + ?Sized> Tracks<P> {
             let Some(known) = self.obstacle(next.1) else {
                 break;
             };
-            let hazard = (self.seen_from).hazard(&known.obstacle, known.until_s);
+            let hazard = Hazard::seen(&known.obstacle, &self.seen_from, known.until_s);
             let of = (&known.obstacle, known.trend);
             let more = most_hazards(freedom(&hazard), of, motions) - 1;
             if more > turning.left {
@@ -319,10 +287,14 @@ impl<P: Places + ?Sized> Tracks<P> {
             let (known, trend) = (tracked.obstacle, tracked.trend);
             let may_turn = turning.aircraft > 0 && (tracked.distance_m, place) <= turning.last;
             let motions = if may_turn { turning.motions } else { straight };
-            let mut hazard = (self.seen_from).hazard(&known, tracked.until_s);
+            let mut hazard = Hazard::seen(&known, &self.seen_from, tracked.until_s);
             let asked = (freedom(&hazard), clearance);
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
-                (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
+                let exactly = Viewpoint {
+                    sigmas: 0.0,
+                    ..self.seen_from
+                };
+                hazard = Hazard::seen(&known, &exactly, tracked.until_s);
             }
             let before = self.hazards;
             let mut add = |hazard| self.put_hazard(self.hazards, hazard);
@@ -343,7 +315,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         self.hazards = 0;
         for place in 0..self.count {
             if let Some(known) = self.obstacle(place) {
-                let hazard = (self.seen_from).hazard(&known.obstacle, known.until_s);
+                let hazard = Hazard::seen(&known.obstacle, &self.seen_from, known.until_s);
                 self.put_hazard(place, hazard);
             }
         }
@@ -380,7 +352,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         if self.count < self.all_known().len() {
             let known = Known {
                 obstacle: *limit,
-                heard_s: self.seen_from.time_s,
+                heard_s: self.time_s,
                 until_s,
                 ..Known::NONE
             };
@@ -428,8 +400,8 @@ impl<P: Places + ?Sized> Tracks<P> {
     /// Begins a step; returns the number of obstacles of the last one.
     fn begin(&mut self, situation: &Situation<'_>, sigmas: f64) -> usize {
         self.clear();
-        self.seen_from = SeenFrom {
-            time_s: situation.time_s,
+        self.time_s = situation.time_s;
+        self.seen_from = Viewpoint {
             own_m: situation.ownship.position_m,
             wind_mps: situation.wind_mps,
             sigmas,
@@ -488,8 +460,8 @@ impl<P: Places + ?Sized> Tracks<P> {
         if !self.is_near(situation, obstacle, limits) {
             return;
         }
-        let SeenFrom {
-            time_s,
+        let time_s = self.time_s;
+        let Viewpoint {
             own_m,
             wind_mps,
             sigmas,
@@ -549,7 +521,7 @@ impl<P: Places + ?Sized> Tracks<P> {
 
     /// Takes an obstacle at a place with its expected motion, and what is remembered of it.
     fn put(&mut self, place: usize, seen: &Obstacle, known: Known) {
-        let hazard = self.seen_from.hazard(seen, known.until_s);
+        let hazard = Hazard::seen(seen, &self.seen_from, known.until_s);
         self.put_hazard(place, hazard);
         let own_m = self.seen_from.own_m;
         if let Some(slot) = self.places.all_mut().0.get_mut(place) {
@@ -632,11 +604,11 @@ mod tests {
             let meter = Meter::unlimited();
             tracks.withstand(&|_| Freedom::Share(1.0, 0.0), exact, &meter);
             for id in 0..count {
-                let has = tracks.rows().iter().any(|hazard| hazard.id == id);
+                let has = tracks.rows().iter().any(|hazard| hazard.id() == id);
                 assert!(has, "{id} of {count}");
             }
             // The nearest may turn.
-            let of_first = tracks.rows().iter().filter(|h| h.id == 0);
+            let of_first = tracks.rows().iter().filter(|h| h.id() == 0);
             assert!(of_first.count() > 2 || count > 107, "{count}");
         }
     }

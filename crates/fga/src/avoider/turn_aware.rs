@@ -18,11 +18,12 @@ use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
     Verdict,
 };
-use crate::certificate::{Certified, certify_set, prove};
+use crate::certificate::certify_set;
+use crate::command::{Command, Terms};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::prediction::{MotionState, whole};
-use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
+use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Scene, Search};
 use crate::situation::Situation;
 
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
@@ -53,14 +54,20 @@ const NEXT_ENCOUNTER_S: f64 = 10.0;
 #[derive(Clone, Copy)]
 struct Answer {
     found: Found,
-    proof: Proof,
+    outcome: Outcome,
     rung: usize,
 }
 
 impl Answer {
-    fn new(search: &mut Search<'_>, (found, proof): (Found, Proof), rung: usize) -> Self {
-        search.keep(&found.turns);
-        Self { found, proof, rung }
+    fn new(search: &mut Search<'_>, (found, outcome): (Found, Outcome), rung: usize) -> Self {
+        if outcome != Outcome::Proven {
+            search.keep(&found.turns);
+        }
+        Self {
+            found,
+            outcome,
+            rung,
+        }
     }
 }
 
@@ -70,7 +77,7 @@ impl Plan {
         Self {
             decided_s: time_s,
             start_s: self.start_s.min(time_s),
-            proof: answer.proof,
+            outcome: answer.outcome,
             rung: answer.rung,
             margin_m: answer.found.margin_m,
             cost: answer.found.cost,
@@ -139,7 +146,7 @@ impl Avoider<dyn Places + '_> {
         };
         if is_clear {
             let along = Stage::turn(0.0, course_rad, now.climb_rad);
-            decision.command.set([along]);
+            decision.command.edit().set([along]);
             self.say(decision, Reason::Clear);
         }
         is_clear
@@ -154,7 +161,7 @@ impl Avoider<dyn Places + '_> {
             return;
         }
         self.plan = None;
-        let (nominal, far_s) = (&mut decision.command, self.far_s);
+        let (nominal, far_s) = (decision.command.edit(), self.far_s);
         self.on_mission(situation, |progress, route| {
             progress.guidance(route, now, far_s, nominal)
         });
@@ -186,7 +193,7 @@ impl Avoider<dyn Places + '_> {
             return false;
         };
         self.go_on(&plan, time_s, &mut decision.command);
-        if self.kept_rung(&mut plan, &decision.command, now) != Some(plan.rung) {
+        if self.kept_rung(&mut plan, &mut decision.command, now) != Some(plan.rung) {
             return false;
         }
         self.plan = Some(plan);
@@ -249,7 +256,7 @@ impl Avoider<dyn Places + '_> {
             decided_s: time_s,
             start_s: time_s + answer.found.turns.wait_s,
             joined_s: f64::INFINITY,
-            proof: answer.proof,
+            outcome: answer.outcome,
             margin_m: answer.found.margin_m,
             rung: answer.rung,
             cost: answer.found.cost,
@@ -261,7 +268,8 @@ impl Avoider<dyn Places + '_> {
         };
         self.plan = Some(plan);
         core::mem::swap(&mut self.flown, &mut self.tables.answer);
-        let (state, reason) = if !answer.proof.is_certified() {
+        decision.command = self.flown;
+        let (state, reason) = if answer.outcome != Outcome::Proven {
             (State::Avoiding, self.unproven())
         } else if plan.start_s > time_s {
             (State::Threatened, Reason::WaitingForStart)
@@ -299,8 +307,8 @@ impl Avoider<dyn Places + '_> {
             return self.report(decision, &plan, time_s, Reason::RejoinChosen);
         }
         self.go_on(&plan, time_s, &mut decision.command);
+        let kept = self.kept_rung(&mut plan, &mut decision.command, now);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
-        let kept = self.kept_rung(&mut plan, flown, now);
         // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
         let is_waiting = is_bare && self.may_go_on(flown, now);
@@ -318,8 +326,9 @@ impl Avoider<dyn Places + '_> {
             plan = plan.with(answer, time_s);
             plan.against = self.also_against(flown, now, plan.against, margin_m);
             self.flown = self.tables.answer;
+            decision.command = self.flown;
         }
-        let reason = match (plan.proof.is_certified(), answer) {
+        let reason = match (plan.outcome == Outcome::Proven, answer) {
             _ if is_waiting => Reason::WaitingForStart,
             (true, Some(_)) => Reason::ManeuverReplaced,
             (true, None) => Reason::ManeuverKept,
@@ -341,7 +350,7 @@ impl Avoider<dyn Places + '_> {
     /// back are given up again, because the aircraft turns, or noise looks like that. Among several the next one would be met meanwhile.
     fn is_held(&self, plan: &Plan, time_s: f64) -> bool {
         let is_alone = self.tracks.uncertain && self.tracks.aircraft == 1;
-        is_alone && plan.proof.is_certified() && plan.given_up(time_s) < 3
+        is_alone && plan.outcome == Outcome::Proven && plan.given_up(time_s) < 3
     }
 
     /// Runs a search in the present scene with the limits of a demand; returns its result, none if it met even the reserve for
@@ -383,7 +392,7 @@ impl Avoider<dyn Places + '_> {
                 around: avoider.tracks.around(now.mission),
                 horizon_s: demand.horizon_s,
                 target_m: demand.margin_m,
-                climb_limits_rad: avoider.climb_limits_rad(),
+                climb_limits_rad: avoider.maneuver_climbs_rad(),
                 costs: (avoider.settings.heading_cost, avoider.settings.pitch_cost),
                 objective: avoider.settings.objective,
             };
@@ -415,16 +424,27 @@ impl Avoider<dyn Places + '_> {
         certify_set(&self.flyer, &self.path, &around, asked, &self.meter).proven_m()
     }
 
-    /// The certificate of the manoeuvre predicted last: that it keeps a target up to a horizon; its margin is capped.
-    fn prove(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> Option<Certified> {
-        let around = self.tracks.around(now.mission);
-        prove(&self.flyer, &self.path, around, asked, &self.meter)
+    /// Proves that a command keeps a target up to a horizon, if it does; its margin is capped.
+    fn prove(
+        &mut self,
+        command: &mut Command,
+        now: &Now<'_>,
+        (horizon_s, target_m, enough_m): (f64, f64, f64),
+    ) -> bool {
+        let (flight, around) = (
+            (&self.flyer, &mut self.path),
+            self.tracks.around(now.mission),
+        );
+        let terms = Terms::new(horizon_s, target_m, enough_m);
+        terms.is_some_and(|terms| {
+            let proof = command.prove(flight, now, &around, &terms, &self.meter);
+            proof.is_ok()
+        })
     }
 
-    /// The decision to fly the rest of a plan.
+    /// Records why the command of a decision is flown: it is the rest of a plan.
     fn report(&self, decision: &mut Decision, plan: &Plan, time_s: f64, reason: Reason) {
         let elapsed_s = time_s - plan.threat_found_s;
-        self.go_on(plan, time_s, &mut decision.command);
         self.say(decision, reason);
         let demand = self.demand_of(plan.rung);
         let record = &mut decision.record;
@@ -437,16 +457,16 @@ impl Avoider<dyn Places + '_> {
         });
         record.in_need = demand.in_need;
         record.straight_aircraft = self.tracks.straight_aircraft(demand.share, &self.meter);
-        let is_shown = self.state == State::Avoiding && plan.proof.is_certified();
+        let is_proven = decision.command.proof().is_some();
+        let is_shown = self.state == State::Avoiding && decision.command.certified().is_some();
         let is_all = self.tracks.has_aircraft() && record.straight_aircraft == 0;
         record.resilience = (is_shown && is_all).then_some(demand.share);
         record.start_s = Some(plan.start_s - time_s);
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
-        record.certified = plan.proof.certified();
         record.chosen = Some(Candidate {
             margin_m: plan.margin_m,
             cost: plan.cost,
-            verdict: if plan.proof.is_certified() {
+            verdict: if is_proven {
                 Verdict::Chosen
             } else {
                 Verdict::Rejected
@@ -534,10 +554,10 @@ mod tests {
                 margin_m: 0.05,
                 cost: 0.0,
             },
-            proof: Proof::Open,
+            outcome: Outcome::Open,
             rung,
         };
-        avoider.tables.answer = Maneuver::turn(0.0, course_rad, 0.0);
+        avoider.tables.answer = Maneuver::turn(0.0, course_rad, 0.0).into();
         let threat = Threat {
             id: 1,
             entry_s: 5.0,
@@ -655,12 +675,10 @@ mod tests {
             row
         };
         let has_begun = |rows: &[Obstacle], later_s: f64, is_certified| {
-            among(rows, |avoider, situation, now| {
+            among(rows, |avoider, situation, _| {
                 let mut plan = plan(avoider, situation, (0.5, WANTED));
                 if is_certified {
-                    let (flown, asked) = (avoider.flown, (60.0, f64::MIN, 0.0));
-                    avoider.predict(&flown, now, 60.0);
-                    plan.proof = Proof::Certified(avoider.prove(now, asked).unwrap());
+                    plan.outcome = Outcome::Proven;
                 }
                 let later = Situation {
                     time_s: later_s,

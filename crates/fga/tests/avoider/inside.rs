@@ -61,10 +61,7 @@ fn an_aircraft_that_cannot_stay_well_clear_still_turns_away() {
 
 #[test]
 fn the_depth_in_a_cylinder_grows_towards_its_axis_and_its_middle() {
-    let hazard = Hazard {
-        allowed_depth_m: 0.0,
-        ..Hazard::exact(7, Vec3::ZERO, Vec3::ZERO, WELL_CLEAR)
-    };
+    let hazard = Hazard::exact(7, Vec3::ZERO, Vec3::ZERO, WELL_CLEAR).by_depth();
     let margin_m = |aside_m, above_m| hazard.margin_m(Vec3::new(aside_m, 0.0, above_m), 0.0);
     assert!((margin_m(0.0, 0.0) + 38.1).abs() < 1e-9);
     for above_m in [0.0, 30.0, 70.0] {

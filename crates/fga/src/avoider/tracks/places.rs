@@ -1,7 +1,8 @@
 //! Where the obstacles of a decision lie.
 
 use super::known::Known;
-use crate::certificate::{Hazard, MAX_HAZARDS};
+use crate::assumptions::MAX_HAZARDS;
+use crate::certificate::Hazard;
 
 /// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS - LIMITS;

@@ -2,8 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use super::{FLAT_M, LEAVING_SHARE, Places, Tracks};
+use super::{FLAT_M, Places, Tracks};
 use crate::Vec3;
+use crate::assumptions::LEAVING_SHARE;
 use crate::certificate::Line;
 use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;

@@ -48,10 +48,9 @@ fn show(
     other: &mut Option<(StageList<8>, Candidate)>,
 ) {
     *other = None;
-    let Some(found) = found.filter(|found| search.prove(found).is_some()) else {
+    let Some(found) = found.filter(|found| search.prove(found)) else {
         return;
     };
-    search.keep(&found.turns);
     let worth = Candidate {
         margin_m: found.margin_m,
         cost: found.cost,

@@ -2,8 +2,8 @@
 
 use crate::avoider::demand::{RUNGS, WANTED};
 use crate::avoider::{Avoider, Now, Places, Plan};
-use crate::maneuver::Maneuver;
-use crate::search::Proof;
+use crate::command::Command;
+use crate::search::Outcome;
 
 /// A manoeuvre continues while this share of the margin is certified, over at least this share of the horizon ...
 pub(super) const KEEP_SHARE: f64 = 0.5;
@@ -17,14 +17,14 @@ impl Avoider<dyn Places + '_> {
     pub(super) fn kept_rung(
         &mut self,
         plan: &mut Plan,
-        rest: &Maneuver,
+        rest: &mut Command,
         now: &Now<'_>,
     ) -> Option<usize> {
-        if plan.proof.is_certified() || self.tracks.changed {
+        if plan.outcome == Outcome::Proven || self.tracks.changed {
             // Searches that found nothing may find something now.
             self.grids = 0;
         }
-        plan.proof = Proof::Open;
+        plan.outcome = Outcome::Open;
         let highest = plan.rung.min(WANTED);
         for rung in highest..RUNGS {
             if rung > highest && self.distinct_demand(rung).is_none() {
@@ -40,12 +40,8 @@ impl Avoider<dyn Places + '_> {
                 KEEP_SHARE * demand.margin_m,
                 demand.margin_m,
             );
-            let certified = self.within_limits(&demand, |avoider| {
-                avoider.predict(rest, now, asked.0);
-                avoider.prove(now, asked)
-            });
-            if let Some(certified) = certified {
-                plan.proof = Proof::Certified(certified);
+            if self.within_limits(&demand, |avoider| avoider.prove(rest, now, asked)) {
+                plan.outcome = Outcome::Proven;
                 return Some(rung);
             }
         }
@@ -65,9 +61,9 @@ mod tests {
         among(&[row], |avoider, situation, now| {
             avoider.drift_m = 9.0;
             let mut plan = plan(avoider, situation, (0.0, WANTED));
-            let rest = avoider.flown;
-            let kept = avoider.kept_rung(&mut plan, &rest, now);
-            assert_eq!(plan.proof.is_certified(), kept.is_some());
+            let mut rest = avoider.flown;
+            let kept = avoider.kept_rung(&mut plan, &mut rest, now);
+            assert_eq!(rest.proof().is_some(), kept.is_some());
             kept
         })
     }

@@ -6,11 +6,10 @@ use crate::angle::Side;
 use crate::avoider::demand::{BEYOND_M, Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Avoider, Now, Places, Plan};
-use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::{Found, GRIDS_A_SEARCH, Proof, Search, Turns};
+use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Search, Turns};
 use crate::situation::Situation;
 
 use super::{Answer, ENOUGH_M, LOOK_EVERY};
@@ -50,8 +49,8 @@ impl Avoider<dyn Places + '_> {
         let higher = self.highest_beside(0..plan.rung, now).or_else(|| {
             let rungs = 0..if has_aircraft { 0 } else { plan.rung };
             self.highest(rungs, hold, now, &mut |search| {
-                let (found, proof) = search.best(flown, GRIDS_A_SEARCH, variety)?;
-                proof.is_certified().then_some(found)
+                let (found, outcome) = search.best(flown, GRIDS_A_SEARCH, variety)?;
+                (outcome == Outcome::Proven).then_some(found)
             })
         });
         if higher.is_some() || !has_aircraft || plan.rung > WANTED {
@@ -65,7 +64,7 @@ impl Avoider<dyn Places + '_> {
         // Steps away from the mission's course, not the least certified turn: what is found keeps some room to spare.
         let (leg, away_rad) = (self.progress.leg(now), self.away_rad(now));
         let last_rad = self.flown.stages().last()?.climb_rad;
-        let (low, high) = self.climb_limits_rad();
+        let (low, high) = self.maneuver_climbs_rad();
         let climbs_rad = [leg.climb_rad.limited(low, high), last_rad];
         let steps = (0..MOST_STEPS).map(|k| f64::from(k) * CLEARLY_LESS_RAD);
         let nearer = steps.take_while(|aside_rad| *aside_rad <= away_rad.abs() - CLEARLY_LESS_RAD);
@@ -160,10 +159,10 @@ impl Avoider<dyn Places + '_> {
             let best = search.best(from, grids, variety)?;
             Some(Answer::new(search, best, lowest))
         })?;
-        if best.proof.is_certified() {
+        if best.outcome == Outcome::Proven {
             return Some(best);
         }
-        if best.proof == Proof::Hopeless {
+        if best.outcome == Outcome::Hopeless {
             self.grids = GRIDS_A_SEARCH;
         }
         let deepest = self.least_deep(&best, &demand, now, variety);
@@ -185,7 +184,7 @@ impl Avoider<dyn Places + '_> {
         now: &Now<'_>,
         variety: u32,
     ) -> Option<Answer> {
-        let cylinders = self.tracks.rows().iter().any(Hazard::is_cylinder);
+        let cylinders = self.tracks.rows().iter().any(|row| row.is_cylinder());
         let differs = cylinders || self.tracks.uncertain;
         if best.found.margin_m >= 0.0 || !differs || self.meter.left() < DEPTH_WORK {
             return Some(*best);
@@ -194,7 +193,7 @@ impl Avoider<dyn Places + '_> {
         let from = Turns::of(&self.tables.answer, now.course_rad);
         self.search(&Maneuver::HOLD, now, demand, |search| {
             let (found, _) = search.best(from, 0, variety)?;
-            Some(Answer::new(search, (found, best.proof), best.rung))
+            Some(Answer::new(search, (found, best.outcome), best.rung))
         })
     }
 
@@ -222,7 +221,7 @@ mod tests {
             avoider.drift_m = drift_m;
             let look = &mut |search: &mut Search<'_>| search.cheapest(0.0);
             let answer = avoider.highest(0..RUNGS, &Maneuver::HOLD, now, look)?;
-            assert!(answer.proof.is_certified());
+            assert!(avoider.tables.answer.certified().is_some());
             Some((answer.rung, answer.found.turns.turn_rad))
         })
     }
@@ -309,7 +308,7 @@ mod tests {
                 });
                 (best, clear_m)
             });
-            assert!(!best.proof.is_certified());
+            assert!(best.outcome != Outcome::Proven);
             assert!(clear_m > 0.0, "{aside_m} m: {clear_m} m");
         }
     }

@@ -6,7 +6,7 @@
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
-use crate::maneuver::Maneuver;
+use crate::command::Command;
 use crate::situation::Situation;
 
 use super::LOOK_EVERY;
@@ -20,14 +20,19 @@ const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
-    fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
+    fn keeps_back(&mut self, plan: &mut Plan, back: &mut Command, now: &Now<'_>) -> bool {
+        self.prove_back(plan, back, now)
+            || self.tracks.has_aircraft() && self.has_reserve(back, now)
+    }
+
+    /// Proves that a way back is clear of the expected motion, if it is.
+    fn prove_back(&mut self, plan: &mut Plan, back: &mut Command, now: &Now<'_>) -> bool {
         if !self.tracks.has_aircraft() {
             return self.kept_rung(plan, back, now) == Some(plan.rung);
         }
         let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
-        let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
+        self.prove(back, now, (self.settings.horizon_s, keep_m, keep_m))
     }
 
     /// On the way back.
@@ -76,10 +81,14 @@ impl Avoider<dyn Places + '_> {
         if !self.keeps_back(&mut plan, back, now) {
             return false;
         }
+        let is_proven = back.proof().is_some();
         let mut reason = Reason::RejoinKept;
         if self.sooner_back(situation, now, &mut plan, back) {
             self.flown = *back;
             reason = Reason::RejoinChosen;
+        } else if is_proven && back.proof().is_none() {
+            // The look for a sooner one took its place.
+            self.prove_back(&mut plan, back, now);
         }
         self.plan = Some(plan);
         self.report(decision, &plan, situation.time_s, reason);
@@ -128,7 +137,7 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &Now<'_>,
         plan: &mut Plan,
-        back: &mut Maneuver,
+        back: &mut Command,
     ) -> bool {
         let left_s = plan.joined_s - situation.time_s;
         if plan.next_start_s.is_some() || left_s < SOONER_S {
@@ -151,8 +160,8 @@ mod tests {
         let keeps = |row: Obstacle| {
             among(&[row], |avoider, situation, now| {
                 let mut plan = plan(avoider, situation, (0.0, WANTED));
-                let back = avoider.flown;
-                avoider.keeps_back(&mut plan, &back, now)
+                let mut back = avoider.flown;
+                avoider.keeps_back(&mut plan, &mut back, now)
             })
         };
         assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));

@@ -103,7 +103,7 @@ impl Avoider<dyn Places + '_> {
         let mut hazards = self.tracks.rows().iter();
         self.tracks.has_aircraft()
             && hazards.any(|hazard| {
-                hazard.id == id
+                hazard.id() == id
                     && hazard.volume.radius_m() > wide_m
                     && hazard.velocity_mps.length() < fast_mps
             })

@@ -1,8 +1,9 @@
 //! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
 
+use crate::assumptions::Assumptions;
 use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Now, Places, Threat};
-use crate::certificate::{Around, certify_set};
+use crate::certificate::certify_set;
 use crate::maneuver::Maneuver;
 
 use super::NEXT_ENCOUNTER_S;
@@ -60,7 +61,7 @@ impl Avoider<dyn Places + '_> {
             }
             if first.is_none_or(|threat| after_s < threat.entry_s) {
                 first = Some(Threat {
-                    id: hazard.id,
+                    id: hazard.id(),
                     entry_s: after_s,
                     closest_s: closest.at_s,
                     margin_m: closest.margin_m,
@@ -80,7 +81,7 @@ impl Avoider<dyn Places + '_> {
     /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
     fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
         let asked = (horizon_s, f64::MIN, 0.0);
-        let fixed_alone = Around {
+        let fixed_alone = Assumptions {
             rows: &[],
             ..self.tracks.around(now.mission)
         };
@@ -117,8 +118,8 @@ impl Avoider<dyn Places + '_> {
                 break;
             }
             let closest = self.certify_one(hazard, (until_s, target_m, target_m));
-            if closest.margin_m < target_m && !against.contains(hazard.id) {
-                against.add(hazard.id);
+            if closest.margin_m < target_m && !against.contains(hazard.id()) {
+                against.add(hazard.id());
             }
         }
         against

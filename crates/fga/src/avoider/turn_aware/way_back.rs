@@ -6,11 +6,12 @@ use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
 use crate::certificate::Hazard;
+use crate::command::Command;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
 use crate::prediction::MotionState;
-use crate::search::Proof;
+use crate::search::Outcome;
 use crate::situation::Situation;
 
 use super::{Answer, ENOUGH_M, NEXT_ENCOUNTER_S};
@@ -97,7 +98,7 @@ impl Avoider<dyn Places + '_> {
         now: &Now<'_>,
         plan: &mut Plan,
         (every, latest_s): (u32, f64),
-        back: &mut Maneuver,
+        back: &mut Command,
     ) -> bool {
         if !self.cycle.is_multiple_of(every) || self.meter.is_met() {
             return false;
@@ -124,6 +125,7 @@ impl Avoider<dyn Places + '_> {
         });
         let Some(joined) = joined else {
             self.progress = self.before;
+            self.go_on(plan, situation.time_s, back);
             return false;
         };
         self.return_to(&joined, plan.against, (situation, now));
@@ -138,7 +140,7 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &Now<'_>,
         (look, given_up, waited_s, is_flown): (usize, usize, f64, bool),
-        back: &mut Maneuver,
+        back: &mut Command,
     ) -> Option<Join> {
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
@@ -176,7 +178,8 @@ impl Avoider<dyn Places + '_> {
             });
         }
         let joined = way?;
-        back.set(first.into_iter().chain(joined.stages().iter().copied()));
+        back.edit()
+            .set(first.into_iter().chain(joined.stages().iter().copied()));
         Some(joined)
     }
 
@@ -189,15 +192,16 @@ impl Avoider<dyn Places + '_> {
         plan: &mut Plan,
         (situation, now): (&Situation<'_>, &Now<'_>),
         rung: usize,
-        maneuver: &mut Maneuver,
+        maneuver: &mut Command,
     ) -> bool {
         let far = Demand {
             horizon_s: self.far_s,
             ..self.demand_of(rung)
         };
         self.on_mission(situation, |progress, route| {
-            progress.round_corners(route, far.horizon_s, maneuver, joined)
+            progress.round_corners(route, far.horizon_s, maneuver.edit(), joined)
         });
+        (maneuver.edit()).limit_climbs(self.level_rad.0, self.level_rad.1);
         self.predict(maneuver, now, far.horizon_s);
         let ahead = self.way_ahead(plan, joined, (situation, now), &far);
         *plan = Plan {
@@ -213,12 +217,12 @@ impl Avoider<dyn Places + '_> {
         match ahead {
             WayAhead::Blocked => false,
             WayAhead::Clear => {
-                let certified = self.prove(now, (far.horizon_s, far.margin_m, ENOUGH_M));
-                if let Some(certified) = certified {
-                    plan.proof = Proof::Certified(certified);
-                    plan.margin_m = certified.margin_m();
+                let is_proven = self.prove(maneuver, now, (far.horizon_s, far.margin_m, ENOUGH_M));
+                if let Some(proof) = maneuver.proof() {
+                    plan.outcome = Outcome::Proven;
+                    plan.margin_m = proof.bound().margin_m();
                 }
-                certified.is_some()
+                is_proven
             }
             WayAhead::NextEncounter => {
                 self.way_back_and_on(plan, joined.joined_s, now, &far, maneuver)
@@ -251,7 +255,7 @@ impl Avoider<dyn Places + '_> {
         joined_s: f64,
         now: &Now<'_>,
         demand: &Demand,
-        maneuver: &mut Maneuver,
+        maneuver: &mut Command,
     ) -> bool {
         let Some((threat, against)) = self.first_threat(maneuver, now, demand) else {
             return false;
@@ -306,7 +310,7 @@ impl Avoider<dyn Places + '_> {
             if !before.holds(target_m) {
                 return WayAhead::Blocked;
             }
-            if plan.against.contains(hazard.id) {
+            if plan.against.contains(hazard.id()) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
                 let passes_s = passes_s(hazard, situation);
                 let ground_mps = hazard.velocity_mps + situation.wind_mps;

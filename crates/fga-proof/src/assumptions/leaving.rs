@@ -1,19 +1,31 @@
 //! A volume that the aircraft is in.
 
+use super::Assumption;
 use crate::Vec3;
-use crate::situation::ProtectedVolume;
+use crate::certificate::Hazard;
+use crate::situation::{Obstacle, ProtectedVolume};
 
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
-pub(super) const LEAVING_SHARE: f64 = 0.98;
+pub const LEAVING_SHARE: f64 = 0.98;
+
+impl Hazard {
+    /// Makes the volume of an obstacle smaller for an aircraft at an offset in it, metres.
+    pub(super) fn leave(&mut self, obstacle: &Obstacle, offset_m: Vec3) {
+        self.stands_for = self.stands_for.max(Assumption::Leaving);
+        if obstacle.volume.margin_m(offset_m) < 0.0 && self.is_cylinder() {
+            self.extent.allowed_depth_m = 0.0;
+            let nearer_m = self.position_m + LEAVING_SHARE * offset_m;
+            self.extent.allowed_depth_m = -self.margin_m(nearer_m, 0.0);
+        } else {
+            self.extent.volume = relaxed(&self.volume, &obstacle.volume, offset_m);
+        }
+    }
+}
 
 /// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that
 /// the aircraft is just outside: a manoeuvre certified against it leads out. While the aircraft is outside of the
 /// volume itself, the result is at least as large as that one.
-pub(super) fn relaxed(
-    widened: &ProtectedVolume,
-    itself: &ProtectedVolume,
-    offset_m: Vec3,
-) -> ProtectedVolume {
+fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
     let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
     match *widened {
         ProtectedVolume::Sphere { .. } => {
