@@ -89,6 +89,7 @@ TYPES = {
     "Decision.start_s": "float | None",
     "chosen": "Candidate | None",
     "alternative": "Candidate | None",
+    "proof": 'Literal["certified", "leaving"] | None',
     "resilience": "float | None",
     "tracked": "int",
     "unusable": "int",

@@ -264,9 +264,9 @@ impl fga_decision {
                 Proof::Certified(_) => FGA_HAS_CERTIFICATE,
                 Proof::Leaving(_) => FGA_HAS_LEAVING,
             };
-            self.certified_margin_m = proof.bound().margin_m();
-            self.certified_horizon_s = proof.bound().horizon_s();
-            self.certified_hazards = proof.bound().hazards();
+            self.certified_margin_m = proof.bound().margin_m;
+            self.certified_horizon_s = proof.bound().horizon_s;
+            self.certified_hazards = proof.bound().hazards;
         }
         if let Some(start_s) = record.start_s {
             self.has |= FGA_HAS_START;

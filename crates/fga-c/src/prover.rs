@@ -207,7 +207,7 @@ impl Proving {
         if let Some(Ok(proof)) = proof {
             return Ok(FoundMargin {
                 verdict: fga_verdict::Proven,
-                margin_m: proof.bound().margin_m(),
+                margin_m: proof.bound().margin_m,
                 at_s: 0.0,
                 obstacle_id: 0,
                 straight_aircraft,

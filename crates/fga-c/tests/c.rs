@@ -197,7 +197,7 @@ fn numbers(decision: &Decision) -> Vec<f64> {
     }
     numbers.extend([
         record.chosen.map_or(0.0, |chosen| chosen.margin_m),
-        (decision.command.proof()).map_or(0.0, |proof| proof.bound().margin_m()),
+        (decision.command.proof()).map_or(0.0, |proof| proof.bound().margin_m),
         record.start_s.unwrap_or(0.0),
     ]);
     numbers

@@ -215,7 +215,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Outcomes {
                 plant.command(&decision.command, HORIZON_S);
                 // Of a kept manoeuvre a little less than the horizon is proven.
                 let certified = decision.command.certified();
-                let until_s = certified.map_or(0.0, |certified| certified.horizon_s());
+                let until_s = certified.map_or(0.0, |certified| certified.horizon_s);
                 let until_s = until_s.min(HORIZON_S);
                 let least_m = least_m(&mut plant, &mut intruders, &motions, until_s);
                 if least_m < RADIUS_M {

@@ -6,7 +6,7 @@ use fga::maneuver::Maneuver;
 use fga::situation::Ownship;
 use serde_json::{Map, Value, json};
 
-use crate::words::reason_key;
+use crate::words::{proof_key, reason_key};
 
 /// A decision with its whole record and the aircraft at that moment. Metres, seconds and radians;
 /// `null` is infinite or unknown. `name_of` gives the name of an obstacle.
@@ -37,6 +37,7 @@ pub fn to_json(
         "airspeed_mps": ownship.airspeed_mps,
         "threat": threat,
         "latest_start_s": record.latest_start_s,
+        "proof": proof_key(&decision.command),
         "resilience": record.resilience,
         "straight_aircraft": record.straight_aircraft,
         "in_need": record.in_need,

@@ -2,6 +2,7 @@
 
 use fga::angle::wrap_pi;
 use fga::avoider::{Candidate, Decision, Reason, State};
+use fga::command::{Command, Proof};
 use fga::maneuver::Maneuver;
 use fga::situation::Ownship;
 
@@ -44,6 +45,15 @@ pub const fn reason_key(reason: Reason) -> &'static str {
         Reason::MissionComplete => "mission-complete",
         Reason::WindTooStrong => "wind-too-strong",
         Reason::WaypointGivenUp => "waypoint-given-up",
+    }
+}
+
+/// What is proven about a command, as a key in files: it keeps clear of everything, or leads out of what the aircraft is in.
+pub const fn proof_key(command: &Command) -> Option<&'static str> {
+    match command.proof() {
+        Some(Proof::Certified(_)) => Some("certified"),
+        Some(Proof::Leaving(_)) => Some("leaving"),
+        None => None,
     }
 }
 
@@ -101,7 +111,10 @@ pub fn decision_words(
     let record = &decision.record;
     // A pilot that only waits has begun nothing.
     let has_no_way = record.reason == Reason::BestAvailable && decision.state == State::Threatened;
-    let reason = if has_no_way {
+    let leaves = matches!(decision.command.proof(), Some(Proof::Leaving(_)));
+    let reason = if leaves && record.reason == Reason::ManeuverChosen {
+        "a manoeuvre begins that leads out of what the aircraft is in"
+    } else if has_no_way {
         "no way round keeps the protected volume: the mission is flown on"
     } else {
         reason_words(record.reason)

@@ -43,44 +43,22 @@ impl Terms {
     }
 }
 
-/// A separation that is proven.
+/// A separation for a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    margin_m: f64,
-    target_m: f64,
-    horizon_s: f64,
-    spared_m: f64,
-    hazards: u32,
-}
-
-impl Bound {
     /// Lower bound of the separation beyond the volumes, metres; at least the target.
-    pub const fn margin_m(&self) -> f64 {
-        self.margin_m
-    }
-
+    pub margin_m: f64,
     /// Separation that was asked for, metres.
-    pub const fn target_m(&self) -> f64 {
-        self.target_m
-    }
-
-    /// Horizon of the proof, seconds from the decision.
-    pub const fn horizon_s(&self) -> f64 {
-        self.horizon_s
-    }
-
+    pub target_m: f64,
+    /// Horizon, seconds from the decision.
+    pub horizon_s: f64,
     /// How much less than the target is kept from zones and ground, metres: the mission, or the aircraft, is that near to them.
-    pub const fn spared_m(&self) -> f64 {
-        self.spared_m
-    }
-
-    /// Number of hazards that it was proven against; an aircraft that may turn is several.
-    pub const fn hazards(&self) -> u32 {
-        self.hazards
-    }
+    pub spared_m: f64,
+    /// Number of hazards that are kept clear of; an aircraft that may turn is several.
+    pub hazards: u32,
 }
 
-/// A separation from everything that is assumed, each volume in its full size. Only [`Command::prove`] makes one:
+/// A proven separation from everything that is assumed, each volume in its full size. Only [`Command::prove`] makes one:
 ///
 /// ```compile_fail,E0423
 /// use fga_proof::command::{Bound, Certified};
@@ -95,22 +73,6 @@ pub struct Certified(Bound);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leaving(Bound);
 
-impl core::ops::Deref for Certified {
-    type Target = Bound;
-
-    fn deref(&self) -> &Bound {
-        &self.0
-    }
-}
-
-impl core::ops::Deref for Leaving {
-    type Target = Bound;
-
-    fn deref(&self) -> &Bound {
-        &self.0
-    }
-}
-
 /// What is proven about a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Proof {
@@ -121,14 +83,6 @@ pub enum Proof {
 }
 
 impl Proof {
-    /// Its word in records and files.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Certified(_) => "certified",
-            Self::Leaving(_) => "leaving",
-        }
-    }
-
     /// The separation.
     pub const fn bound(&self) -> &Bound {
         match self {
@@ -155,10 +109,8 @@ impl core::ops::Deref for Command {
 
 impl From<Maneuver> for Command {
     fn from(maneuver: Maneuver) -> Self {
-        Self {
-            maneuver,
-            proof: None,
-        }
+        let proof = None;
+        Self { maneuver, proof }
     }
 }
 
@@ -183,10 +135,10 @@ impl Command {
         self.proof.as_ref()
     }
 
-    /// Its certificate, if it is certified.
-    pub const fn certified(&self) -> Option<&Certified> {
+    /// The separation that is certified, if it is.
+    pub const fn certified(&self) -> Option<&Bound> {
         match &self.proof {
-            Some(Proof::Certified(certified)) => Some(certified),
+            Some(Proof::Certified(Certified(bound))) => Some(bound),
             _ => None,
         }
     }

@@ -3,7 +3,7 @@
 use fga::avoider::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
-use fga_formats::words::{decision_words, reason_key};
+use fga_formats::words::{decision_words, proof_key, reason_key};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -273,7 +273,7 @@ impl PyDecision {
     #[getter]
     fn chosen(&self) -> Option<PyCandidate> {
         let chosen = self.decision.record.chosen?;
-        Some(PyCandidate(self.decision.command, chosen))
+        Some(PyCandidate(*self.decision.command, chosen))
     }
 
     /// The best manoeuvre to the other side, if there was a search for it.
@@ -287,7 +287,7 @@ impl PyDecision {
         // A proof does not come back from a pickle.
         let shown = |decision: &Decision| {
             let mut shown = *decision;
-            shown.record.certified = None;
+            shown.command.edit();
             shown
         };
         shown(&self.decision) == shown(&other.decision)
@@ -348,6 +348,7 @@ impl PyDecision {
         dict.set_item("command", command)?;
         dict.set_item("latest_start_s", self.latest_start_s())?;
         dict.set_item("start_s", self.start_s())?;
+        dict.set_item("proof", self.proof())?;
         dict.set_item("resilience", self.resilience())?;
         dict.set_item("limit_met", self.limit_met())?;
         Ok(dict)
@@ -367,6 +368,9 @@ properties! { PyDecision, this,
     latest_start_s: Option<f64> = this.decision.record.latest_start_s;
     /// Start of the chosen manoeuvre, seconds from now.
     start_s: Option<f64> = this.decision.record.start_s;
+    /// What is proven about the command: "certified" if it keeps clear of everything that is assumed, "leaving" if the aircraft
+    /// is already in a volume and it leads out, None if nothing is proven.
+    proof: Option<&'static str> = proof_key(&this.decision.command);
     /// Share of the bounds of aircraft that the manoeuvre withstands.
     resilience: Option<f64> = this.decision.record.resilience;
     /// Obstacles within the surveillance radius.
@@ -498,13 +502,12 @@ pub(crate) fn _decision(
             limit_met: flags.2,
         },
         straight_aircraft: work.4,
-        // Only the certificate makes a proof.
-        certified: None,
     };
     Ok(PyDecision {
         decision: Decision {
             state: state_of(state)?,
-            command: command_of(command)?,
+            // Nothing is proven about it: only the core makes a proof.
+            command: command_of(command)?.into(),
             record,
         },
         ownship: ownship.map(|ownship| ownship.0),

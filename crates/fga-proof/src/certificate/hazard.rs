@@ -135,7 +135,7 @@ impl Extent {
         let (from_s, until_s) = self.window_s;
         let (stretch_m, stretch_mps) = self.stretch_m;
         let is_length = |length_m: f64| (0.0..=LARGEST).contains(&length_m);
-        let is_near = |vector: Vec3| vector.abs().max_element() <= LARGEST;
+        let is_near = |vector: Vec3| vector.abs().cmple(Vec3::splat(LARGEST)).all();
         let first_m = stretch_m + stretch_mps * from_s.max(0.0);
         let last_m = if until_s < f64::INFINITY {
             stretch_m + stretch_mps * until_s

@@ -232,7 +232,7 @@ fn no_ground_is_nearer_than_certified() {
         certified += u64::from(proven.is_some());
         let bound_m = found
             .margin_m
-            .max(proven.map_or(f64::MIN, |proven| proven.bound().margin_m()));
+            .max(proven.map_or(f64::MIN, |proven| proven.bound().margin_m));
         let speed_mps = vehicle.airspeed_mps + wind.length();
         let asked_m = target_m + path.remainder_m() + SLACK_M + STEP_S * speed_mps;
         // Within so much the certificate looks at the posts themselves.

@@ -224,7 +224,7 @@ fn no_zone_is_nearer_than_certified() {
             scene,
             &meter,
         );
-        let proven_m = proven.map_or(f64::MIN, |proven| proven.bound().margin_m());
+        let proven_m = proven.map_or(f64::MIN, |proven| proven.bound().margin_m);
         let bound_m = found.margin_m.max(proven_m) - spare_m;
         let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
         let speed_mps = vehicle.airspeed_mps + wind.length();

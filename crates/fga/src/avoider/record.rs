@@ -138,9 +138,10 @@ pub struct Record {
     pub chosen: Option<Candidate>,
     /// The best manoeuvre to the other side and what it is worth, if there was a search for it and it has at most eight stages.
     pub alternative: Option<(StageList<8>, Candidate)>,
-    /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
-    /// to 1 (turns and changes of climb up to their bounds), as its certificate shows; `None` without a certified
-    /// manoeuvre, on the way back, without an aircraft among the obstacles, and where some count as flying straight on.
+    /// Share of the bounds of aircraft, from 0 to 1, in the motions that its certificate covers: straight on, on along the present turn,
+    /// and a turn of this share to either side that begins at the report or when ours may answer, each with changes of climb. Turns
+    /// between these are not covered. `None` without a certified manoeuvre, on the way back, without an aircraft among the obstacles, and
+    /// where some count as flying straight on.
     pub resilience: Option<f64>,
     /// Number of aircraft that count as flying straight on, because only the turns of the nearest ones are considered.
     pub straight_aircraft: u32,

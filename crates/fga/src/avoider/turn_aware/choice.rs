@@ -51,6 +51,9 @@ fn show(
     let Some(found) = found.filter(|found| search.prove(found)) else {
         return;
     };
+    if search.maneuver().certified().is_none() {
+        return;
+    }
     let worth = Candidate {
         margin_m: found.margin_m,
         cost: found.cost,

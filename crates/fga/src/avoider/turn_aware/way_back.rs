@@ -220,7 +220,7 @@ impl Avoider<dyn Places + '_> {
                 let is_proven = self.prove(maneuver, now, (far.horizon_s, far.margin_m, ENOUGH_M));
                 if let Some(proof) = maneuver.proof() {
                     plan.outcome = Outcome::Proven;
-                    plan.margin_m = proof.bound().margin_m();
+                    plan.margin_m = proof.bound().margin_m;
                 }
                 is_proven
             }
