@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use fga::Vec2;
 use fga::ground::Ground;
-use fga::limit::{LARGEST, SettingsError};
+use fga::limit::{LARGEST_M, SettingsError};
 use fga::zone::{Outline, Zone};
 
 use crate::growable::Growable;
@@ -139,8 +139,8 @@ unsafe fn zone<'a>(given: &fga_zone, written: &[LentSpan]) -> Result<Zone<'a>, R
     let outline = if count == 0 {
         usable("center", given.center)?;
         let radius_m = given.radius_m;
-        let is_radius = radius_m > 0.0 && radius_m <= LARGEST;
-        SettingsError::unless(is_radius, "radius_m", radius_m, "above 0, up to 1e15")?;
+        let is_radius = radius_m > 0.0 && radius_m <= LARGEST_M;
+        SettingsError::unless(is_radius, "radius_m", radius_m, "above 0, up to 1e7")?;
         Outline::Circle(given.center.vector(), radius_m)
     } else {
         if !(3..=FGA_ZONE_CORNERS_MOST).contains(&count) {
@@ -168,8 +168,8 @@ unsafe fn zone<'a>(given: &fga_zone, written: &[LentSpan]) -> Result<Zone<'a>, R
 
 fn usable(field: &'static str, place: fga_place) -> Result<(), Refused> {
     for value in [place.east_m, place.north_m] {
-        let expected = "finite numbers up to 1e15";
-        SettingsError::unless(value.abs() <= LARGEST, field, value, expected)?;
+        let expected = "finite numbers up to 1e7";
+        SettingsError::unless(value.abs() <= LARGEST_M, field, value, expected)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::avoider::{Settings, Start};
-use fga::limit::{LARGEST, SettingsError};
+use fga::limit::{LARGEST_M, LATEST_S, SettingsError};
 use fga::maneuver::{Maneuver, Stage};
 use fga::search::Objective;
 use fga::situation::{
@@ -19,7 +19,7 @@ use crate::status::{Refused, fga_status};
 const POSITION: [&str; 3] = ["position_m.east", "position_m.north", "position_m.up"];
 pub(crate) const WIND: [&str; 3] = ["wind_mps.east", "wind_mps.north", "wind_mps.up"];
 
-const FINITE: &str = "a finite number up to 1e15";
+const FINITE: &str = "a finite number up to 1e7";
 
 /// A vector in the local frame: east, north, up.
 #[repr(C)]
@@ -495,7 +495,8 @@ unsafe impl Growable for fga_situation {}
 impl fga_situation {
     /// Says time, aircraft and wind.
     pub(crate) fn moment(&self, now: &mut Situation<'_>) -> Result<(), Refused> {
-        usable("time_s", self.time_s)?;
+        let is_time = self.time_s.abs() <= LATEST_S;
+        SettingsError::unless(is_time, "time_s", self.time_s, "a finite number up to 1e10")?;
         now.time_s = self.time_s;
         now.wind_mps = self.wind_mps.usable(WIND)?;
         now.ownship = self.ownship.ownship()?;
@@ -574,6 +575,6 @@ pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Resu
 
 /// Refuses a number that is not finite, or too large to calculate with.
 pub(crate) fn usable(field: &'static str, value: f64) -> Result<(), Refused> {
-    SettingsError::unless(value.abs() <= LARGEST, field, value, FINITE)?;
+    SettingsError::unless(value.abs() <= LARGEST_M, field, value, FINITE)?;
     Ok(())
 }

@@ -13,7 +13,7 @@ pub use block::Block;
 use crate::quiet::LineAhead;
 use crate::situation::{Obstacle, Situation};
 use block::{ALWAYS, Memory, NONE};
-use fga_proof::limit::LARGEST;
+use fga_proof::limit::{FASTEST_MPS, LARGEST_M, LATEST_S};
 use line::Line;
 use watch::Watch;
 
@@ -48,7 +48,7 @@ pub enum KeptError {
         /// The number of obstacles for which there is room.
         capacity: usize,
     },
-    /// A number of the report is not finite, beyond [`LARGEST`], or a negative length.
+    /// A number of the report is not finite, beyond [`LARGEST_M`] or [`FASTEST_MPS`], or a negative length.
     Unusable {
         /// The obstacle's identifier.
         id: u32,
@@ -67,7 +67,7 @@ impl core::fmt::Display for KeptError {
             Self::Unusable { id } => {
                 write!(
                     f,
-                    "obstacle {id} has an unusable number, expected finite ones up to 1e15 and no negative length"
+                    "obstacle {id} has an unusable number, expected places up to 1e7 m, speeds up to 1e4 m/s and no negative length"
                 )
             }
         }
@@ -361,13 +361,13 @@ fn is_usable(obstacle: &Obstacle, reported_s: f64) -> bool {
         obstacle.volume.radius_m(),
         obstacle.volume.half_height_m(),
         uncertainty.position_m,
-        uncertainty.velocity_mps,
-        reported_s.abs(),
+        obstacle.position_m.abs().max_element(),
     ];
-    let vectors = [obstacle.position_m, obstacle.velocity_mps];
     obstacle.is_valid()
-        && lengths.iter().all(|length| *length <= LARGEST)
-        && vectors.iter().all(|v| v.abs().max_element() <= LARGEST)
+        && lengths.iter().all(|length| *length <= LARGEST_M)
+        && obstacle.velocity_mps.abs().max_element() <= FASTEST_MPS
+        && uncertainty.velocity_mps <= FASTEST_MPS
+        && reported_s.abs() <= LATEST_S
 }
 
 #[cfg(test)]

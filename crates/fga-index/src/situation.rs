@@ -5,7 +5,7 @@ pub use fga_proof::situation::*;
 pub use crate::columns::{Columns, ColumnsError, Obstacles};
 
 use fga_proof::Vec3;
-use fga_proof::limit::LARGEST;
+use fga_proof::limit::{FASTEST_MPS, LARGEST_M, LATEST_S, MOST_ANGLE_RAD};
 
 /// The input of one decision. Positions and velocities are over the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,18 +24,18 @@ pub struct Situation<'a> {
 
 impl Situation<'_> {
     /// Whether it is usable: every number of the aircraft, the clock and the
-    /// wind is finite, and none is so large that a product of some of them overflows.
+    /// wind is finite and in the range in which a certificate holds (`docs/proof.md`).
     pub fn is_usable(&self) -> bool {
         let own = &self.ownship;
         let angles = Vec3::new(own.course_rad, own.climb_rad, own.bank_rad);
         own.is_valid()
             && self.time_s.is_finite()
             && self.wind_mps.is_finite()
-            && [own.position_m, angles, self.wind_mps]
-                .iter()
-                .all(|v| v.abs().max_element() <= LARGEST)
-            && own.airspeed_mps <= LARGEST
-            && self.time_s.abs() <= LARGEST
+            && own.position_m.abs().max_element() <= LARGEST_M
+            && angles.abs().max_element() <= MOST_ANGLE_RAD
+            && self.wind_mps.abs().max_element() <= FASTEST_MPS
+            && own.airspeed_mps <= FASTEST_MPS
+            && self.time_s.abs() <= LATEST_S
     }
 
     /// Whether the aircraft cannot meet an obstacle within `horizon_s` seconds, whatever its turns. Without a
@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn numbers_beyond_every_flight_are_unusable() {
         assert!(flying(0.0, 0.0, 10.0).is_usable());
-        for time_s in [f64::NAN, 2.0 * LARGEST] {
+        for time_s in [f64::NAN, 2.0 * LATEST_S] {
             assert!(
                 !Situation {
                     time_s,

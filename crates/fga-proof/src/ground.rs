@@ -2,7 +2,7 @@
 //!
 //! Between four posts the ground is bilinear.
 
-use crate::limit::{LARGEST, SettingsError};
+use crate::limit::{LARGEST_M, SettingsError};
 use crate::{Vec2, Vec3};
 
 /// A block of the hierarchy has two to the power of this smaller ones a side, ...
@@ -116,8 +116,8 @@ impl<'a> Ground<'a> {
         SettingsError::unless(is_near, "corner", far_m, "finite numbers")?;
         SettingsError::unless(least_m > 0.0, "spacing", least_m, "above 0")?;
         for (name, length_m) in [("error_m", error_m), ("clearance_m", clearance_m)] {
-            let is_length = (0.0..=LARGEST).contains(&length_m);
-            SettingsError::unless(is_length, name, length_m, "0 to 1e15")?;
+            let is_length = (0.0..=LARGEST_M).contains(&length_m);
+            SettingsError::unless(is_length, name, length_m, "0 to 1e7")?;
         }
         Ok(Self {
             corner_m,

@@ -1,8 +1,19 @@
 //! Limits a number without a panic, finds one between limits, and describes a value out of range.
 
-/// Largest accepted magnitude of a coordinate (metres) or a velocity (metres per second):
-/// far beyond any flight, and small enough that no product of four overflows.
-pub const LARGEST: f64 = 1e15;
+/// Largest accepted coordinate or length, metres: a quarter of the way round the Earth.
+pub const LARGEST_M: f64 = 1e7;
+
+/// Largest accepted component of a velocity, metres per second: beyond the speed that leaves the Earth.
+pub const FASTEST_MPS: f64 = 1e4;
+
+/// Latest accepted time of a clock, seconds: that of 1970 until the year 2286.
+pub const LATEST_S: f64 = 1e10;
+
+/// Largest accepted angle, radians: a course counts its turns.
+pub const MOST_ANGLE_RAD: f64 = 1e4;
+
+/// Bound of what rounding adds to a distance, metres (proof.md §8).
+pub const ROUNDED_M: f64 = 2e-5;
 
 /// Numbers with limits.
 pub trait Limit {

@@ -6,6 +6,7 @@
 //! | where does the manoeuvre lead? | [`FlightPath`] |
 
 mod bend;
+mod drift;
 mod motion;
 mod path;
 mod roll;

@@ -115,7 +115,7 @@ impl Vehicle {
     ///
     /// Ranges: airspeed 1 to 1,000 m/s; turn radius 1 m to 1,000 km, and no turn of more than 10 g; climb
     /// angles to ±80°; climb rate up to 10 rad/s; dead time up to 10 s; time constant of the bank 0, or 0.01 s to
-    /// 10 s; turn-rate factor 0.05 to 2.
+    /// 10 s, in which it turns by at most 1.5 rad; turn-rate factor 0.05 to 2.
     ///
     /// # Errors
     /// The first limit that is not finite or out of range.
@@ -124,10 +124,13 @@ impl Vehicle {
         const STEEPEST_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
         /// Largest acceleration to the side, in g.
         const MOST_G: f64 = 10.0;
+        /// Largest turn in a time constant of the bank, radians: beyond it the bounds of `docs/proof.md` are not tight.
+        const MOST_TURN_RAD: f64 = 1.5;
         let response = self.response;
         let tightest_m = self.airspeed_mps * self.airspeed_mps / (STANDARD_GRAVITY_MPS2 * MOST_G);
         let lag_s = response.bank_time_constant_s;
         let lag = if lag_s == 0.0 { 0.0 } else { 0.01 };
+        let most_lag_s = f64::min(10.0, MOST_TURN_RAD / self.course_rate_radps());
         let rows = [
             ("airspeed_mps", self.airspeed_mps, (1.0, 1e3), "1 to 1,000"),
             (
@@ -158,8 +161,8 @@ impl Vehicle {
             (
                 "bank_time_constant_s",
                 lag_s,
-                (lag, 10.0),
-                "0, or 0.01 to 10",
+                (lag, most_lag_s),
+                "0, or 0.01 to 10, and no turn of more than 1.5 rad (86 degrees) in it",
             ),
             (
                 "turn_rate_factor",

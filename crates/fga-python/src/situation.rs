@@ -386,7 +386,7 @@ pub(crate) enum ObstacleForm {
 /// `time_s` is the time of the state on any clock that does not run backwards. `obstacles` are a sequence of
 /// `Obstacle` or one `Obstacles`, over the ground. `wind_mps` is the velocity of the air over the ground.
 ///
-/// Raises ValueError for a number that is not finite or larger than 1e15, or two obstacles with the same `id`.
+/// Raises ValueError for a number that is not finite or too large, or two obstacles with the same `id`.
 #[pyclass(name = "Situation", frozen, module = "fga")]
 #[derive(Debug)]
 pub(crate) struct PySituation {
@@ -431,7 +431,7 @@ impl PySituation {
         let is_usable = situation.with(|situation| situation.is_usable());
         if !is_usable {
             return Err(PyValueError::new_err(
-                "a number of the situation is larger than 1e15, expected less",
+                "a number of the situation is too large, expected places up to 1e7 m, speeds up to 1e4 m/s, angles up to 1e4 rad, times up to 1e10 s",
             ));
         }
         Ok(situation)

@@ -312,7 +312,7 @@ impl Avoider<dyn Places + '_> {
     /// from now; the aircraft flies it if nothing new happens. The avoider
     /// ignores obstacles with numbers that are not finite. It holds the present course
     /// ([`Reason::InvalidInput`]) while the ownship's state or the time is unusable or beyond
-    /// [`LARGEST`](crate::limit::LARGEST). A clock that is set back by up to a second changes nothing; a larger step
+    /// [`LARGEST_M`](crate::limit::LARGEST_M) and the other limits. A clock that is set back by up to a second changes nothing; a larger step
     /// back makes it forget its plan ([`Record::clock_set_back`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
         let mut decision = Decision::default();

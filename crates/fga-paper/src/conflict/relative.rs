@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::certificate::Hazard;
-use fga::limit::LARGEST;
+use fga::limit::LARGEST_M;
 use fga::situation::Ownship;
 
 /// An obstacle seen from the aircraft.
@@ -24,9 +24,9 @@ pub struct ClosestApproach {
 impl Relative {
     /// From r = A − U, metres, and `V_r` = `V_u` − `V_a`, metres per second.
     ///
-    /// `None` where a component is not finite or beyond [`LARGEST`].
+    /// `None` where a component is not finite or beyond [`LARGEST_M`].
     pub fn new(position_m: Vec3, velocity_mps: Vec3) -> Option<Self> {
-        let usable = |v: Vec3| v.is_finite() && v.abs().max_element() <= LARGEST;
+        let usable = |v: Vec3| v.is_finite() && v.abs().max_element() <= LARGEST_M;
         (usable(position_m) && usable(velocity_mps)).then_some(Self {
             position_m,
             velocity_mps,

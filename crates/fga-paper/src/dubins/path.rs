@@ -7,7 +7,7 @@ use dubins_paths::f64::{Intermediate, PosRot};
 
 use fga::Vec3;
 use fga::angle::{Side, wrap_pi};
-use fga::limit::LARGEST;
+use fga::limit::LARGEST_M;
 use fga::limit::Limit as _;
 
 /// A position and the course through it.
@@ -106,7 +106,7 @@ impl DubinsPath {
         word: PathType,
     ) -> Option<Self> {
         let usable = |pose: &Pose| {
-            pose.position_m.abs().max_element() <= LARGEST
+            pose.position_m.abs().max_element() <= LARGEST_M
                 && pose.position_m.is_finite()
                 && pose.course_rad.is_finite()
         };
@@ -117,7 +117,7 @@ impl DubinsPath {
         if !usable(&start) || !usable(&end) || !limits_ok {
             return None;
         }
-        if !(1e-9..=LARGEST).contains(&radius_m) {
+        if !(1e-9..=LARGEST_M).contains(&radius_m) {
             return None;
         }
         // Moves the start to the origin, so that far-away coordinates lose no precision.

@@ -87,8 +87,16 @@ pub struct Piece {
     pub bank_end_rad: f64,
     /// Bound of the course rate within it, radians per second.
     pub fastest_radps: f64,
-    /// Bound of the distance of the flight from that with this course rate, metres.
+    /// Bound of the distance of the flight from that with this course rate, metres, if both begin alike (proof.md §4, §5).
     pub remainder_m: f64,
+    /// Bound of the error of its turn, radians.
+    pub course_error_rad: f64,
+    /// Bound of the error of the bank at its end, radians.
+    pub bank_error_rad: f64,
+    /// The remaining turn beyond the roll-out's at its beginning, radians, without a sign.
+    pub beyond_rad: f64,
+    /// Whether the turn is over, on its course, at its end.
+    pub ends_turn: bool,
 }
 
 impl Piece {
@@ -109,6 +117,10 @@ impl Piece {
             bank_end_rad: bank_rad,
             fastest_radps: course_rate_radps,
             remainder_m: 0.0,
+            course_error_rad: 0.0,
+            bank_error_rad: 0.0,
+            beyond_rad: 0.0,
+            ends_turn: false,
         }
     }
 
@@ -189,7 +201,7 @@ pub struct Flyer {
     /// Bank of the largest course rate, radians, and the turn made while rolling out from it.
     full_bank_rad: f64,
     full_roll_out_rad: f64,
-    /// Stretches the pieces of a roll.
+    /// The error that a piece of a roll may have, as a share of the usual one.
     pace: f64,
     /// Turns from level flight.
     level: Bend,
@@ -271,6 +283,11 @@ impl Flyer {
     #[inline]
     pub const fn climb_rate_radps(&self) -> f64 {
         self.climb_rate_radps
+    }
+
+    /// The turn at a bank of 45° in a time constant of the bank, radians.
+    pub(crate) fn turn_at_45_rad(&self) -> f64 {
+        self.gain_radps * self.bank_time_constant_s
     }
 
     /// Whether the bank follows its command at once.

@@ -8,6 +8,7 @@ use crate::limit::whole;
 use crate::list::List;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
+use crate::prediction::drift::Drift;
 use crate::prediction::{Flyer, MotionState, Piece};
 
 /// Most nodes of a path: a slow turn round and its rolls, twice over. A flight that needs more is not proven.
@@ -187,8 +188,8 @@ impl FlightPath {
         self.complete
     }
 
-    /// Bound of the distance of the flight from its nodes and from the pieces between them, metres: 0
-    /// without bank lag.
+    /// Bound of the distance of the flight from its nodes and from the pieces between them, metres (proof.md §7): that of
+    /// rounding without bank lag.
     #[inline]
     pub const fn remainder_m(&self) -> f64 {
         self.remainder_m
@@ -211,7 +212,6 @@ impl FlightPath {
         if !meter.take(work) {
             return None;
         }
-        self.remainder_m += piece.remainder_m;
         // Where the nodes run out, those there are keep their distance.
         let step_s = if count > MAX_NODES {
             libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
@@ -249,13 +249,14 @@ impl FlightPath {
         meter: &Meter,
     ) {
         self.nodes.clear();
-        (self.complete, self.remainder_m) = (false, 0.0);
+        self.complete = false;
         // The last node comes on top of those of the pieces.
         if !meter.take(SETUP + flyer.node_work()) {
             return;
         }
         let mut state = *start;
         let mut pieces = Pieces::new(flyer, start, maneuver.stages());
+        let mut drift = Drift::new(flyer, start);
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;
@@ -264,16 +265,18 @@ impl FlightPath {
             let Some(mut end) = flown.flatten() else {
                 break;
             };
+            drift.fly(flyer, &pieces.command, &piece, duration_s);
             if duration_s >= until_s - state.time_s {
                 end.time_s = until_s;
             }
             state = end;
         }
+        self.remainder_m = drift.remainder_m(flyer, horizon_s - state.time_s);
         self.end_velocity_mps = flyer.velocity_mps(&state);
         self.complete = self.nodes.push(Node::straight(state)).is_some();
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
         self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
-        self.complete &= maneuver.is_whole() && !meter.is_spent();
+        self.complete &= maneuver.is_whole() && !meter.is_spent() && self.remainder_m.is_finite();
     }
 
     /// The aircraft `at_s` seconds from the decision.

@@ -468,7 +468,7 @@ fn a_report_replaces_the_one_with_its_identifier_and_a_full_memory_says_so() {
     let broken = kept.put(&at(7, f64::NAN), 5.0).unwrap_err();
     assert_eq!(
         broken.to_string(),
-        "obstacle 7 has an unusable number, expected finite ones up to 1e15 and no negative length"
+        "obstacle 7 has an unusable number, expected places up to 1e7 m, speeds up to 1e4 m/s and no negative length"
     );
     kept.put(&at(7, 2.0), 8.0).unwrap();
     assert_eq!(places(&kept)[2], (7, 2.0));

@@ -8,9 +8,6 @@ use crate::prediction::motion::arc::unit;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD};
 use crate::prediction::roll::{GAUSS, Roll, roll_out};
 
-/// A smaller bank has no roll-out left, radians.
-const ROLLED_OUT_RAD: f64 = 1e-9;
-
 /// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
 
@@ -20,16 +17,18 @@ const LEVEL_TURN: f64 = 0.1;
 /// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
 const USUAL_SCALE_M: f64 = 1.5;
 
+/// Pieces may err by at least this share of the usual, so that slow rolls have few.
+const LEAST_PACE: f64 = 0.0024;
+
 impl Flyer {
     /// Computes what all rolls share.
     pub(super) fn prepare_rolls(&mut self) {
         let full_rad = self.bank_rad(self.course_rate_radps);
         self.full_roll_out_rad = self.rollout_rad(full_rad);
         self.full_bank_rad = full_rad;
-        // The error of a piece grows as the fifth power of its length.
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
-        self.pace = libm::exp(0.2 * libm::log(USUAL_SCALE_M / scale_m)).limited(0.3, 1.0);
+        self.pace = (USUAL_SCALE_M / scale_m).limited(LEAST_PACE, 1.0);
     }
 
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
@@ -71,36 +70,49 @@ impl Flyer {
             self.bank_rad(limit)
         };
         let beyond = self.beyond(turn_left, state.bank_rad);
-        if full > 0.0 && beyond.abs() > ROLL_OUT_BEGINS_RAD {
+        let is_turn = full > 0.0;
+        let piece = if is_turn && beyond.abs() > ROLL_OUT_BEGINS_RAD {
             let command = libm::copysign(full, beyond);
             if state.bank_rad == command {
                 let rate = libm::copysign(limit, beyond);
                 let turn_s = (turn_left - self.rollout_rad(command)) / rate;
-                return Piece::steady(climb_s.min(turn_s), rate, climb_rate, command);
-            }
-            let roll = Roll::new(state.bank_rad, command, most, self.pace);
-            let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
-            let roll = if left * beyond > 0.0 {
-                roll
+                Piece::steady(climb_s.min(turn_s), rate, climb_rate, command)
             } else {
-                self.roll_to_roll_out(&roll, turn_left, left)
-            };
-            return self.piece_of(&roll, climb_rate);
-        }
-        if state.bank_rad.abs() > ROLLED_OUT_RAD {
-            let mut roll = Roll::new(state.bank_rad, 0.0, most, self.pace);
-            if roll.to_rad == 0.0 && full > 0.0 {
-                // Rounding leaves a rest: it ends on its course.
-                let turn = turn_left / (self.gain_radps * tau);
-                roll.rate += (turn - roll.turn) / roll.lasts;
+                let roll = Roll::new(state.bank_rad, command, most, self.pace);
+                let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
+                let roll = if left * beyond > 0.0 {
+                    roll
+                } else {
+                    self.roll_to_roll_out(&roll, turn_left, left)
+                };
+                self.piece_of(&roll, climb_rate)
             }
-            return self.piece_of(&roll, climb_rate);
+        } else if state.bank_rad != 0.0 {
+            let mut roll = Roll::new(state.bank_rad, 0.0, most, self.pace);
+            let ends_turn = is_turn && roll.to_rad == 0.0;
+            if ends_turn {
+                // Errors and rounding leave a rest: it ends on its course.
+                roll.turn_to(turn_left / (self.gain_radps * tau));
+            }
+            Piece {
+                ends_turn,
+                ..self.piece_of(&roll, climb_rate)
+            }
+        } else if turn_left.abs() < REACHED_RAD || !is_turn {
+            Piece::steady(climb_s, 0.0, climb_rate, 0.0)
+        } else {
+            let step_s = LEVEL_TURN * tau;
+            Piece {
+                course_error_rad: turn_left.abs(),
+                ends_turn: true,
+                ..Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
+            }
+        };
+        let beyond_rad = if is_turn { beyond.abs() } else { 0.0 };
+        Piece {
+            beyond_rad,
+            ..piece
         }
-        if turn_left.abs() < REACHED_RAD || full <= 0.0 {
-            return Piece::steady(climb_s, 0.0, climb_rate, 0.0);
-        }
-        let step_s = LEVEL_TURN * tau;
-        Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
     /// The bank of the largest course rate, radians.
@@ -162,16 +174,24 @@ impl Flyer {
     fn piece_of(&self, roll: &Roll, climb_rate_radps: f64) -> Piece {
         let tau = self.bank_time_constant_s;
         let turn = self.gain_radps * tau;
-        // What the displacement of a piece does not count of its third order.
-        let (turn_rad, bend) = (turn * roll.turn.abs(), turn * roll.lasts * roll.lasts);
-        let bend_rad = bend
-            * roll
-                .growth
-                .abs()
-                .max((roll.growth + roll.curve * roll.lasts).abs());
-        let uncounted = bend_rad * bend_rad * (bend_rad + turn_rad * (turn_rad + 1.4)) / 6720.0;
+        let duration_s = roll.lasts * tau;
+        let scale_m = self.airspeed_mps * duration_s;
+        let steepest = roll.fastest * roll.lasts;
+        let turns_rad = turn * steepest + (climb_rate_radps * duration_s).abs();
+        // From the roll to this course rate (proof.md §4).
+        let (bow_rad, wave_rad) = (turn * roll.bow / roll.lasts, turn * roll.wave);
+        let shape_m = scale_m * (bow_rad * (1.0 + turns_rad) + 0.5 * wave_rad * wave_rad);
+        // What its displacement does not count (proof.md §5).
+        let end_growth = roll.growth + roll.curve * roll.lasts;
+        let square = turn * roll.lasts * roll.lasts;
+        let a = square * roll.growth.abs().max(end_growth.abs());
+        let b = square * roll.lasts * roll.curve.abs();
+        let (k, third) = (turns_rad, a + b / 6.0);
+        let uncounted = k * k * (k * (k * a / 4.0 + b / 3.0) + a * a)
+            + b * (k * a * 4.0 / 3.0 + b / 4.0)
+            + 2.0 * third * third * third;
         Piece {
-            duration_s: roll.lasts * tau,
+            duration_s,
             course_rate_radps: self.gain_radps * roll.rate,
             course_growth_radps2: self.gain_radps * roll.growth / tau,
             course_curve_radps3: self.gain_radps * roll.curve / (tau * tau),
@@ -179,7 +199,12 @@ impl Flyer {
             bank_command_rad: roll.command_rad,
             bank_end_rad: roll.to_rad,
             fastest_radps: self.gain_radps * roll.fastest,
-            remainder_m: self.airspeed_mps * tau * (turn * roll.bow + uncounted * roll.lasts),
+            // At a node, and from it to a place between nodes.
+            remainder_m: shape_m + 2.0 * scale_m * uncounted / 13_440.0,
+            course_error_rad: turn * roll.turn_error,
+            bank_error_rad: roll.left_rad,
+            beyond_rad: 0.0,
+            ends_turn: false,
         }
     }
 
