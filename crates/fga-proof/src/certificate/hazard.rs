@@ -2,12 +2,15 @@
 
 use crate::Vec3;
 use crate::assumptions::Assumption;
-use crate::limit::LARGEST;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::ProtectedVolume;
 
 /// Most steps to the least margin of a cylinder on a line; six are usual.
 const MOST_STEPS: u32 = 40;
+
+/// Largest number of an extent, metres, metres per second: a limit of altitude is a sphere of 10⁹ m, the surface of which is known to a
+/// micrometre.
+const MOST_M: f64 = 2e9;
 
 /// Accuracy of a cylinder's least margin on a line, metres.
 const LEAST_KNOWN_M: f64 = 1e-9;
@@ -134,8 +137,8 @@ impl Extent {
     pub fn is_valid(&self) -> bool {
         let (from_s, until_s) = self.window_s;
         let (stretch_m, stretch_mps) = self.stretch_m;
-        let is_length = |length_m: f64| (0.0..=LARGEST).contains(&length_m);
-        let is_near = |vector: Vec3| vector.abs().cmple(Vec3::splat(LARGEST)).all();
+        let is_length = |length_m: f64| (0.0..=MOST_M).contains(&length_m);
+        let is_near = |vector: Vec3| vector.abs().cmple(Vec3::splat(MOST_M)).all();
         let first_m = stretch_m + stretch_mps * from_s.max(0.0);
         let last_m = if until_s < f64::INFINITY {
             stretch_m + stretch_mps * until_s
