@@ -785,7 +785,12 @@ fga_status fga_avoider_init(void *storage,
                             struct fga_avoider **avoider,
                             struct fga_refusal *why);
 
-// Sets the mission, whose waypoints are copied. It may be replaced while a manoeuvre is flown.
+// Sets the mission, whose waypoints are copied. It may be replaced at any time, also while a manoeuvre is flown, which then leads back
+// to the new mission.
+//
+// The new mission begins at its first leg, by a turn round where that ends behind the aircraft, or at the first leg that the aircraft can
+// join. Where both missions have the same waypoints up to the end of the present leg, or of a mission that is complete, the flight
+// goes on from there. The same waypoints again change nothing.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`;
 // then the mission stays as it was.
