@@ -208,6 +208,25 @@ fn mathematics_and_exceptions_are_those_of_the_program() {
     }
 }
 
+/// Nothing that a program traps is seen by it, its rounding changes no decision, and is its own again.
+#[test]
+fn no_step_raises_a_floating_point_exception() {
+    // Where the processor traps: see `floating`.
+    if !cfg!(all(target_arch = "x86_64", target_env = "gnu")) || !have(&[("cc", "build-essential")])
+    {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let source = folder().join("tests/link/traps.c");
+    let program = build_at(&source, "cc", &["-std=gnu11", "-O1"], into.path());
+    let printed = ran(Command::new(program).args(["0", "400"]));
+    let counts: Vec<u32> = printed
+        .split(' ')
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    assert!(counts[0] == 800 && counts[1] > 2_000, "{printed}");
+}
+
 #[test]
 fn the_headers_compile_in_every_standard() {
     if !have(&[("cc", "build-essential"), ("c++", "build-essential")]) {

@@ -137,6 +137,50 @@ fn a_mission_set_on_a_leg_of_another_is_flown() {
     assert!(flown.is_northward());
 }
 
+/// Half of a command's period, then the rest of it as a command that is half a period old: where the whole leads in one.
+#[test]
+fn a_command_that_is_under_way_is_predicted_by_its_age() {
+    let flown = Flown::new();
+    let stage = |start_s, course_from_east_rad| fga_stage {
+        start_s,
+        course_from_east_rad,
+        climb_rad: 0.0,
+        rate_share: 1.0,
+    };
+    let predict = |own: &fga_ownship, age_s: f64, after_s: f64| {
+        let stages = [stage(0.0, 1.0), stage(0.6, -0.5), stage(3.0, 0.2)].map(|at| fga_stage {
+            start_s: at.start_s - age_s,
+            ..at
+        });
+        let mut then = *own;
+        // SAFETY: right pointers.
+        let status = unsafe {
+            fga_predict(
+                flown.prover,
+                own,
+                stages.as_ptr(),
+                3,
+                situation(0.0, &[]).wind_mps,
+                after_s,
+                &raw mut then,
+                null_mut(),
+            )
+        };
+        assert_eq!(status, fga_status::Ok);
+        then
+    };
+    let whole = predict(&flown.own, 0.0, 9.0);
+    for age_s in [0.1, 0.6, 1.0, 4.0] {
+        let rest = predict(&predict(&flown.own, 0.0, age_s), age_s, 9.0 - age_s);
+        let [to, also] = [whole.position_m, rest.position_m];
+        assert!(
+            (to.east - also.east).hypot(to.north - also.north) < 1e-6,
+            "{age_s}"
+        );
+        assert!((whole.course_from_east_rad - rest.course_from_east_rad).abs() < 1e-9);
+    }
+}
+
 /// Its first leg ends 50 m behind the aircraft.
 #[test]
 fn a_first_leg_that_lies_behind_is_flown_from_its_beginning() {
