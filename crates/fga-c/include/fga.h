@@ -601,7 +601,7 @@ typedef struct fga_situation {
 
 // A command from a moment on, until the next stage begins.
 typedef struct fga_stage {
-  // Its start, seconds from the decision.
+  // Its start, seconds from the decision; at 0 or below it has begun.
   double start_s;
   // Course to turn to, radians from east towards north. Not wrapped: the aircraft turns by the plain difference to its own
   // course, which says to which side, and may be more than half a turn.

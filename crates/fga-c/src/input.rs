@@ -522,7 +522,7 @@ pub(crate) const UNSAID: Situation<'static> = Situation {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct fga_stage {
-    /// Its start, seconds from the decision.
+    /// Its start, seconds from the decision; at 0 or below it has begun.
     pub start_s: f64,
     /// Course to turn to, radians from east towards north. Not wrapped: the aircraft turns by the plain difference to its own
     /// course, which says to which side, and may be more than half a turn.
