@@ -25,7 +25,7 @@ def situation(time_s=0.0, obstacles=()):
 @pytest.mark.parametrize("before", [[], [(0, 0, 100), (300, 0, 100)], [(0, 0, 100), (5000, 0, 100)]])
 def test_another_mission_is_flown_whatever_was_flown_before(policy, before):
     """After none, after its end and on a leg; the same mission again changes nothing."""
-    vehicle = fga.Vehicle()
+    vehicle = fga.VehicleModel().vehicle
     pilot = fga.Pilot(policy)
     north = [(0, 0, 100), (0, 3000, 100)]
     ownship = fga.Ownship((0, 0, 100), 0.0, vehicle.airspeed_mps)

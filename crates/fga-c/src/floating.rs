@@ -26,9 +26,9 @@ mod registers {
         held
     }
 
-    pub(super) fn give_back(held: &Environment) {
+    pub(super) fn give_back(held: Environment) {
         // SAFETY: writes what the register had.
-        unsafe { asm!("ldmxcsr [{}]", in(reg) held, options(nostack)) }
+        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const held, options(nostack)) }
     }
 }
 
@@ -51,10 +51,10 @@ mod registers {
         (control, flags)
     }
 
-    pub(super) fn give_back((control, flags): &Environment) {
+    pub(super) fn give_back((control, flags): Environment) {
         // SAFETY: writes what the registers had.
         unsafe {
-            asm!("msr fpcr, {}", "msr fpsr, {}", in(reg) *control, in(reg) *flags, options(nostack));
+            asm!("msr fpcr, {}", "msr fpsr, {}", in(reg) control, in(reg) flags, options(nostack));
         }
     }
 }
@@ -66,14 +66,14 @@ mod registers {
 
     pub(super) const fn hold() -> Environment {}
 
-    pub(super) const fn give_back(_: &Environment) {}
+    pub(super) const fn give_back((): Environment) {}
 }
 
 /// Computes in the default environment.
 pub(crate) fn by_default<T>(compute: impl FnOnce() -> T) -> T {
     let held = registers::hold();
     let answer = apart(compute);
-    registers::give_back(&held);
+    registers::give_back(held);
     answer
 }
 
