@@ -21,6 +21,21 @@ def situation(time_s=0.0, obstacles=()):
     return fga.Situation(time_s, ownship, mission, list(obstacles))
 
 
+@pytest.mark.parametrize("policy", ["turn-aware", "none", "published --start t0"])
+@pytest.mark.parametrize("before", [[], [(0, 0, 100), (300, 0, 100)], [(0, 0, 100), (5000, 0, 100)]])
+def test_another_mission_is_flown_whatever_was_flown_before(policy, before):
+    """After none, after its end and on a leg; the same mission again changes nothing."""
+    vehicle = fga.VehicleModel().vehicle
+    pilot = fga.Pilot(policy)
+    north = [(0, 0, 100), (0, 3000, 100)]
+    ownship = fga.Ownship((0, 0, 100), 0.0, vehicle.airspeed_mps)
+    for step in range(1200):
+        mission = fga.Mission(before if step < 400 else north)
+        decision = pilot.step(fga.Situation(0.1 * step, ownship, mission))
+        ownship = decision.predicted(vehicle, 0.1)
+    assert abs(ownship.position_m[0]) < 1 and ownship.position_m[1] > 100
+
+
 def test_the_examples_of_the_documentation():
     assert doctest.testmod(fga).failed == 0
 

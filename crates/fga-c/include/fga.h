@@ -605,7 +605,7 @@ typedef struct fga_situation {
 
 // A command from a moment on, until the next stage begins.
 typedef struct fga_stage {
-  // Its start, seconds from the decision.
+  // Its start, seconds from the decision; at 0 or below it has begun.
   double start_s;
   // Course to turn to, radians from east towards north. Not wrapped: the aircraft turns by the plain difference to its own
   // course, which says to which side, and may be more than half a turn.
@@ -789,7 +789,12 @@ fga_status fga_avoider_init(void *storage,
                             struct fga_avoider **avoider,
                             struct fga_refusal *why);
 
-// Sets the mission, whose waypoints are copied. It may be replaced while a manoeuvre is flown.
+// Sets the mission, whose waypoints are copied. It may be replaced at any time, also while a manoeuvre is flown, which then leads back
+// to the new mission.
+//
+// The new mission begins at its first leg, by a turn round where that ends behind the aircraft, or at the first leg that the aircraft can
+// join. Where both missions have the same waypoints up to the end of the present leg, or of a mission that is complete, the flight
+// goes on from there. The same waypoints again change nothing.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`;
 // then the mission stays as it was.
@@ -879,6 +884,9 @@ fga_status fga_certify(struct fga_prover *prover,
 
 // Where the aircraft is after some time on a manoeuvre, over the ground, with the response of the prover's vehicle. A vehicle
 // with a dead time needs it: a step is asked about the moment at which its command begins to have an effect.
+//
+// The command of an earlier decision is flown on with its age taken from each `start_s`: of the stages that have begun, at 0 or below,
+// the last one counts.
 //
 // `then` may not be `ownship`. Refuses `NULL`, `MISALIGNED`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (`after_s`: 0
 // to 600), `TOO_MANY`.

@@ -7,6 +7,7 @@ use fga::ground::Ground;
 use fga::limit::{LARGEST_M, SettingsError};
 use fga::zone::{Outline, Zone};
 
+use crate::floating::by_default;
 use crate::growable::Growable;
 use crate::memory::{LentSpan, apart, given, list};
 use crate::status::{Refused, fga_status};
@@ -265,5 +266,5 @@ pub unsafe extern "C" fn fga_ground_fill_peaks(
         }
         Ok(())
     };
-    fill().map_or_else(|refused| refused.status, |()| fga_status::Ok)
+    by_default(fill).map_or_else(|refused| refused.status, |()| fga_status::Ok)
 }

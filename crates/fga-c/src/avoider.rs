@@ -180,16 +180,26 @@ impl AtWork<'_, Flying> {
             waypoint.waypoint().map_err(|refused| refused.at(index))?;
         }
         let (places, passing) = self.waypoint_places();
+        let before = self.value().waypoints;
+        // The first waypoints that both missions have.
+        let mut kept = 0;
         for (index, waypoint) in waypoints.iter().enumerate() {
             let (place_m, passes) = waypoint.waypoint()?;
-            // SAFETY: there is room for `waypoints_most` of both behind the obstacles, and there are no more waypoints.
+            // SAFETY: the first `before` places are those of the mission before; there is room for `waypoints_most` of both behind the
+            // obstacles, and there are no more waypoints.
             unsafe {
+                let is_before = index < before as usize
+                    && (*places.add(index), *passing.add(index)) == (place_m, passes);
+                kept += usize::from(is_before && kept == index);
                 places.add(index).write(place_m);
                 passing.add(index).write(passes);
             }
         }
         let flying = self.value();
         (flying.waypoints, flying.limits_m) = (mission.waypoint_count, limits_m);
+        if (before, kept) != (mission.waypoint_count, waypoints.len()) {
+            flying.avoider.replace_mission(kept);
+        }
         Ok(())
     }
 
@@ -377,7 +387,12 @@ unsafe fn work(
     unsafe { memory::work(avoider.cast(), why, counted) }
 }
 
-/// Sets the mission, whose waypoints are copied. It may be replaced while a manoeuvre is flown.
+/// Sets the mission, whose waypoints are copied. It may be replaced at any time, also while a manoeuvre is flown, which then leads back
+/// to the new mission.
+///
+/// The new mission begins at its first leg, by a turn round where that ends behind the aircraft, or at the first leg that the aircraft can
+/// join. Where both missions have the same waypoints up to the end of the present leg, or of a mission that is complete, the flight
+/// goes on from there. The same waypoints again change nothing.
 ///
 /// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`;
 /// then the mission stays as it was.

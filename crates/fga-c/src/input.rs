@@ -523,7 +523,7 @@ pub(crate) const UNSAID: Situation<'static> = Situation {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct fga_stage {
-    /// Its start, seconds from the decision.
+    /// Its start, seconds from the decision; at 0 or below it has begun.
     pub start_s: f64,
     /// Course to turn to, radians from east towards north. Not wrapped: the aircraft turns by the plain difference to its own
     /// course, which says to which side, and may be more than half a turn.
@@ -545,17 +545,17 @@ impl fga_stage {
     }
 }
 
-/// Fills a manoeuvre, which is large, with some stages.
+/// Fills a manoeuvre, which is large, with some stages. Of those that have begun the last one is flown.
 pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Result<(), Refused> {
     maneuver.set([]);
-    let mut last_s = 0.0;
+    let mut last_s = f64::NEG_INFINITY;
     for (index, stage) in stages.iter().enumerate() {
         let (start_s, share) = (stage.start_s, stage.rate_share);
         let check = || -> Result<(), Refused> {
             usable("start_s", start_s)?;
             usable("course_from_east_rad", stage.course_from_east_rad)?;
             usable("climb_rad", stage.climb_rad)?;
-            let in_order = "0 or more, and no stage before the one in front of it";
+            let in_order = "no stage before the one in front of it";
             SettingsError::unless(start_s >= last_s, "start_s", start_s, in_order)?;
             let is_share = share > 0.0 && share <= 1.0;
             SettingsError::unless(is_share, "rate_share", share, "above 0 and up to 1")?;
@@ -563,8 +563,11 @@ pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Resu
         };
         check().map_err(|refused| refused.at(index))?;
         last_s = start_s;
+        if start_s <= 0.0 {
+            maneuver.set([]);
+        }
         maneuver.push(Stage {
-            start_s,
+            start_s: start_s.max(0.0),
             course_rad: stage.course_from_east_rad,
             climb_rad: stage.climb_rad,
             rate_share: share,

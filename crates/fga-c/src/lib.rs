@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `status` | what does a call answer, and why does it refuse? |
 //! | `memory` | is it safe to read and write where the caller says? |
+//! | `floating` | in which floating-point environment does a call compute? |
 //! | `input` | what does the caller give? |
 //! | `airspace` | which zones and which ground does the caller lend? |
 //! | `avoider` | what to fly until the next step? |
@@ -37,6 +38,7 @@ mod abi;
 mod airspace;
 mod avoider;
 mod decision;
+mod floating;
 mod growable;
 mod input;
 mod memory;

@@ -6,6 +6,7 @@
 use core::marker::PhantomData;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use crate::floating::by_default;
 use crate::growable::{Growable, size_word};
 use crate::status::{Refused, fga_refusal, fga_status};
 
@@ -157,7 +158,7 @@ pub(crate) unsafe fn answered(
 ) -> fga_status {
     // SAFETY: as this function.
     match unsafe { Why::new(why) } {
-        Ok(why) => why.answer(call(why.span)),
+        Ok(why) => why.answer(by_default(|| call(why.span))),
         Err(status) => status,
     }
 }

@@ -371,6 +371,9 @@ pub unsafe extern "C" fn fga_certify(
 /// Where the aircraft is after some time on a manoeuvre, over the ground, with the response of the prover's vehicle. A vehicle
 /// with a dead time needs it: a step is asked about the moment at which its command begins to have an effect.
 ///
+/// The command of an earlier decision is flown on with its age taken from each `start_s`: of the stages that have begun, at 0 or below,
+/// the last one counts.
+///
 /// `then` may not be `ownship`. Refuses `NULL`, `MISALIGNED`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (`after_s`: 0
 /// to 600), `TOO_MANY`.
 #[unsafe(no_mangle)]

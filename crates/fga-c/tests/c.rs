@@ -60,7 +60,7 @@ fn ran(command: &mut Command) -> String {
     printed
 }
 
-/// The static library as it is shipped, built once.
+/// The folder of the static library as it is shipped, built once.
 fn library() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
     LIBRARY.get_or_init(|| {
@@ -85,17 +85,33 @@ fn library() -> &'static Path {
             .arg(&target)
             .env_remove("RUSTFLAGS")
             .current_dir(root()));
-        target.join("firmware")
+        let built = target.join("firmware/libfga_c.a");
+        let folder = target.join("firmware/sealed");
+        fs::create_dir_all(&folder).unwrap();
+        ran(Command::new(self::folder().join("seal.sh"))
+            .arg(built)
+            .arg(folder.join("libfga_c.a")));
+        folder
     })
 }
 
 /// Builds an example.
 fn build(name: &str, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
+    build_at(
+        &root().join("examples/c").join(name),
+        compiler,
+        options,
+        into,
+    )
+}
+
+/// Builds a program with the library.
+fn build_at(source: &Path, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
     let program = into.join("program");
     ran(Command::new(compiler)
         .args(options)
         .args(WARNINGS)
-        .arg(root().join("examples/c").join(name))
+        .arg(source)
         .arg("-I")
         .arg(folder().join("include"))
         .arg("-L")
@@ -129,6 +145,112 @@ fn the_static_library_holds_no_panic_and_no_allocation() {
         .filter(|line| unwanted.iter().any(|name| line.contains(name)))
         .collect();
     assert!(found.is_empty(), "{found:?}");
+}
+
+/// The names that `nm` lists with some options.
+fn symbols(options: &[&str]) -> Vec<String> {
+    let listed = ran(Command::new("nm")
+        .args(["--extern-only", "--format=posix"])
+        .args(options)
+        .arg(library().join("libfga_c.a")));
+    let names = listed.lines().filter(|line| line.contains(' '));
+    names
+        .filter_map(|line| line.split(' ').next().map(str::to_owned))
+        .collect()
+}
+
+/// Nothing of the compiler's runtime takes the place of a function of the program, and the program's C library is all that is needed.
+#[test]
+fn the_static_library_exports_its_interface_alone() {
+    if !have(&[("nm", "binutils")]) {
+        return;
+    }
+    let header = fs::read_to_string(folder().join("include/fga.h")).unwrap();
+    let exported = symbols(&["--defined-only"]);
+    let is_of_it = |name: &String| {
+        header.contains(&format!(" {name}(")) || header.contains(&format!("*{name}("))
+    };
+    assert!(
+        exported.len() > 20 && exported.iter().all(is_of_it),
+        "{exported:?}"
+    );
+    let needed = symbols(&["--undefined-only"]);
+    let is_basic =
+        |name: &String| ["memcpy", "memmove", "memset", "memcmp", "bcmp"].contains(&name.as_str());
+    assert!(needed.iter().all(is_basic), "{needed:?}");
+}
+
+/// Every function of `math.h` in each precision, and the runtime of C++, are the program's own: what it prints does not depend on
+/// the library.
+#[test]
+fn mathematics_and_exceptions_are_those_of_the_program() {
+    if !have(&[("cc", "build-essential"), ("c++", "build-essential")]) {
+        return;
+    }
+    let links = [
+        ("math.c", "cc", "-std=c11", 850),
+        ("math.cpp", "c++", "-std=c++17", 50),
+    ];
+    for (name, compiler, standard, least) in links {
+        let source = folder().join("tests/link").join(name);
+        let [alone, linked] = [None, Some("-DWITH_FGA")].map(|with| {
+            let into = tempfile::tempdir().unwrap();
+            let mut options = vec![standard, "-fno-builtin"];
+            options.extend(with);
+            ran(&mut Command::new(build_at(
+                &source,
+                compiler,
+                &options,
+                into.path(),
+            )))
+        });
+        assert_eq!(alone, linked);
+        assert!(linked.lines().count() > least, "{linked}");
+    }
+}
+
+/// Nothing that a program traps is seen by it, its rounding changes no decision, and is its own again.
+#[test]
+fn no_step_raises_a_floating_point_exception() {
+    // Where the processor traps: see `floating`.
+    if !cfg!(all(target_arch = "x86_64", target_env = "gnu")) || !have(&[("cc", "build-essential")])
+    {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let source = folder().join("tests/link/traps.c");
+    let program = build_at(&source, "cc", &["-std=gnu11", "-O1"], into.path());
+    let printed = ran(Command::new(program).args(["0", "400"]));
+    let counts: Vec<u32> = printed
+        .split(' ')
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    assert!(counts[0] == 800 && counts[1] > 2_000, "{printed}");
+}
+
+#[test]
+fn the_headers_compile_in_every_standard() {
+    if !have(&[("cc", "build-essential"), ("c++", "build-essential")]) {
+        return;
+    }
+    let compile = |compiler: &str, language: &str, standard: &str, header: &str| {
+        ran(Command::new(compiler)
+            .args(["-fsyntax-only", "-x", language])
+            .arg(format!("-std={standard}"))
+            .args(WARNINGS)
+            .arg("-include")
+            .arg(folder().join("include").join(header))
+            .arg("/dev/null"));
+    };
+    for standard in ["c99", "c11", "c17"] {
+        compile("cc", "c", standard, "fga.h");
+    }
+    for standard in ["c++11", "c++14", "c++17", "c++20"] {
+        compile("c++", "c++", standard, "fga.h");
+    }
+    for standard in ["c++17", "c++20"] {
+        compile("c++", "c++", standard, "fga.hpp");
+    }
 }
 
 #[test]
@@ -370,7 +492,7 @@ fn an_installed_library_is_found_by_cmake_and_pkg_config() {
         .arg("-std=c11")
         .arg(root().join("examples/c/head_on.c"))
         .args(flags.split_whitespace())
-        .args(["-lm", "-o"])
+        .arg("-o")
         .arg(&program));
     assert!(ran(&mut Command::new(program)).contains("back on the leg"));
 

@@ -85,6 +85,21 @@ impl Progress {
         }
     }
 
+    /// Takes up another mission, whose first `kept` waypoints are those of before. Where the present leg ends at one of them, its
+    /// flight goes on; else the mission begins at its first leg, by a turn round where that ends behind the aircraft.
+    pub fn take_up(&mut self, kept: usize) {
+        // A complete mission goes on from its last waypoint.
+        let end = self.index + usize::from(!self.is_complete);
+        if end < kept {
+            (self.is_cut, self.is_complete) = (true, false);
+        } else {
+            *self = Self {
+                is_unentered: true,
+                ..Self::new()
+            };
+        }
+    }
+
     /// Index of the waypoint at the start of the leg.
     pub const fn index(&self) -> usize {
         self.index
@@ -127,11 +142,16 @@ impl Progress {
         let passed_s = time_s - self.time_s;
         self.time_s = time_s;
         let laid_for = (route.air(), route.climb_limits_rad);
-        if self.leg.is_none() || self.is_cut || laid_for != (self.air, self.climb_limits_rad) {
+        let is_first = self.leg.is_none();
+        if is_first || self.is_cut || laid_for != (self.air, self.climb_limits_rad) {
             (self.air, self.climb_limits_rad) = laid_for;
             if !self.is_complete {
                 self.load(route, state);
             }
+        }
+        if is_first {
+            let is_behind = |leg: Leg| self.left_m(&leg, state) <= 0.0;
+            self.is_unentered &= self.leg.is_some_and(is_behind);
         }
         self.update_turn(route, state);
         while let (Some(leg), false, false) = (self.leg, self.is_complete, self.is_unentered) {
@@ -191,7 +211,7 @@ impl Progress {
         }
     }
 
-    /// Whether the aircraft flies along the leg, past its beginning and near it.
+    /// Whether the aircraft flies along the leg, past its beginning, before its end and near it.
     fn has_entered(&self, leg: &Leg, state: &MotionState, radius_m: f64) -> bool {
         let position = leg.position(state.position_m, state.time_s);
         let [beside, alone] = ENTERED_RADII;
@@ -202,6 +222,7 @@ impl Progress {
             alone
         };
         position.along_m > 0.0
+            && position.along_m < leg.length_m
             && position.cross_m.abs() < within * radius_m
             && leg.turn_onto_rad(state).abs() < ENTERED_RAD
     }
@@ -485,6 +506,27 @@ mod tests {
             }
             assert!(progress.is_complete() && turned_s > 30.0, "{turned_s}");
         });
+    }
+
+    /// On the first leg of three waypoints, on the second, and past the end.
+    #[test]
+    fn another_mission_goes_on_along_a_leg_that_it_has_too() {
+        let longer = [(0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0), (0.0, 1000.0)];
+        for (state, kept, index) in [
+            (at(500.0, 0.0, 0.0), 1, 0),
+            (at(500.0, 0.0, 0.0), 2, 0),
+            (at(1000.0, 500.0, 1.57), 2, 0),
+            (at(1000.0, 500.0, 1.57), 3, 1),
+            (at(1000.0, 1001.0, 1.57), 2, 0),
+            (at(1000.0, 1001.0, 1.57), 3, 2),
+        ] {
+            let mut progress = Progress::new();
+            table_4(&WAYPOINTS_M, |route| progress.update(route, &state, 0.0));
+            progress.take_up(kept);
+            table_4(&longer, |route| progress.update(route, &state, 0.1));
+            assert_eq!((progress.index(), progress.is_complete()), (index, false));
+            assert!(progress.corner.is_some() || index == 2);
+        }
     }
 
     /// Without work a corner is left for the next step.

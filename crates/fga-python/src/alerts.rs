@@ -6,7 +6,8 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use fga::Vec3;
 use fga::situation::Ownship;
 use fga_alerts::{
-    Aircraft, AircraftId, Monitor, Quantity, Region, Resolution, AircraftState, StepError, ManeuverSide,
+    Aircraft, AircraftId, AircraftState, ManeuverSide, Monitor, Quantity, Region, Resolution,
+    StepError,
 };
 use fga_formats::InputError;
 use fga_formats::conf::{self, Configuration};

@@ -11,7 +11,7 @@ use fga::maneuver::Maneuver;
 use fga::situation::{Obstacle, Passing, Situation};
 use fga::vehicle::Vehicle;
 use fga_sim::campaign::parse_policy;
-use fga_sim::own::{PolicyAnswer, PolicyFailure, FailureKind, Outside, OwnPolicy, Silence, Worker};
+use fga_sim::own::{FailureKind, Outside, OwnPolicy, PolicyAnswer, PolicyFailure, Silence, Worker};
 use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
 use fga_sim::world::{WorldGround, WorldZone};
 use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
@@ -306,7 +306,11 @@ impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
     }
 
     /// The answer within the limit; without one the thread is given up, and its Python code interrupted.
-    pub(crate) fn ask(&self, question: Q, limit_s: f64) -> Result<Result<A, PolicyFailure>, PolicyFailure> {
+    pub(crate) fn ask(
+        &self,
+        question: Q,
+        limit_s: f64,
+    ) -> Result<Result<A, PolicyFailure>, PolicyFailure> {
         let silence = match self.worker.ask(question, Duration::from_secs_f64(limit_s)) {
             Ok(answer) => return Ok(answer),
             Err(silence) => silence,
@@ -369,7 +373,11 @@ impl FlownObject {
         }
     }
 
-    fn answer(&mut self, py: Python<'_>, question: Question) -> Result<PolicyAnswer, PolicyFailure> {
+    fn answer(
+        &mut self,
+        py: Python<'_>,
+        question: Question,
+    ) -> Result<PolicyAnswer, PolicyFailure> {
         let answer = self.ask(py, question).map_err(|error| raised(py, &error))?;
         answer_of(answer.bind(py))
     }

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use crate::decision::PyDecision;
 use crate::failure::input;
 use crate::settings::PySettings;
-use crate::situation::PySituation;
+use crate::situation::{PyMission, PySituation};
 use crate::value::{PyVehicle, properties, refused, tuple, volume_of};
 
 /// An aircraft from its TOML file: limits, settings, protected volume, wind.
@@ -90,10 +90,23 @@ pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Vehi
     VehicleModel::read(&path).map(Some).map_err(input)
 }
 
-/// A pilot for one thread at a time.
-pub(crate) type SharedPilot = Mutex<Box<dyn Pilot + Send>>;
+/// A pilot, and the mission of its last step.
+pub(crate) struct Flying {
+    pilot: Box<dyn Pilot + Send>,
+    mission: Option<Py<PyMission>>,
+}
 
-fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Box<dyn Pilot + Send>>> {
+/// A pilot for one thread at a time.
+pub(crate) type SharedPilot = Mutex<Flying>;
+
+fn shared(pilot: Box<dyn Pilot + Send>) -> SharedPilot {
+    Mutex::new(Flying {
+        pilot,
+        mission: None,
+    })
+}
+
+fn locked(decider: &SharedPilot) -> PyResult<MutexGuard<'_, Flying>> {
     match decider.try_lock() {
         Ok(guard) => Ok(guard),
         // It is complete: the core does not panic.
@@ -110,8 +123,13 @@ fn step(
     situation: &Bound<'_, PySituation>,
 ) -> PyResult<PyDecision> {
     let mut guard = locked(decider)?;
-    let pilot = guard.as_mut();
     let situation = situation.get();
+    let last = guard.mission.replace(situation.mission.clone_ref(py));
+    let kept = last.and_then(|last| last.get().kept_of(situation.mission.get()));
+    let pilot = guard.pilot.as_mut();
+    if let Some(kept) = kept {
+        pilot.replace_mission(kept);
+    }
     let decision = py.detach(|| situation.with(|situation| pilot.step(situation)));
     Ok(PyDecision::of(&decision, situation.ownship))
 }
@@ -122,10 +140,10 @@ pub(crate) fn with_pilot<T>(
     work: impl FnOnce(&mut dyn Pilot) -> T,
 ) -> PyResult<T> {
     if let Ok(avoider) = object.cast::<PyAvoider>() {
-        return Ok(work(locked(&avoider.get().0)?.as_mut()));
+        return Ok(work(locked(&avoider.get().0)?.pilot.as_mut()));
     }
     if let Ok(pilot) = object.cast::<PyPilot>() {
-        return Ok(work(locked(&pilot.get().decider)?.as_mut()));
+        return Ok(work(locked(&pilot.get().decider)?.pilot.as_mut()));
     }
     Err(PyTypeError::new_err(format!(
         "pilot is {}, expected an Avoider or a Pilot",
@@ -136,7 +154,8 @@ pub(crate) fn with_pilot<T>(
 /// Collision avoidance for one aircraft: call it each cycle with a Situation and fly its Decision.
 ///
 /// Call `step` every `settings.decision_period_s` seconds. It remembers its present manoeuvre, so one
-/// aircraft needs one avoider. A step releases the interpreter's lock; a second thread that steps the same
+/// aircraft needs one avoider. A situation may have another mission than the last one: it begins at its first leg, or goes on
+/// where both have the same waypoints up to the end of the present leg. A step releases the interpreter's lock; a second thread that steps the same
 /// avoider meanwhile gets RuntimeError. It cannot be pickled; after a fork each process has its own copy.
 #[pyclass(name = "Avoider", frozen, module = "fga")]
 pub(crate) struct PyAvoider(SharedPilot);
@@ -158,7 +177,7 @@ impl PyAvoider {
             ..PolicySettings::default()
         };
         let avoider = policy.pilot(&settings, &vehicle).map_err(refused)?;
-        Ok(Self(Mutex::new(avoider)))
+        Ok(Self(shared(avoider)))
     }
 
     /// Decides the command until the next step.
@@ -168,13 +187,13 @@ impl PyAvoider {
 
     /// Applies changed limits of the vehicle.
     fn retune(&self, vehicle: &Bound<'_, PyVehicle>) -> PyResult<()> {
-        locked(&self.0)?.retune(&vehicle.get().0);
+        locked(&self.0)?.pilot.retune(&vehicle.get().0);
         Ok(())
     }
 
     /// Forgets the last flight.
     fn restart(&self) -> PyResult<()> {
-        locked(&self.0)?.restart();
+        locked(&self.0)?.pilot.restart();
         Ok(())
     }
 
@@ -191,7 +210,7 @@ impl PyAvoider {
 
 /// Any policy of the program by its name, as in `Pilot("published --start t0", model)`.
 ///
-/// The same rules hold as for `Avoider`.
+/// The same rules hold as for `Avoider`; with another mission a policy that is not fga's own begins another flight.
 #[pyclass(name = "Pilot", frozen, module = "fga")]
 pub(crate) struct PyPilot {
     name: String,
@@ -212,7 +231,7 @@ impl PyPilot {
             .map_err(refused)?;
         Ok(Self {
             name: choice.name(),
-            decider: Mutex::new(pilot),
+            decider: shared(pilot),
         })
     }
 
@@ -229,13 +248,13 @@ impl PyPilot {
 
     /// Applies changed limits of the vehicle.
     fn retune(&self, vehicle: &Bound<'_, PyVehicle>) -> PyResult<()> {
-        locked(&self.decider)?.retune(&vehicle.get().0);
+        locked(&self.decider)?.pilot.retune(&vehicle.get().0);
         Ok(())
     }
 
     /// Forgets the last flight.
     fn restart(&self) -> PyResult<()> {
-        locked(&self.decider)?.restart();
+        locked(&self.decider)?.pilot.restart();
         Ok(())
     }
 

@@ -347,6 +347,19 @@ properties! { PyMission, this,
 }
 
 impl PyMission {
+    /// Number of the first waypoints that another mission has too; `None` where it has all of them and no other.
+    pub(crate) fn kept_of(&self, other: &Self) -> Option<usize> {
+        let of = |mission: &Self, index| {
+            let passing = mission.passing.get(index).copied().unwrap_or_default();
+            (mission.waypoints_m[index], passing)
+        };
+        let [count, others] = [self, other].map(|mission| mission.waypoints_m.len());
+        let kept = (0..count.min(others))
+            .take_while(|&index| of(self, index) == of(other, index))
+            .count();
+        ((count, others) != (kept, kept)).then_some(kept)
+    }
+
     pub(crate) fn of(
         waypoints_m: Vec<Vec3>,
         mut passing: Vec<Passing>,

@@ -7,7 +7,7 @@ use arrow_schema::DataType;
 use fga::situation::ProtectedVolume;
 use fga_sim::batch::{BatchError, BatchRow, BatchSettings, Questions, empty_world, fly_together};
 use fga_sim::drawn::RowTable;
-use fga_sim::own::{PolicyAnswer, PolicyFailure, FailureKind};
+use fga_sim::own::{FailureKind, PolicyAnswer, PolicyFailure};
 use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;
 
@@ -41,8 +41,9 @@ pub(crate) fn fly(
     };
     let vehicle = settings.model.vehicle;
     let policy = std::sync::Arc::new(policy);
-    let mut thread: Result<Thread<ThreadQuestion, Vec<PolicyAnswer>>, PolicyFailure> =
-        Err(PolicyFailure::new(FailureKind::Ended, "the policy has not begun"));
+    let mut thread: Result<Thread<ThreadQuestion, Vec<PolicyAnswer>>, PolicyFailure> = Err(
+        PolicyFailure::new(FailureKind::Ended, "the policy has not begun"),
+    );
     let thread = std::cell::RefCell::new(&mut thread);
     let begin = || {
         let policy = std::sync::Arc::clone(&policy);
@@ -57,7 +58,10 @@ pub(crate) fn fly(
                 ThreadQuestion::Step(tables) => tables,
             };
             let Some(step) = &step else {
-                return Err(PolicyFailure::new(FailureKind::Ended, "the policy was not made"));
+                return Err(PolicyFailure::new(
+                    FailureKind::Ended,
+                    "the policy was not made",
+                ));
             };
             answers(py, step, tables)
         });
@@ -151,7 +155,11 @@ fn tables(questions: &Questions<'_>) -> ColumnTables {
 }
 
 /// The answers of the policy, one for each flight.
-fn answers(py: Python<'_>, step: &Py<PyAny>, tables: ColumnTables) -> Result<Vec<PolicyAnswer>, PolicyFailure> {
+fn answers(
+    py: Python<'_>,
+    step: &Py<PyAny>,
+    tables: ColumnTables,
+) -> Result<Vec<PolicyAnswer>, PolicyFailure> {
     let wrong = |message: String| PolicyFailure::new(FailureKind::WrongShape, message);
     let [flights, obstacles] = tables.map(PyTable::of);
     let call = || -> PyResult<Py<PyAny>> { step.call1(py, (flights?, obstacles?)) };

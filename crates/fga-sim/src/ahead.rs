@@ -132,6 +132,10 @@ impl<P: Pilot> Pilot for Ahead<P> {
         self.pilot.retune(vehicle);
     }
 
+    fn replace_mission(&mut self, kept: usize) {
+        self.pilot.replace_mission(kept);
+    }
+
     fn restart(&mut self) {
         self.under_way.clear();
         self.pilot.restart();

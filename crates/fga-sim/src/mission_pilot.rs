@@ -97,6 +97,10 @@ impl Pilot for MissionPilot {
         let _ = self.set_vehicle(*vehicle);
     }
 
+    fn replace_mission(&mut self, kept: usize) {
+        self.progress.take_up(kept);
+    }
+
     fn restart(&mut self) {
         self.progress = Progress::new();
         if self.vehicle != self.made_for {

@@ -272,6 +272,20 @@ impl Avoider<dyn Places + '_> {
         self.drift = drift::Drift::default();
     }
 
+    /// The next situations have another mission, whose first `kept` waypoints are those of before: call it before the first of them.
+    /// Where the present leg ends at a kept waypoint, its flight goes on; else the mission begins at its first leg, by a turn round
+    /// where that ends behind the aircraft, or at the first leg that can be joined. A manoeuvre that is flown goes on, and leads back to
+    /// the new mission.
+    pub fn replace_mission(&mut self, kept: usize) {
+        self.progress.take_up(kept);
+        self.returned = None;
+        if self.state != State::Avoiding {
+            // It leads along the mission of before, or back to it.
+            self.plan = None;
+            self.state = State::Cruise;
+        }
+    }
+
     /// Replaces the vehicle's limits, for instance by a turn-rate factor estimated in flight.
     ///
     /// # Errors
@@ -308,7 +322,8 @@ impl Avoider<dyn Places + '_> {
 
     /// Decides what to fly until the next step.
     ///
-    /// The caller steps every [`Settings::decision_period_s`]. The command holds stages in time
+    /// The caller steps every [`Settings::decision_period_s`], and says so where the mission is another one
+    /// ([`Self::replace_mission`]). The command holds stages in time
     /// from now; the aircraft flies it if nothing new happens. The avoider
     /// ignores obstacles with numbers that are not finite. It holds the present course
     /// ([`Reason::InvalidInput`]) while the ownship's state or the time is unusable or beyond

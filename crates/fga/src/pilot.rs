@@ -22,6 +22,11 @@ pub trait Pilot {
     /// change nothing.
     fn retune(&mut self, vehicle: &Vehicle);
 
+    /// The next situations have another mission, whose first `kept` waypoints are those of before. Begins another flight, unless it knows better.
+    fn replace_mission(&mut self, _kept: usize) {
+        self.restart();
+    }
+
     /// Forgets the last flight: the next step is the first of another one, with the original limits of
     /// the vehicle.
     fn restart(&mut self);
@@ -35,6 +40,10 @@ impl<P: Places + 'static> Pilot for Avoider<P> {
     fn retune(&mut self, vehicle: &Vehicle) {
         // If it refuses the limits, it keeps its present ones.
         let _ = self.set_vehicle(*vehicle);
+    }
+
+    fn replace_mission(&mut self, kept: usize) {
+        (**self).replace_mission(kept);
     }
 
     fn restart(&mut self) {

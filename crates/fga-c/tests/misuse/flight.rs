@@ -59,15 +59,21 @@ pub(crate) struct Flight {
     pub(crate) storage: Vec<Unit>,
     pub(crate) avoider: *mut fga_avoider,
     pub(crate) why: fga_refusal,
+    waypoints_most: u32,
 }
 
 impl Flight {
     pub(crate) fn new(obstacles_most: u32) -> Self {
-        let bytes = fga_avoider_size(obstacles_most, 2);
+        Self::with_room(obstacles_most, 2)
+    }
+
+    pub(crate) fn with_room(obstacles_most: u32, waypoints_most: u32) -> Self {
+        let bytes = fga_avoider_size(obstacles_most, waypoints_most);
         let mut flight = Self {
             storage: vec![Unit([0; FGA_ALIGN]); bytes.div_ceil(FGA_ALIGN)],
             avoider: null_mut(),
             why: sized(),
+            waypoints_most,
         };
         let status = flight.init(
             FGA_ABI_VERSION,
@@ -108,7 +114,7 @@ impl Flight {
                 bytes,
                 version,
                 obstacles_most,
-                2,
+                self.waypoints_most,
                 settings,
                 vehicle,
                 &raw mut self.avoider,

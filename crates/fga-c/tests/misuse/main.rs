@@ -6,6 +6,7 @@ extern crate alloc;
 
 mod airspace;
 mod flight;
+mod mission;
 
 use alloc::collections::BTreeSet;
 use core::ffi::c_char;
