@@ -348,7 +348,9 @@ impl Avoider<dyn Places + '_> {
         self.meter = Meter::new(limit, most);
         self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
         self.decide(situation, kept, decision);
-        self.level_off(situation, &mut decision.command);
+        if self.plan.is_some() {
+            self.level_off(situation, &mut decision.command);
+        }
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
@@ -460,11 +462,24 @@ impl Avoider<dyn Places + '_> {
             None => self.tracks.load(situation, limits.0, limits.1, sigmas),
             Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
         }
+        // Without traffic there is no manoeuvre to bound.
+        if self.plan.is_some() || !self.tracks.rows().is_empty() {
+            self.bind(situation);
+        }
+        self.meter.count(self.tracks.work);
+    }
+
+    /// Adds what bounds a manoeuvre: limits of altitude, zones and ground. A manoeuvre may be as low and as high as the mission is.
+    fn bind(&mut self, situation: &Situation<'_>) {
         if self.vehicle.climb_min_rad < self.vehicle.climb_max_rad {
             // What it can no longer keep above, or is already below, leads back all the same.
             let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
             let apart_m = 2.0 * self.wanted_m();
-            let (floor_m, ceiling_m) = situation.mission.limits_m;
+            let (mut floor_m, mut ceiling_m) = situation.mission.limits_m;
+            for waypoint_m in situation.mission.waypoints_m {
+                floor_m = floor_m.min(waypoint_m.z - apart_m);
+                ceiling_m = ceiling_m.max(waypoint_m.z + apart_m);
+            }
             let limits_m = [
                 floor_m.min(lowest_m - apart_m),
                 ceiling_m.max(highest_m + apart_m),
@@ -475,7 +490,6 @@ impl Avoider<dyn Places + '_> {
         let leg = self.progress.index();
         self.tracks
             .add_zones(leg, flown, self.wanted_m(), situation);
-        self.meter.count(self.tracks.work);
     }
 
     /// The lowest and the highest altitude that the aircraft comes to if it levels off after the next step, metres.
@@ -493,7 +507,7 @@ impl Avoider<dyn Places + '_> {
         [z_m - down_m - steps_m, z_m + up_m + steps_m]
     }
 
-    /// Levels a command off at the mission's limits of altitude, whatever is known about it.
+    /// Levels the command of a manoeuvre off at the mission's limits of altitude, whatever is known about it.
     #[inline(never)]
     fn level_off(&self, situation: &Situation<'_>, command: &mut Maneuver) {
         let own = &situation.ownship;

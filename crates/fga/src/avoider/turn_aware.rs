@@ -13,7 +13,6 @@ mod way_back;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
-use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
     Verdict,
@@ -94,7 +93,6 @@ impl Avoider<dyn Places + '_> {
         decision: &mut Decision,
     ) {
         if self.state == State::Cruise
-            && !has_entered(situation, self.progress.index(), &self.flyer)
             && self.is_quiet(situation, now, kept.as_deref_mut(), decision)
         {
             return;
@@ -285,7 +283,10 @@ impl Avoider<dyn Places + '_> {
     #[inline(never)]
     fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
-        let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
+        // Between walls only a way back that keeps clear of them ends it.
+        let bounds = self.tracks.around(now.mission);
+        let is_bound = !bounds.rows.is_empty() || !bounds.fixed.is_empty();
+        let waits = |plan: &Plan| is_bound || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
             self.state = State::Cruise;
             return self.watch(situation, now, decision);

@@ -21,13 +21,20 @@ const SOONER_S: f64 = 0.5;
 impl Avoider<dyn Places + '_> {
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
     fn keeps_back(&mut self, plan: &mut Plan, back: &Maneuver, now: &Now<'_>) -> bool {
+        // What avoids the next encounter is a manoeuvre like any other.
+        let left_s = match plan.next_start_s {
+            Some(_) => self.tracks.walls_s(),
+            None => plan.joined_s - self.last_time_s,
+        };
         if !self.tracks.has_aircraft() {
-            return self.kept_rung(plan, back, now) == Some(plan.rung);
+            let rung = self.until_back(left_s, |avoider| avoider.kept_rung(plan, back, now));
+            return rung == Some(plan.rung);
         }
         let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        self.margin_of(back, now, asked) >= keep_m || self.has_reserve(back, now)
+        let kept_m = self.until_back(left_s, |avoider| avoider.margin_of(back, now, asked));
+        kept_m >= keep_m || self.has_reserve(back, now)
     }
 
     /// On the way back.
