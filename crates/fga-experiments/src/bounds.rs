@@ -107,7 +107,7 @@ fn drawn_vehicle(random: &mut SplitMix64) -> Vehicle {
         if is_ideal {
             0.0
         } else {
-            random.within(0.0, most_s)
+            random.within(0.02, most_s)
         }
     };
     Vehicle {

@@ -24,6 +24,8 @@ use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
 
+use self::holding::KEEP_SHARE;
+
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
 /// searches can still reach.
@@ -301,7 +303,9 @@ impl Avoider<dyn Places + '_> {
         }
         self.go_on(&plan, time_s, &mut decision.command);
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
-        let kept = self.kept_rung(&mut plan, flown, now);
+        // A share of a circle from a wall it can still turn away.
+        let walls_s = KEEP_SHARE * self.tracks.walls_s();
+        let kept = self.within_walls(walls_s, |avoider| avoider.kept_rung(&mut plan, flown, now));
         // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
         let is_waiting = is_bare && self.may_go_on(flown, now);

@@ -27,13 +27,13 @@ impl Avoider<dyn Places + '_> {
             None => plan.joined_s - self.last_time_s,
         };
         if !self.tracks.has_aircraft() {
-            let rung = self.until_back(left_s, |avoider| avoider.kept_rung(plan, back, now));
+            let rung = self.within_walls(left_s, |avoider| avoider.kept_rung(plan, back, now));
             return rung == Some(plan.rung);
         }
         let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
         let asked = (self.settings.horizon_s, keep_m, keep_m);
-        let kept_m = self.until_back(left_s, |avoider| avoider.margin_of(back, now, asked));
+        let kept_m = self.within_walls(left_s, |avoider| avoider.margin_of(back, now, asked));
         kept_m >= keep_m || self.has_reserve(back, now)
     }
 

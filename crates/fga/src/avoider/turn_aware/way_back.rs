@@ -224,7 +224,7 @@ impl Avoider<dyn Places + '_> {
             WayAhead::Blocked => false,
             WayAhead::Clear => {
                 let asked = (far.horizon_s, far.margin_m, ENOUGH_M);
-                let certified = self.until_back(walls_s, |avoider| {
+                let certified = self.within_walls(walls_s, |avoider| {
                     let walls = Around {
                         rows: &[],
                         ..avoider.tracks.around(now.mission)
@@ -247,9 +247,10 @@ impl Avoider<dyn Places + '_> {
         }
     }
 
-    /// Does something while zones and ground count up to a return to the mission, seconds: the mission itself is flown as it is given.
-    pub(super) fn until_back<T>(&mut self, joined_s: f64, act: impl FnOnce(&mut Self) -> T) -> T {
-        let before_s = self.tracks.until(joined_s);
+    /// Does something while zones and ground count up to a moment, seconds. Of a way back that is its return: the mission itself is flown as it
+    /// is given.
+    pub(super) fn within_walls<T>(&mut self, until_s: f64, act: impl FnOnce(&mut Self) -> T) -> T {
+        let before_s = self.tracks.until(until_s);
         let answer = act(self);
         self.tracks.until(before_s);
         answer
@@ -403,7 +404,7 @@ impl Avoider<dyn Places + '_> {
         let target_m = self.demand_of(rung).margin_m;
         self.withstand(&freedom, (0.0, target_m));
         let asked = (BACK_WITHSTANDS_S, target_m, target_m);
-        self.until_back(joined_s, |avoider| avoider.margin_of(back, now, asked)) >= target_m
+        self.within_walls(joined_s, |avoider| avoider.margin_of(back, now, asked)) >= target_m
     }
 }
 
