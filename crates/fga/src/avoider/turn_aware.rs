@@ -221,8 +221,11 @@ impl Avoider<dyn Places + '_> {
             command, record, ..
         } = decision;
         let (nominal, other) = (&*command, &mut record.alternative);
-        let answer = self.highest(0..RUNGS, nominal, now, &mut |search| {
-            choice::choose(search, start, moments, (&mut latest_s, other))
+        let inside = self.highest_inside(threat.0.closest_s, now);
+        let answer = inside.or_else(|| {
+            self.highest(0..RUNGS, nominal, now, &mut |search| {
+                choice::choose(search, start, moments, (&mut latest_s, other))
+            })
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
             *other = None;
@@ -311,10 +314,13 @@ impl Avoider<dyn Places + '_> {
         let is_waiting = is_bare && self.may_go_on(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
+        let passes_s = plan.threat.map_or(0.0, |threat| threat.closest_s);
+        let passes_s = plan.threat_found_s + passes_s - time_s;
         let answer = match kept {
             _ if is_waiting => None,
             Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
-            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_beside(0..RUNGS, now))
+            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_inside(passes_s, now))
+                .or_else(|| self.highest_beside(0..RUNGS, now))
                 .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
             None => None,
         };

@@ -55,6 +55,11 @@ impl Avoider<dyn Places + '_> {
             if !is_back && self.flies_back(situation, now, decision) {
                 return;
             }
+            // Off the mission between walls only another way back is known to be clear of them.
+            if !is_back && !self.tracks.around(now.mission).fixed.is_empty() {
+                self.state = State::Avoiding;
+                return self.avoid(situation, now, decision);
+            }
             self.plan = None;
             self.state = State::Cruise;
             self.watch(situation, now, decision);
