@@ -8,6 +8,8 @@
 //! | [`departures`] | how far does the policy depart, when does it begin, does it come back? |
 //! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
+//! | [`bounds`] | does a flight without traffic differ because of zones, ground and limits of altitude? |
+//! | [`corridors`] | is a fence left, and is the aircraft on its way back once the intruder has passed? |
 //! | [`certificates`] | does an aircraft ever pass nearer than was certified? |
 //! | [`climbs`] | how many does it save when intruders level off, go on climbing or pull up? |
 //! | [`quality`] | what does a smaller limit of work cost? |
@@ -23,9 +25,11 @@
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
 mod baselines;
+mod bounds;
 mod certificates;
 mod climbs;
 mod common;
+mod corridors;
 mod departures;
 mod families;
 mod flown;
@@ -61,6 +65,10 @@ enum Experiment {
     Robustness(robustness::RobustnessArgs),
     /// Search the settings of a baseline, or compare all policies.
     Baselines(baselines::BaselinesArgs),
+    /// Count the flights without traffic that differ because of zones, ground and limits of altitude near them.
+    Bounds(common::DrawnArgs),
+    /// Count the encounters in corridors in which a fence is left, or the aircraft is not on its way back afterwards.
+    Corridors(corridors::CorridorArgs),
     /// Count the near mid-air collisions that are left where intruders level off, go on climbing or pull up.
     Climbs(climbs::ClimbsArgs),
     /// Compare certified margins and predicted positions with those of another program.
@@ -95,6 +103,8 @@ fn main() -> ExitCode {
         Experiment::Departures(args) => departures::run(&args),
         Experiment::Robustness(args) => robustness::run(&args),
         Experiment::Baselines(args) => baselines::run(&args),
+        Experiment::Bounds(args) => bounds::run(&args),
+        Experiment::Corridors(args) => corridors::run(&args),
         Experiment::Climbs(args) => climbs::run(&args),
         Experiment::Certificates(args) => certificates::run(&args),
         Experiment::Quality(args) => quality::run(&args),

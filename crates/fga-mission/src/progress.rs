@@ -182,9 +182,10 @@ impl Progress {
             .and_then(|leg| corner(&legs, self.index, &leg));
         self.is_cut |= route.meter.is_spent();
         if self.leg.is_none() {
-            // Past the last waypoint, or no mission: hold course and height from here.
+            // Past the last waypoint, or no mission: hold track and height from here.
             self.is_complete = true;
-            self.leg = Some(Leg::endless(state.position_m, state.course_rad, self.air));
+            let track_rad = course_of(route.flyer.velocity_mps(state) + route.wind_mps);
+            self.leg = Some(Leg::endless(state.position_m, track_rad, self.air));
         }
     }
 
@@ -252,6 +253,19 @@ impl Progress {
                 self.is_unentered &= !is_followed;
             }
         }
+    }
+
+    /// From when on a way onto the mission follows it, seconds from the decision: on its leg, or at the end of one that begins elsewhere than
+    /// at its waypoint.
+    pub fn back_s(&self, joined: &Join) -> f64 {
+        let is_own = |restart: &Restart| restart.index == joined.index;
+        let leg = self
+            .leg
+            .filter(|_| self.restart.as_ref().is_some_and(is_own));
+        leg.map_or(joined.joined_s, |leg| {
+            let left_m = (leg.length_m - joined.along_m).max(0.0);
+            joined.joined_s + left_m / leg.ground_speed_mps.max(f64::MIN_POSITIVE)
+        })
     }
 
     /// How long the leg leads straight on from a state, seconds: until its corner or its end; 0 off the leg.

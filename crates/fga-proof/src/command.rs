@@ -54,6 +54,8 @@ pub struct Bound {
     pub horizon_s: f64,
     /// How much less than the target is kept from zones and ground, metres: the mission, or the aircraft, is that near to them.
     pub spared_m: f64,
+    /// Zones and ground are kept clear of up to this moment, seconds from the decision.
+    pub fixed_s: f64,
     /// Number of hazards that are kept clear of; an aircraft that may turn is several.
     pub hazards: u32,
 }
@@ -175,6 +177,7 @@ impl Command {
             target_m,
             horizon_s,
             spared_m: assumptions.fixed.spared_m(),
+            fixed_s: assumptions.fixed.until_s(),
             hazards: u32::try_from(assumptions.rows.len()).unwrap_or(u32::MAX),
         };
         let proof = if weakest == Assumption::Leaving {

@@ -487,11 +487,24 @@ impl Avoider<dyn Places + '_> {
             None => self.tracks.load(situation, limits.0, limits.1, sigmas),
             Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
         }
+        // Without traffic there is no manoeuvre to bound.
+        if self.plan.is_some() || !self.tracks.rows().is_empty() {
+            self.bind(situation);
+        }
+        self.meter.count(self.tracks.work);
+    }
+
+    /// Adds what bounds a manoeuvre: limits of altitude, zones and ground. A manoeuvre may be as low and as high as the mission is.
+    fn bind(&mut self, situation: &Situation<'_>) {
         if self.vehicle.climb_min_rad < self.vehicle.climb_max_rad {
             // What it can no longer keep above, or is already below, leads back all the same.
             let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
             let apart_m = 2.0 * self.wanted_m();
-            let (floor_m, ceiling_m) = situation.mission.limits_m;
+            let (mut floor_m, mut ceiling_m) = situation.mission.limits_m;
+            for waypoint_m in situation.mission.waypoints_m {
+                floor_m = floor_m.min(waypoint_m.z - apart_m);
+                ceiling_m = ceiling_m.max(waypoint_m.z + apart_m);
+            }
             let limits_m = [
                 floor_m.min(lowest_m - apart_m),
                 ceiling_m.max(highest_m + apart_m),
@@ -502,7 +515,6 @@ impl Avoider<dyn Places + '_> {
         let leg = self.progress.index();
         self.tracks
             .add_zones(leg, flown, self.wanted_m(), situation);
-        self.meter.count(self.tracks.work);
     }
 
     /// The lowest and the highest altitude that the aircraft comes to if it levels off after the next step, metres.

@@ -67,7 +67,8 @@ pub struct Zones {
     entered: bool,
     runs: List<Run, MAX_ZONES>,
     wind_mps: Vec3,
-    until_s: f64,
+    /// Zones and ground count up to this moment, seconds.
+    pub until_s: f64,
     /// The margin of a flight that enters none is its distance from the nearest one and this, metres.
     pub spare_m: f64,
     /// What binds of the ground.
@@ -96,6 +97,11 @@ impl Fixed<'_> {
         } else {
             self.zones.spare_m
         }
+    }
+
+    /// How long they count, seconds from the decision.
+    pub(crate) const fn until_s(&self) -> f64 {
+        self.zones.until_s
     }
 
     /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or anything below a floor.

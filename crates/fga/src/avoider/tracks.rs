@@ -321,10 +321,20 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
     }
 
-    /// Whether there is any obstacle but the limits of altitude.
-    pub(super) fn has_obstacles(&self) -> bool {
-        let mut known = self.known().iter();
-        known.any(|known| known.obstacle.volume.radius_m() < FLAT_M)
+    /// The hazards that are obstacles: without limits of altitude and planes that lead out of a zone.
+    pub(super) fn obstacles(&self) -> impl Iterator<Item = &Hazard> {
+        let hazards = self.rows().iter();
+        hazards.filter(|hazard| hazard.volume.radius_m() < 0.5 * FLAT_M)
+    }
+
+    /// How long zones and ground count, seconds.
+    pub(super) const fn walls_s(&self) -> f64 {
+        self.zones.until_s
+    }
+
+    /// Zones and ground count up to another moment, seconds; returns the one before.
+    pub(super) const fn until(&mut self, until_s: f64) -> f64 {
+        core::mem::replace(&mut self.zones.until_s, until_s)
     }
 
     /// Adds the altitudes between which the aircraft stays, metres: a floor and a ceiling are obstacles like any other, spheres so

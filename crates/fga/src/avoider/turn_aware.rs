@@ -13,7 +13,6 @@ mod way_back;
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::Freedom;
 use crate::avoider::quiet::LineAhead;
-use crate::avoider::tracks::zones::has_entered;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Now, Places, Plan, Reason, Start, State, Threat,
     Verdict,
@@ -25,6 +24,8 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::prediction::{MotionState, whole};
 use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Scene, Search};
 use crate::situation::Situation;
+
+use self::holding::KEEP_SHARE;
 
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
@@ -101,7 +102,6 @@ impl Avoider<dyn Places + '_> {
         decision: &mut Decision,
     ) {
         if self.state == State::Cruise
-            && !has_entered(situation, self.progress.index(), &self.flyer)
             && self.is_quiet(situation, now, kept.as_deref_mut(), decision)
         {
             return;
@@ -228,8 +228,11 @@ impl Avoider<dyn Places + '_> {
             command, record, ..
         } = decision;
         let (nominal, other) = (&*command, &mut record.alternative);
-        let answer = self.highest(0..RUNGS, nominal, now, &mut |search| {
-            choice::choose(search, start, moments, (&mut latest_s, other))
+        let inside = self.highest_inside(threat.0.closest_s, now);
+        let answer = inside.or_else(|| {
+            self.highest(0..RUNGS, nominal, now, &mut |search| {
+                choice::choose(search, start, moments, (&mut latest_s, other))
+            })
         });
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
             *other = None;
@@ -293,7 +296,10 @@ impl Avoider<dyn Places + '_> {
     #[inline(never)]
     fn avoid(&mut self, situation: &Situation<'_>, now: &Now<'_>, decision: &mut Decision) {
         let time_s = situation.time_s;
-        let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
+        // Between walls only a way back that keeps clear of them ends it.
+        let bounds = self.tracks.around(now.mission);
+        let is_bound = !bounds.rows.is_empty() || !bounds.fixed.is_empty();
+        let waits = |plan: &Plan| is_bound || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
             self.state = State::Cruise;
             return self.watch(situation, now, decision);
@@ -307,17 +313,24 @@ impl Avoider<dyn Places + '_> {
             return self.report(decision, &plan, time_s, Reason::RejoinChosen);
         }
         self.go_on(&plan, time_s, &mut decision.command);
-        let kept = self.kept_rung(&mut plan, &mut decision.command, now);
+        // A share of a circle from a wall it can still turn away.
+        let walls_s = KEEP_SHARE * self.tracks.walls_s();
+        let kept = self.within_walls(walls_s, |avoider| {
+            avoider.kept_rung(&mut plan, &mut decision.command, now)
+        });
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
         // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);
         let is_waiting = is_bare && self.may_go_on(flown, now);
         let is_due = is_bare || self.cycle.is_multiple_of(LOOK_EVERY);
         plan.rung = kept.unwrap_or(plan.rung);
+        let passes_s = plan.threat.map_or(0.0, |threat| threat.closest_s);
+        let passes_s = plan.threat_found_s + passes_s - time_s;
         let answer = match kept {
             _ if is_waiting => None,
             Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
-            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_beside(0..RUNGS, now))
+            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_inside(passes_s, now))
+                .or_else(|| self.highest_beside(0..RUNGS, now))
                 .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
             None => None,
         };
@@ -425,18 +438,24 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Proves that a command keeps a target up to a horizon, if it does; its margin is capped.
-    fn prove(
+    fn prove(&mut self, command: &mut Command, now: &Now<'_>, asked: (f64, f64, f64)) -> bool {
+        self.prove_from(command, now, asked, false)
+    }
+
+    /// The same, from zones and ground alone where those are asked for.
+    fn prove_from(
         &mut self,
         command: &mut Command,
         now: &Now<'_>,
         (horizon_s, target_m, enough_m): (f64, f64, f64),
+        is_of_walls: bool,
     ) -> bool {
-        let (flight, around) = (
-            (&self.flyer, &mut self.path),
-            self.tracks.around(now.mission),
-        );
-        let terms = Terms::new(horizon_s, target_m, enough_m);
-        terms.is_some_and(|terms| {
+        let mut around = self.tracks.around(now.mission);
+        if is_of_walls {
+            around.rows = &[];
+        }
+        let flight = (&self.flyer, &mut self.path);
+        Terms::new(horizon_s, target_m, enough_m).is_some_and(|terms| {
             let proof = command.prove(flight, now, &around, &terms, &self.meter);
             proof.is_ok()
         })

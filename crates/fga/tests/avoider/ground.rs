@@ -1,4 +1,4 @@
-//! The ground: no manoeuvre comes lower than it takes to clear it, none begins because of it, and a start below leads up.
+//! The ground: no manoeuvre comes lower than it takes to clear it, none begins because of it, and a manoeuvre below leads up.
 
 use fga::avoider::{Reason, Settings, Start, State};
 use fga::ground::Ground;
@@ -61,9 +61,9 @@ fn offsets(flight: &mut Flight) -> (f64, f64) {
     (least_m, most_m)
 }
 
-/// A hill to the right: it takes 25 m, and is steep from 20 m beside the line on.
+/// A hill to the right: it takes 25 m, so that there is room as far as 15 m beside the line.
 fn hill(_: f64, y: f64) -> f64 {
-    if y < -20.0 { 0.0 } else { -100.0 }
+    if y < -10.0 { 0.0 } else { -100.0 }
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn no_turn_leads_into_a_hill() {
     let (least_m, most_m) = offsets(&mut flight(|_, _| -100.0));
     assert!(least_m < -20.0 && most_m < 5.0, "{least_m} {most_m}");
     let (least_m, most_m) = offsets(&mut flight(hill));
-    assert!(least_m > -25.0 && most_m > 30.0, "{least_m} {most_m}");
+    assert!(least_m > -15.0 && most_m > 30.0, "{least_m} {most_m}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Zones: no manoeuvre enters one, none begins because of one, and a start inside leads out.
+//! Zones: no manoeuvre enters one, none begins because of one, and a manoeuvre inside leads out.
 
 use fga::avoider::{Reason, Settings, Start, State};
 use fga::situation::{Movement, Obstacle};
@@ -217,41 +217,65 @@ fn a_mission_that_ends_outside_is_flown_to_its_end() {
     }
 }
 
-/// Seconds until the aircraft is out, which goes the shortest way and stays out.
-fn out_s(zone: Zone<'static>, waypoints_m: [Vec3; 2]) -> (f64, Vec3) {
-    let mut flight = flight(&[zone]);
-    flight.waypoints_m = waypoints_m.to_vec();
-    let mut out = None;
-    for _ in 0..900 {
-        let decision = flight.cycle(&mut []);
-        let is_in = zone.is_entered(flight.own.position_m);
-        if is_in {
-            assert!(
-                !decision.record.reason.is_unproven(),
-                "{:?}",
-                decision.record.reason
-            );
-            assert!(out.is_none(), "back in at {}", flight.own.position_m);
-        } else if out.is_none() {
-            out = Some((flight.time_s, flight.own.position_m));
+/// On both sides of the mission, and outside of a fence.
+#[test]
+fn a_start_on_the_wrong_side_begins_nothing() {
+    let zones = [
+        box_of([-300.0, 2000.0, -80.0, 400.0], OUT),
+        box_of([-300.0, 2000.0, 60.0, 400.0], IN),
+    ];
+    for (zone, y) in zones.into_iter().zip([-200.0, 150.0]) {
+        let (mut bound, mut free) = (flight(&[zone]), flight(&[]));
+        for flight in [&mut bound, &mut free] {
+            flight.waypoints_m = vec![Vec3::new(0.0, y, 0.0), Vec3::new(1e5, y, 0.0)];
         }
+        for _ in 0..300 {
+            let decisions = (bound.cycle(&mut []), free.cycle(&mut []));
+            assert_eq!(decisions.0.command, decisions.1.command);
+            assert_eq!(decisions.0.record.reason, decisions.1.record.reason);
+        }
+        assert!(!zone.is_entered(bound.own.position_m));
     }
-    out.unwrap()
 }
 
+/// The mission leads out to the right, and an obstacle stands there: without the zone the way round leads farther in.
 #[test]
-fn a_start_inside_leads_out_the_nearest_way() {
+fn a_manoeuvre_inside_leads_out_the_nearest_way() {
     let zone = box_of([-300.0, 2000.0, -80.0, 400.0], OUT);
-    // On this side, and on the other one, to which the zone bars the way.
-    for y in [-200.0, 700.0] {
-        let mission_m = [Vec3::new(0.0, y, 0.0), Vec3::new(1e5, y, 0.0)];
-        let (time_s, at_m) = out_s(zone, mission_m);
-        assert!(at_m.y < -79.0, "{at_m}");
-        // 80 m take 5.3 s, and turning through a right angle 3.2 s.
-        assert!(time_s < 15.0, "{time_s}");
+    let mut flight = flight(&[zone]);
+    flight.waypoints_m = vec![Vec3::new(0.0, -200.0, 0.0), Vec3::new(1e5, -200.0, 0.0)];
+    let mut obstacles = vec![sphere(7, Vec3::new(60.0, -90.0, 0.0), Vec3::ZERO, 30.0)];
+    let mut has_avoided = false;
+    for _ in 0..300 {
+        let decision = flight.cycle(&mut obstacles);
+        let is_in = zone.is_entered(flight.own.position_m);
+        has_avoided |= is_in && decision.state == State::Avoiding;
+        assert!(!decision.record.reason.is_unproven() || is_in);
+        assert!(!is_in || flight.time_s < 20.0, "{}", flight.own.position_m);
     }
-    let zone = box_of([-300.0, 2000.0, 60.0, 400.0], IN);
-    let mission_m = [Vec3::new(0.0, 150.0, 0.0), Vec3::new(1500.0, 150.0, 0.0)];
-    let (time_s, at_m) = out_s(zone, mission_m);
-    assert!(at_m.y < 62.0 && time_s < 14.0, "{time_s} {at_m}");
+    assert!(has_avoided);
+}
+
+/// The last leg descends, the fence stands beyond its end: the flight past the last waypoint was a threat.
+#[test]
+fn a_fence_beyond_the_end_begins_nothing() {
+    let fence = box_of([-500.0, 1050.0, -500.0, 500.0], IN);
+    for wind_mps in [Vec3::ZERO, Vec3::Y, Vec3::new(3.0, -9.0, 0.0)] {
+        let (mut bound, mut free) = (flight(&[fence]), flight(&[]));
+        for flight in [&mut bound, &mut free] {
+            flight.waypoints_m = vec![Vec3::Z * 100.0, Vec3::new(1000.0, 0.0, 40.0)];
+            flight.own.position_m.z = 100.0;
+            flight.wind_mps = wind_mps;
+        }
+        for _ in 0..900 {
+            let decisions = (bound.cycle(&mut []), free.cycle(&mut []));
+            assert_eq!(decisions.0.command, decisions.1.command);
+            assert_eq!(decisions.0.state, State::Cruise);
+        }
+        let off_m = bound.own.position_m.y;
+        assert!(
+            off_m.abs() < 1.0,
+            "past the end it holds its track: {off_m}"
+        );
+    }
 }

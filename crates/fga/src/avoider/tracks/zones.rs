@@ -50,7 +50,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
         let own_m = situation.ownship.position_m;
         let circle_s = TAU / flyer.course_rate_radps();
-        let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
+        let reach_m = reach_m(flyer, situation.wind_mps, wanted_m);
         let ahead = mission_ahead(situation, leg, flyer);
         let legs = ahead.clone().count();
         let zones = &mut self.zones;
@@ -79,7 +79,8 @@ impl<P: Places + ?Sized> Tracks<P> {
             let (binding, [of_mission_m, of_own_m]) = bound(ground, &ahead, own_m, least_m, &meter);
             self.work += meter.done() as usize;
             self.zones.binding = binding;
-            if is_only_own([of_mission_m, of_own_m]) {
+            // Only the aircraft itself is too low, not its mission.
+            if of_own_m < 0.0 && of_mission_m >= 0.0 {
                 self.lead_out(Vec3::Z * -of_own_m, (flyer, climb_limits_rad), wanted_m);
             }
             least_m = of_mission_m.min(of_own_m).max(0.0);
@@ -116,11 +117,6 @@ impl<P: Places + ?Sized> Tracks<P> {
         self.inside = true;
         self.add_limit(&plane, out_s);
     }
-}
-
-/// Whether the aircraft itself is too low, but not its mission.
-fn is_only_own([of_mission_m, of_own_m]: [f64; 2]) -> bool {
-    of_own_m < 0.0 && of_mission_m >= 0.0
 }
 
 /// What of the ground binds, and the margins of the mission ahead and of the aircraft itself, at most one, metres; negative where it is
@@ -190,6 +186,17 @@ fn mission_ahead(
     lines.take(MAX_LEGS_AHEAD)
 }
 
+/// How far zones are known, metres.
+fn reach_m(flyer: &Flyer, wind_mps: Vec3, wanted_m: f64) -> f64 {
+    circle_m(flyer, wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m)
+}
+
+/// How long a flight stays among the zones that are known, seconds.
+pub(in crate::avoider) fn known_s(flyer: &Flyer, wind_mps: Vec3, wanted_m: f64) -> f64 {
+    let speed_mps = flyer.airspeed_mps() + wind_mps.length();
+    (reach_m(flyer, wind_mps, wanted_m) - 2.0 * wanted_m) / speed_mps
+}
+
 /// The way over the ground in the time of a full circle, at most, metres.
 fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
     TAU / flyer.course_rate_radps() * (flyer.airspeed_mps() + wind_mps.length())
@@ -198,23 +205,4 @@ fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
 /// The least distance of some lines from a zone, metres; at most a given one, and negative on the wrong side.
 fn nearest_m(zone: &Zone<'_>, lines: impl Iterator<Item = Line>, most_m: f64) -> f64 {
     lines.fold(most_m, |least_m, line| zone.nearest_m(&line, least_m))
-}
-
-/// Whether the aircraft is on the wrong side of a zone that binds, or lower than it takes to clear the ground where its mission does.
-#[inline(never)]
-pub(in crate::avoider) fn has_entered(
-    situation: &Situation<'_>,
-    leg: usize,
-    flyer: &Flyer,
-) -> bool {
-    let own_m = situation.ownship.position_m;
-    let ahead = || mission_ahead(situation, leg, flyer);
-    let mut zones = situation.mission.zones.iter();
-    let is_low = |ground: &Ground<'_>| {
-        let meter = Meter::new(GROUND_WORK, GROUND_WORK);
-        let here = ground.deepest(&Line::at(own_m), Binding::ALL, &meter);
-        here.0 < 0.0 && is_only_own(bound(ground, &ahead(), own_m, 0.0, &meter).1)
-    };
-    zones.any(|zone| zone.is_entered(own_m) && nearest_m(zone, ahead(), 0.0) >= 0.0)
-        || situation.mission.ground.is_some_and(is_low)
 }

@@ -12,6 +12,7 @@ use crate::prediction::MotionState;
 use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Search, Turns};
 use crate::situation::Situation;
 
+use super::holding::KEEP_SHARE;
 use super::{Answer, ENOUGH_M, LOOK_EVERY};
 
 /// Part of a step's work for the search on one rung, one in this many: the rest is for those below it.
@@ -105,6 +106,23 @@ impl Avoider<dyn Places + '_> {
         self.highest(rungs, &Maneuver::HOLD, now, &mut |search| {
             let beside = search.cheapest_to(&side, 0.0);
             beside.or_else(|| search.cheapest(0.0))
+        })
+    }
+
+    /// Between walls, the certified manoeuvre on the highest rung that stays between them until the encounter has passed, seconds, and can
+    /// still turn away then.
+    #[inline(never)]
+    pub(super) fn highest_inside(&mut self, passes_s: f64, now: &Now<'_>) -> Option<Answer> {
+        if self.tracks.around(now.mission).fixed.is_empty() || !self.tracks.has_aircraft() {
+            return None;
+        }
+        let circle_s = self.tracks.walls_s();
+        let until_s = circle_s.max(passes_s + KEEP_SHARE * circle_s);
+        self.within_walls(until_s, |avoider| {
+            avoider.highest(0..RUNGS, &Maneuver::HOLD, now, &mut |search| {
+                let [least, other] = search.least_departure(0.0);
+                least.or(other)
+            })
         })
     }
 

@@ -27,12 +27,19 @@ impl Avoider<dyn Places + '_> {
 
     /// Proves that a way back is clear of the expected motion, if it is.
     fn prove_back(&mut self, plan: &mut Plan, back: &mut Command, now: &Now<'_>) -> bool {
+        // What avoids the next encounter is a manoeuvre like any other.
+        let left_s = match plan.next_start_s {
+            Some(_) => self.tracks.walls_s(),
+            None => plan.joined_s - self.last_time_s,
+        };
         if !self.tracks.has_aircraft() {
-            return self.kept_rung(plan, back, now) == Some(plan.rung);
+            let rung = self.within_walls(left_s, |avoider| avoider.kept_rung(plan, back, now));
+            return rung == Some(plan.rung);
         }
         let keep_m = KEEP_SHARE * self.demand_of(plan.rung).margin_m;
         self.withstand(&|_| Freedom::Expected, (0.0, self.wanted_m()));
-        self.prove(back, now, (self.settings.horizon_s, keep_m, keep_m))
+        let asked = (self.settings.horizon_s, keep_m, keep_m);
+        self.within_walls(left_s, |avoider| avoider.prove(back, now, asked))
     }
 
     /// On the way back.
@@ -52,6 +59,11 @@ impl Avoider<dyn Places + '_> {
             let is_back = time_s >= plan.joined_s || self.progress.is_complete();
             if !is_back && self.flies_back(situation, now, decision) {
                 return;
+            }
+            // Off the mission between walls only another way back is known to be clear of them.
+            if !is_back && !self.tracks.around(now.mission).fixed.is_empty() {
+                self.state = State::Avoiding;
+                return self.avoid(situation, now, decision);
             }
             self.plan = None;
             self.state = State::Cruise;

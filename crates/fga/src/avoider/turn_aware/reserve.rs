@@ -64,9 +64,13 @@ impl Avoider<dyn Places + '_> {
         (after_s, most_turn_rad): (f64, f64),
     ) -> bool {
         let demand = self.first_demand();
-        self.search(along, now, &demand, |search| {
-            search.share_work(RUNG_SHARE);
-            search.is_avoidable_within(after_s, most_turn_rad)
+        // As far from walls as if it began now.
+        let walls_s = self.tracks.walls_s() + after_s;
+        self.within_walls(walls_s, |avoider| {
+            avoider.search(along, now, &demand, |search| {
+                search.share_work(RUNG_SHARE);
+                search.is_avoidable_within(after_s, most_turn_rad)
+            })
         })
     }
 

@@ -1,9 +1,8 @@
-//! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
+//! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter. Zones, ground and limits of altitude are
+//! no threat: they only bound what a manoeuvre may be.
 
-use crate::assumptions::Assumptions;
 use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Now, Places, Threat};
-use crate::certificate::certify_set;
 use crate::maneuver::Maneuver;
 
 use super::NEXT_ENCOUNTER_S;
@@ -38,7 +37,7 @@ impl Avoider<dyn Places + '_> {
         let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         self.predict(nominal, now, horizon_s);
         let mut first: Option<Threat> = None;
-        for hazard in self.tracks.rows() {
+        for hazard in self.tracks.obstacles() {
             let closest = self.certify_one(hazard, (horizon_s, f64::MIN, target_m));
             // A hazard that was not examined to its end may be anything.
             if closest.margin_m >= target_m && !self.meter.is_met() {
@@ -71,27 +70,11 @@ impl Avoider<dyn Places + '_> {
                 break;
             }
         }
-        let first = first.or_else(|| self.entered_fixed(now, horizon_s))?;
+        let first = first?;
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         Some((first, self.with_close(against, (same_s, target_m))))
-    }
-
-    /// The zone that the path enters, or the ground: of what the mission passes, however near, it keeps clear by itself.
-    fn entered_fixed(&self, now: &Now<'_>, horizon_s: f64) -> Option<Threat> {
-        let asked = (horizon_s, f64::MIN, 0.0);
-        let fixed_alone = Assumptions {
-            rows: &[],
-            ..self.tracks.around(now.mission)
-        };
-        let found = certify_set(&self.flyer, &self.path, &fixed_alone, asked, &self.meter);
-        (found.margin_m < 0.0).then_some(Threat {
-            id: u32::MAX,
-            entry_s: found.at_s,
-            closest_s: found.at_s,
-            margin_m: found.margin_m,
-        })
     }
 
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.
@@ -113,7 +96,7 @@ impl Avoider<dyn Places + '_> {
 
     /// An encounter with the obstacles that the path comes too close to before a time, seconds.
     fn with_close(&self, mut against: Against, (until_s, target_m): (f64, f64)) -> Against {
-        for hazard in self.tracks.rows() {
+        for hazard in self.tracks.obstacles() {
             if self.meter.is_met() {
                 break;
             }

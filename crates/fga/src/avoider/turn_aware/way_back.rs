@@ -4,6 +4,7 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
+use crate::avoider::tracks::zones::known_s;
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
 use crate::certificate::Hazard;
 use crate::command::Command;
@@ -117,7 +118,7 @@ impl Avoider<dyn Places + '_> {
                 && self.fly_back(joined, &mut found, (situation, now), rung, back)
                 // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
                 // then what is clear of the expected motion.
-                && (self.is_robust_back(back, now, rung)
+                && (self.is_robust_back((back, joined.joined_s), now, rung)
                     || given_up > 2 && self.has_reserve(back, now)
                     || waited_s > FLEES_S)
                 && (latest_s.is_infinite()
@@ -202,7 +203,16 @@ impl Avoider<dyn Places + '_> {
             progress.round_corners(route, far.horizon_s, maneuver.edit(), joined)
         });
         (maneuver.edit()).limit_climbs(self.level_rad.0, self.level_rad.1);
-        self.predict(maneuver, now, far.horizon_s);
+        let known_s = known_s(&self.flyer, situation.wind_mps, self.wanted_m());
+        let back_s = self.progress.back_s(joined);
+        let walls_s = back_s.min(known_s);
+        self.predict(maneuver, now, far.horizon_s.max(walls_s));
+        let around = self.tracks.around(now.mission);
+        // Straight to a waypoint only where all that stands on the way is known.
+        let is_unknown = back_s > joined.joined_s.max(known_s);
+        if !around.fixed.is_empty() && is_unknown {
+            return false;
+        }
         let ahead = self.way_ahead(plan, joined, (situation, now), &far);
         *plan = Plan {
             decided_s: situation.time_s,
@@ -217,7 +227,13 @@ impl Avoider<dyn Places + '_> {
         match ahead {
             WayAhead::Blocked => false,
             WayAhead::Clear => {
-                let is_proven = self.prove(maneuver, now, (far.horizon_s, far.margin_m, ENOUGH_M));
+                let asked = (far.horizon_s, far.margin_m, ENOUGH_M);
+                // Walls count on all of the way back, however long it is.
+                let later = (walls_s.max(far.horizon_s), far.margin_m, far.margin_m);
+                let is_proven = self.within_walls(walls_s, |avoider| {
+                    avoider.prove_from(maneuver, now, later, true)
+                        && avoider.prove(maneuver, now, asked)
+                });
                 if let Some(proof) = maneuver.proof() {
                     plan.outcome = Outcome::Proven;
                     plan.margin_m = proof.bound().margin_m;
@@ -228,6 +244,15 @@ impl Avoider<dyn Places + '_> {
                 self.way_back_and_on(plan, joined.joined_s, now, &far, maneuver)
             }
         }
+    }
+
+    /// Does something while zones and ground count up to a moment, seconds. Of a way back that is its return: the mission itself is flown as it
+    /// is given.
+    pub(super) fn within_walls<T>(&mut self, until_s: f64, act: impl FnOnce(&mut Self) -> T) -> T {
+        let before_s = self.tracks.until(until_s);
+        let answer = act(self);
+        self.tracks.until(before_s);
+        answer
     }
 
     /// Remembers a chosen way back and goes on to its leg.
@@ -301,7 +326,7 @@ impl Avoider<dyn Places + '_> {
         if self.meter.is_met() {
             return WayAhead::Blocked;
         }
-        for hazard in self.tracks.rows() {
+        for hazard in self.tracks.obstacles() {
             let whole = self.certify_one(hazard, (horizon_s, target_m, target_m));
             if whole.holds(target_m) {
                 continue;
@@ -339,7 +364,12 @@ impl Avoider<dyn Places + '_> {
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it: one that leads into another turn is another encounter.
     #[inline(never)]
-    fn is_robust_back(&mut self, back: &Maneuver, now: &Now<'_>, rung: usize) -> bool {
+    fn is_robust_back(
+        &mut self,
+        (back, joined_s): (&Maneuver, f64),
+        now: &Now<'_>,
+        rung: usize,
+    ) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
         }
@@ -372,7 +402,8 @@ impl Avoider<dyn Places + '_> {
         };
         let target_m = self.demand_of(rung).margin_m;
         self.withstand(&freedom, (0.0, target_m));
-        self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
+        let asked = (BACK_WITHSTANDS_S, target_m, target_m);
+        self.within_walls(joined_s, |avoider| avoider.margin_of(back, now, asked)) >= target_m
     }
 }
 
@@ -391,7 +422,7 @@ mod tests {
                 avoider.drift_m = 40.0;
                 let rungs = [WANTED, WANTED + 1];
                 let is_robust =
-                    rungs.map(|rung| avoider.is_robust_back(&Maneuver::HOLD, now, rung));
+                    rungs.map(|rung| avoider.is_robust_back((&Maneuver::HOLD, 60.0), now, rung));
                 avoider.withstand(&|_| Freedom::Expected, (0.0, 0.0));
                 let asked = (BACK_WITHSTANDS_S, 0.0, 0.0);
                 (
