@@ -150,3 +150,63 @@ fn the_contents_list_every_page() {
         }
     }
 }
+
+/// The pages of the book, of the front and of the crates.
+fn all_pages(root: &Path) -> Vec<PathBuf> {
+    let crates = fs::read_dir(root.join("crates")).expect("the crates");
+    let crates = crates.map(|entry| entry.expect("an entry").path());
+    [root.to_path_buf(), root.join("docs")]
+        .into_iter()
+        .chain(crates)
+        .flat_map(|folder| pages(&folder))
+        .collect()
+}
+
+/// A file that a page names, or an example that it runs, was deleted by a commit about something else.
+#[test]
+fn what_a_page_names_exists() {
+    let root = root();
+    let (mut files, mut examples) = (0, 0);
+    for page in all_pages(&root) {
+        if page.ends_with("CHANGELOG.md") {
+            continue;
+        }
+        let text = fs::read_to_string(&page).expect("a page");
+        for (before, after) in text
+            .split("--example ")
+            .zip(text.split("--example ").skip(1))
+        {
+            let word = |text: &str| -> String {
+                let of_name = |c: &char| c.is_alphanumeric() || *c == '-' || *c == '_';
+                text.trim_start().chars().take_while(of_name).collect()
+            };
+            let Some((_, package)) = before.rsplit_once("-p ") else {
+                continue;
+            };
+            let example = format!("crates/{}/examples/{}.rs", word(package), word(after));
+            assert!(
+                root.join(&example).exists(),
+                "{}: {example}",
+                page.display()
+            );
+            examples += 1;
+        }
+        for name in text.split('`').skip(1).step_by(2) {
+            let is_ours = [
+                "crates/",
+                "scenarios/",
+                "vehicles/",
+                "campaigns/",
+                "docs/",
+                "python/",
+            ]
+            .iter()
+            .any(|folder| name.starts_with(folder));
+            if is_ours && !name.contains([' ', '*', '…', '{', '<', '\n']) {
+                assert!(root.join(name).exists(), "{}: {name}", page.display());
+                files += 1;
+            }
+        }
+    }
+    assert!(files > 20 && examples > 3, "{files} and {examples}");
+}

@@ -110,7 +110,7 @@ fn are_the_same(mut free: Flight, mut bound: Flight, obstacles: &[Obstacle]) {
     for _ in 0..400 {
         let one = free.cycle(&mut rows[0]).command;
         let other = bound.cycle(&mut rows[1]).command;
-        assert_eq!(one, other);
+        assert_eq!(*one, *other);
     }
 }
 

@@ -181,7 +181,7 @@ fn a_zone_that_the_leg_itself_enters_does_not_bind() {
     let (mut one, mut other) = (standing(), standing());
     for _ in 0..400 {
         let decisions = (bound.cycle(&mut one), free.cycle(&mut other));
-        assert_eq!(decisions.0.command, decisions.1.command);
+        assert_eq!(*decisions.0.command, *decisions.1.command);
     }
 }
 
@@ -199,7 +199,7 @@ fn a_zone_that_the_next_leg_soon_enters_does_not_bind() {
     let (mut one, mut other) = (vec![obstacle], vec![obstacle]);
     for _ in 0..300 {
         let decisions = (bound.cycle(&mut one), free.cycle(&mut other));
-        assert_eq!(decisions.0.command, decisions.1.command);
+        assert_eq!(*decisions.0.command, *decisions.1.command);
     }
 }
 
@@ -213,7 +213,7 @@ fn a_mission_that_ends_outside_is_flown_to_its_end() {
     }
     for _ in 0..300 {
         let decisions = (bound.cycle(&mut []), free.cycle(&mut []));
-        assert_eq!(decisions.0.command, decisions.1.command);
+        assert_eq!(*decisions.0.command, *decisions.1.command);
     }
 }
 
@@ -231,7 +231,7 @@ fn a_start_on_the_wrong_side_begins_nothing() {
         }
         for _ in 0..300 {
             let decisions = (bound.cycle(&mut []), free.cycle(&mut []));
-            assert_eq!(decisions.0.command, decisions.1.command);
+            assert_eq!(*decisions.0.command, *decisions.1.command);
             assert_eq!(decisions.0.record.reason, decisions.1.record.reason);
         }
         assert!(!zone.is_entered(bound.own.position_m));
@@ -269,7 +269,7 @@ fn a_fence_beyond_the_end_begins_nothing() {
         }
         for _ in 0..900 {
             let decisions = (bound.cycle(&mut []), free.cycle(&mut []));
-            assert_eq!(decisions.0.command, decisions.1.command);
+            assert_eq!(*decisions.0.command, *decisions.1.command);
             assert_eq!(decisions.0.state, State::Cruise);
         }
         let off_m = bound.own.position_m.y;
