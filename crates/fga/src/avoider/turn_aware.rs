@@ -287,8 +287,7 @@ impl Avoider<dyn Places + '_> {
         let time_s = situation.time_s;
         let waits = |plan: &Plan| self.tracks.has_obstacles() || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
-            self.state = State::Cruise;
-            return self.watch(situation, now, decision);
+            return self.settle(situation, now, decision);
         };
         let looks = (LOOK_BACK_EVERY, f64::INFINITY);
         if self.has_begun(&plan, situation)
