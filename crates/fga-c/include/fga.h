@@ -165,7 +165,7 @@ enum fga_state
   FGA_STATE_THREATENED = 1,
   // Flying the avoiding manoeuvre.
   FGA_STATE_AVOIDING = 2,
-  // Flying back to the mission.
+  // Flying back to the mission, until the aircraft is on its leg.
   FGA_STATE_RECOVERING = 3,
 };
 #ifndef __cplusplus
@@ -202,7 +202,7 @@ enum fga_reason
   FGA_REASON_REJOIN_CHOSEN = 8,
   // The way back continues.
   FGA_REASON_REJOIN_KEPT = 9,
-  // The aircraft is back on its leg.
+  // The aircraft is back on its leg: within 15 m of it, beside and where it can climb in height, and 0.2 radians of its course.
   FGA_REASON_REJOINED = 10,
   // The aircraft passed the last waypoint; it holds course and altitude.
   FGA_REASON_MISSION_COMPLETE = 11,

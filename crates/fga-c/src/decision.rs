@@ -24,7 +24,7 @@ pub enum fga_state {
     Threatened = 1,
     /// Flying the avoiding manoeuvre.
     Avoiding = 2,
-    /// Flying back to the mission.
+    /// Flying back to the mission, until the aircraft is on its leg.
     Recovering = 3,
 }
 
@@ -63,7 +63,7 @@ pub enum fga_reason {
     RejoinChosen = 8,
     /// The way back continues.
     RejoinKept = 9,
-    /// The aircraft is back on its leg.
+    /// The aircraft is back on its leg: within 15 m of it, beside and where it can climb in height, and 0.2 radians of its course.
     Rejoined = 10,
     /// The aircraft passed the last waypoint; it holds course and altitude.
     MissionComplete = 11,

@@ -31,5 +31,5 @@ mod turn_round;
 mod way_back;
 
 pub use join::Join;
-pub use progress::Progress;
+pub use progress::{BACK_WITHIN_M, BACK_WITHIN_RAD, Progress};
 pub use route::Route;

@@ -23,6 +23,12 @@ const OFF_TURN_RADII: f64 = 0.2;
 const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
 const ENTERED_RAD: f64 = 0.2;
 
+/// An aircraft is back on its leg within this distance, beside it and in height, metres, and this angle of its course, radians (11°):
+/// from there the guidance of an autopilot takes it on.
+pub const BACK_WITHIN_M: f64 = 15.0;
+/// See [`BACK_WITHIN_M`].
+pub const BACK_WITHIN_RAD: f64 = 0.2;
+
 /// A turn round in progress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turn {
@@ -120,6 +126,17 @@ impl Progress {
     pub fn is_adrift(&self) -> bool {
         let leg = self.leg.filter(|_| !self.is_complete);
         leg.is_some_and(|leg| !leg.can_be_flown())
+    }
+
+    /// Whether the aircraft is back on the present leg, or has no leg to return to; its height counts where it can climb.
+    pub fn is_back(&self, state: &MotionState, can_climb: bool) -> bool {
+        let is_on = |leg: &Leg| {
+            let position = leg.position(state.position_m, state.time_s);
+            let above_m = if can_climb { position.above_m } else { 0.0 };
+            position.cross_m.abs().max(above_m.abs()) <= BACK_WITHIN_M
+                && leg.turn_onto_rad(state).abs() <= BACK_WITHIN_RAD
+        };
+        self.is_complete || !self.is_unentered && self.leg.as_ref().is_some_and(is_on)
     }
 
     pub(crate) fn legs<'a>(&self, route: &'a Route<'a>) -> Legs<'a> {

@@ -61,7 +61,8 @@ pub enum Reason {
     RejoinChosen,
     /// The way back continues.
     RejoinKept,
-    /// The aircraft is back on its leg.
+    /// The aircraft is back on its leg: within [`BACK_WITHIN_M`](crate::mission::BACK_WITHIN_M) of it and
+    /// [`BACK_WITHIN_RAD`](crate::mission::BACK_WITHIN_RAD) of its course.
     Rejoined,
     /// The aircraft passed the last waypoint; the avoider holds course and altitude.
     MissionComplete,

@@ -301,8 +301,7 @@ impl Avoider<dyn Places + '_> {
         let is_bound = !bounds.rows.is_empty() || !bounds.fixed.is_empty();
         let waits = |plan: &Plan| is_bound || plan.given_up(time_s) == 0;
         let Some(mut plan) = self.plan.filter(waits) else {
-            self.state = State::Cruise;
-            return self.watch(situation, now, decision);
+            return self.settle(situation, now, decision);
         };
         let looks = (LOOK_BACK_EVERY, f64::INFINITY);
         if self.has_begun(&plan, situation)

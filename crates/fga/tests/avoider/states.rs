@@ -1,7 +1,11 @@
 //! One test for each way from state to state.
 
 use fga::Vec3;
+use fga::angle::wrap_pi;
 use fga::avoider::{Reason, Settings, SettingsError, Start, State};
+use fga::mission::{BACK_WITHIN_M, BACK_WITHIN_RAD};
+use fga::prediction::Flyer;
+use fga::vehicle::Vehicle;
 
 use fga::situation::{Obstacle, ProtectedVolume};
 
@@ -101,6 +105,42 @@ fn an_obstacle_that_vanishes_during_the_manoeuvre_lets_it_come_back() {
     assert!(steps < 60, "{steps}");
     flight.until(State::Cruise, &mut []);
     assert!(flight.own.position_m.y.abs() < 1.0);
+}
+
+/// The aircraft turns more slowly than its vehicle, or the wind is another one: at the planned end of the way back it is beside its leg.
+#[test]
+fn the_aircraft_is_back_by_its_position_and_course() {
+    let mut late = 0;
+    for (wider, drift_mps) in [(1.0, 0.0), (1.5, 0.0), (1.0, 3.0), (1.0, -3.0), (1.5, 3.0)] {
+        let mut flight = flight(Start::AtDetection);
+        flight.flyer = Flyer::new(&Vehicle {
+            turn_radius_m: wider * planar().turn_radius_m,
+            ..planar()
+        });
+        let (mut obstacles, mut was_away, mut planned_s) = (standing(AHEAD), false, f64::INFINITY);
+        let mut rejoined = 0;
+        for _ in 0..600 {
+            let (own, time_s) = (flight.own, flight.time_s);
+            let decision = flight.cycle(&mut obstacles);
+            flight.own.position_m.y += drift_mps * PERIOD_S;
+            let is_away = matches!(decision.state, State::Avoiding | State::Recovering);
+            if decision.record.reason == Reason::RejoinKept && decision.record.certified.is_none() {
+                // On the way back without a plan any more.
+                planned_s = planned_s.min(time_s);
+            }
+            if was_away && !is_away {
+                let off_rad = wrap_pi(own.course_rad).abs();
+                assert!(own.position_m.y.abs() <= BACK_WITHIN_M, "{own:?}");
+                assert!(off_rad <= BACK_WITHIN_RAD, "{own:?}");
+                assert_eq!(decision.record.reason, Reason::Rejoined);
+                rejoined += 1;
+                late += u32::from(time_s > planned_s);
+            }
+            was_away = is_away;
+        }
+        assert_eq!((rejoined, was_away), (1, false), "{wider} {drift_mps}");
+    }
+    assert!(late > 0, "no flight shows it");
 }
 
 #[test]

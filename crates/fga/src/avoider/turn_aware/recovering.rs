@@ -65,16 +65,30 @@ impl Avoider<dyn Places + '_> {
                 self.state = State::Avoiding;
                 return self.avoid(situation, now, decision);
             }
-            self.plan = None;
-            self.state = State::Cruise;
-            self.watch(situation, now, decision);
-            if is_back && decision.record.reason == Reason::Clear {
-                decision.record.reason = Reason::Rejoined;
-            }
-            return;
         }
+        self.settle(situation, now, decision);
+    }
+
+    /// Without a planned way back: follows the guidance along the mission, on the way back until the aircraft is on its leg by position
+    /// and course, whatever was planned.
+    #[inline(never)]
+    pub(super) fn settle(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        decision: &mut Decision,
+    ) {
+        self.plan = None;
         self.state = State::Cruise;
         self.watch(situation, now, decision);
+        if decision.record.reason == Reason::Clear {
+            let can_climb = self.vehicle.climb_min_rad < self.vehicle.climb_max_rad;
+            decision.record.reason = Reason::Rejoined;
+            if !self.progress.is_back(now, can_climb) {
+                self.state = State::Recovering;
+                (decision.state, decision.record.reason) = (self.state, Reason::RejoinKept);
+            }
+        }
     }
 
     /// Whether it flies the way back on, or a sooner one; then the decision to do so.
@@ -122,10 +136,8 @@ impl Avoider<dyn Places + '_> {
         let came = self.returned.as_ref().zip(plan.threat);
         let is_again = came.is_some_and(|(came, threat)| came.against.contains(threat.id));
         if !is_again {
-            self.plan = None;
-            self.state = State::Cruise;
             self.meter.reserve(HALVES);
-            self.watch(situation, now, decision);
+            self.settle(situation, now, decision);
             self.meter.extend(HALVES);
             if !decision.record.reason.is_unproven() {
                 return;
