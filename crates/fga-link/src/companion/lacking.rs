@@ -8,6 +8,9 @@ const LOST_S: f64 = 1.0;
 /// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
 
+/// Home has moved up or down when it did so by more than this, metres: altitudes of two sensors drift apart by less.
+const HOME_MOVED_M: f64 = 10.0;
+
 /// The missing conditions: how the operator reads each.
 macro_rules! conditions {
     ($($condition:ident: $severity:ident, $words:literal;)*) => {
@@ -72,6 +75,8 @@ pub(super) struct OperatorReports {
     last: Option<Lacking>,
     /// Whether the bank in need was reported.
     need: bool,
+    /// Whether a home that moved in the manoeuvre was reported.
+    home: bool,
     /// Whether an obstacle without a way round was reported.
     no_way: bool,
     /// Whether a failing airspeed sensor was reported, and since when it fails, seconds.
@@ -83,6 +88,14 @@ impl OperatorReports {
     /// A manoeuvre begins.
     pub(super) const fn begin(&mut self) {
         self.need = false;
+        self.home = false;
+    }
+
+    /// Reports once in a manoeuvre that home has risen by this, metres.
+    pub(super) fn home_moved(&mut self, rose_m: f64, voice: &mut Voice) {
+        if rose_m.abs() > HOME_MOVED_M && !core::mem::replace(&mut self.home, true) {
+            voice.warn(&format!("fga: home moved {rose_m:+.0} m, floor stays"));
+        }
     }
 
     /// Reports once in a manoeuvre that it uses the bank in need.

@@ -9,7 +9,7 @@ use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, MavMessage, TIMESYNC_DATA}
 use super::trips::Trips;
 use crate::commanded::Commanded;
 use crate::config::ResponseConfig;
-use crate::ownship::{OwnState, OwnshipEstimate};
+use crate::ownship::{OwnState, OwnshipEstimate, turn_rate_radps};
 use crate::response::ResponseEstimate;
 
 /// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
@@ -169,7 +169,7 @@ impl Lead {
         estimate.observe(
             f64::from(data.time_boot_ms) * 1e-3,
             bank_rad,
-            -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+            -turn_rate_radps(data),
             airspeed_mps,
             |before_s| self.commanded_lately.at(measured_s - before_s),
         );
