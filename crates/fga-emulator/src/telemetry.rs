@@ -203,7 +203,8 @@ impl Emulator {
                     lat: place.latitude_e7,
                     lon: place.longitude_e7,
                     alt: place.altitude_mm,
-                    relative_alt: ((self.plant.position_m()[2] - self.home_up_m) * 1e3).round() as i32,
+                    relative_alt: ((self.plant.position_m()[2] - self.home_up_m) * 1e3).round()
+                        as i32,
                     vx: (velocity[1] * 100.0).round() as i16,
                     vy: (velocity[0] * 100.0).round() as i16,
                     vz: (-velocity[2] * 100.0).round() as i16,

@@ -120,9 +120,15 @@ impl OwnshipEstimate {
 
     /// Takes an attitude.
     pub fn take_attitude(&mut self, data: &ATTITUDE_DATA, now_s: f64) -> Update {
-        let finite = [data.roll, data.pitch, data.yaw, data.pitchspeed, data.yawspeed]
-            .iter()
-            .all(|v| v.is_finite());
+        let finite = [
+            data.roll,
+            data.pitch,
+            data.yaw,
+            data.pitchspeed,
+            data.yawspeed,
+        ]
+        .iter()
+        .all(|v| v.is_finite());
         let plausible = data.roll.abs() <= 4.0
             && data.pitch.abs() <= 2.0
             && f64::from(data.pitchspeed).abs() <= FASTEST_NOSE_RADPS
