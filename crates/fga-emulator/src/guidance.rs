@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
-use mavlink::dialects::ardupilotmega::MavCmd;
+use mavlink::dialects::ardupilotmega::{MavCmd, MavFrame};
 
 use crate::Emulator;
 use crate::geometry::{bearing, distance_m, wrap};
@@ -123,9 +123,19 @@ impl Emulator {
     /// The target of a flown item, metres.
     pub(crate) fn item_place_m(&self, item: u16) -> Option<[f64; 3]> {
         let item = self.mission.get(usize::from(item))?;
-        item.is_waypoint()
+        let mut place_m = item
+            .is_waypoint()
             .then(|| item.position_m(&self.settings.home))
-            .flatten()
+            .flatten()?;
+        // Heights above home move with it.
+        let is_above_sea = matches!(
+            item.frame,
+            MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT
+        );
+        if !is_above_sea {
+            place_m[2] += self.home_up_m;
+        }
+        Some(place_m)
     }
 
     /// The flown item that follows an item, without a jump made or an item run.

@@ -151,6 +151,8 @@ pub struct Emulator {
     card: Option<terrain::Card>,
     texts: Vec<String>,
     received: u64,
+    /// Height of home above the origin of the local frame, metres: a ground station can move home.
+    home_up_m: f64,
 }
 
 /// Longest list of aircraft that the autopilot keeps.
@@ -189,6 +191,7 @@ impl Emulator {
             card: None,
             texts: Vec::new(),
             received: 0,
+            home_up_m: 0.0,
             settings,
         };
         emulator
@@ -391,6 +394,11 @@ impl Emulator {
     /// For tests: a gust that moves the aircraft at once, metres.
     pub fn displace(&mut self, by_m: [f64; 3]) {
         self.plant.displace(by_m);
+    }
+
+    /// For tests: the engine gives another airspeed from now on, metres per second.
+    pub const fn set_airspeed(&mut self, mps: f64) {
+        self.plant.set_airspeed(mps);
     }
 
     /// For tests: the autopilot forgets the requested messages.

@@ -182,6 +182,11 @@ impl VehiclePlant {
         ]
     }
 
+    /// The airspeed while no throttle stick sets it, metres per second, from now on.
+    pub(crate) const fn set_airspeed(&mut self, mps: f64) {
+        self.settings.airspeed_mps = mps;
+    }
+
     pub(crate) fn displace(&mut self, by_m: [f64; 3]) {
         for (position, by) in self.position_m.iter_mut().zip(by_m) {
             *position += by;

@@ -347,6 +347,10 @@ impl Emulator {
                 self.set_armed(data.param1 == 1.0);
                 MavResult::MAV_RESULT_ACCEPTED
             }
+            MavCmd::MAV_CMD_DO_CHANGE_SPEED => {
+                self.set_airspeed(f64::from(data.param2));
+                MavResult::MAV_RESULT_ACCEPTED
+            }
             MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
                 if self.set_current(data.param1 as u16) {
                     MavResult::MAV_RESULT_ACCEPTED
@@ -402,6 +406,10 @@ impl Emulator {
                         _ => altitude,
                     };
                 }
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_DO_SET_HOME => {
+                self.home_up_m = f64::from(data.z) - self.settings.home.altitude_m;
                 MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_DO_REPOSITION => {

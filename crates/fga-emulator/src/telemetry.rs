@@ -175,7 +175,9 @@ impl Emulator {
                 pitch: self.plant.pitch_rad() as f32,
                 yaw: self.plant.heading_rad() as f32,
                 rollspeed: self.plant.roll_rate_radps() as f32,
-                pitchspeed: 0.0,
+                // A level turn: the nose's rate about the vertical, in the axes of the banked body.
+                pitchspeed: (self.plant.nose_rate_radps() * libm::sin(self.plant.bank_rad()))
+                    as f32,
                 yawspeed: (self.plant.nose_rate_radps() * libm::cos(self.plant.bank_rad())) as f32,
             }),
             GPS_RAW_INT => {
@@ -201,7 +203,8 @@ impl Emulator {
                     lat: place.latitude_e7,
                     lon: place.longitude_e7,
                     alt: place.altitude_mm,
-                    relative_alt: (self.plant.position_m()[2] * 1e3).round() as i32,
+                    relative_alt: ((self.plant.position_m()[2] - self.home_up_m) * 1e3).round()
+                        as i32,
                     vx: (velocity[1] * 100.0).round() as i16,
                     vy: (velocity[0] * 100.0).round() as i16,
                     vz: (-velocity[2] * 100.0).round() as i16,

@@ -16,6 +16,7 @@
 //! | `TrafficReports`, `ObstaclesAround`, `OverGround` | who reports traffic, who and what is around, and how high is the ground? |
 //! | `Decisions` | who decides with which limits, and what was decided last? |
 //! | `Keeper`, `Handover`, `Gap` | who has the authority, when is control wanted and given back, and how long without telemetry? |
+//! | `OtherOrders` | does somebody else command the vehicle in the mode of the manoeuvre? |
 //! | `OperatorReports`, `Voice` | what has the operator read, and what is said: messages, texts, lines of the log? |
 //!
 //! A decision goes from `observe.rs` by `decide.rs` and `authorize.rs` to the targets in `send.rs`.
@@ -35,6 +36,7 @@ mod lead;
 mod lists;
 mod neighbors;
 mod observe;
+mod others;
 mod over_ground;
 mod passing;
 mod picture;
@@ -76,6 +78,7 @@ use handover::Handover;
 pub use handover::LONGEST_END_S;
 use lacking::OperatorReports;
 use lead::Lead;
+use others::OtherOrders;
 use over_ground::OverGround;
 use passing::PassedItems;
 pub use picture::FlightPicture;
@@ -132,6 +135,7 @@ pub struct Companion {
     keeper: Keeper,
     handover: Handover,
     gap: Gap,
+    others: OtherOrders,
     told: OperatorReports,
     hand: Box<dyn Hand>,
     due: Due,
@@ -181,6 +185,7 @@ impl Companion {
             keeper: Keeper::new(target, config.safety.armed_at_start),
             handover: Handover::from_modes(take_over),
             gap: Gap::default(),
+            others: OtherOrders::default(),
             told: OperatorReports::default(),
             hand,
             due: Due::default(),
@@ -439,6 +444,8 @@ impl Companion {
         self.lead.begin(self.ownship.bank_rad(), now_s);
         self.handover.begin(resumed, now_s);
         self.told.begin();
+        let own_m = self.ownship.position_m(now_s);
+        self.others.begin(own_m.filter(|_| !resumed));
         self.due.command_s = f64::NEG_INFINITY;
     }
 

@@ -13,6 +13,8 @@ use fga::Vec3;
 use fga::situation::Ownship;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 
+pub use take::turn_rate_radps;
+
 use crate::clock::BootClock;
 
 /// Longest extrapolation, seconds: as long as a manoeuvre may fly on without telemetry.
@@ -100,6 +102,9 @@ pub struct OwnshipEstimate {
     airspeeds_mps: [Option<f64>; 3],
     /// Since when the height above home differs from the known one, seconds.
     home_moved_s: Option<f64>,
+    /// Whether home stays where it was, and how much lower the vehicle has reported its height above home since, metres.
+    holds_home: bool,
+    home_rose_m: f64,
     wind: Option<(f64, Vec3)>,
     /// The last returned course through the air, not wrapped.
     last_course_rad: Option<f64>,
@@ -130,6 +135,16 @@ impl OwnshipEstimate {
     pub fn home_altitude_m(&self) -> Option<f64> {
         let position = self.position?;
         Some(self.frame?.origin().altitude_m + position.place_m.z - position.above_home_m)
+    }
+
+    /// Whether home stays where it is in a manoeuvre, whatever the vehicle reports: its height is the one above the sea. How far
+    /// home has risen since, metres.
+    pub const fn hold_home(&mut self, holds: bool) -> f64 {
+        self.holds_home = holds;
+        if !holds {
+            self.home_rose_m = 0.0;
+        }
+        self.home_rose_m
     }
 
     /// Present altitude above mean sea level, metres; `None` if the last position is too old for it.

@@ -102,7 +102,7 @@ fn sigint_sigterm_sighup_hand_back_alike() {
         let log = log.expect("a log of decisions");
         assert!(decisions_follow_their_schema(&log) > 3, "{signal}");
         assert!(
-            live.was_told("fga: program ends, mode restored"),
+            live.was_told("fga: program ends, restores the mode"),
             "{signal}"
         );
     };
@@ -151,7 +151,7 @@ fn kill_9_in_command_and_restarted_one_second_later() {
     let _program = start(&live, &folder);
     live.wait_until("words", |live| {
         live.was_told("fga: restarted, goes on avoiding")
-            || live.was_told("fga: restarted, mode restored")
+            || live.was_told("fga: restarted, restores the mode")
     });
     passes(&live);
 }

@@ -5,6 +5,8 @@
 pub enum Fault {
     /// A mode that the companion did not request: from the pilot, the ground station or a failsafe.
     ModeChanged,
+    /// Others command the vehicle in the mode for manoeuvres.
+    OthersCommand,
     /// The vehicle was disarmed.
     Disarmed,
     /// Below the floor.
@@ -101,22 +103,23 @@ macro_rules! rows {
 }
 
 /// Every fault and its reaction: the table of `docs/fly-safety.md`.
-pub const REACTIONS: [FaultReaction; 15] = rows! {
+pub const REACTIONS: [FaultReaction; 16] = rows! {
     ModeChanged: LeaveAlone, Operator, Warning, "fga: mode changed by others, released";
+    OthersCommand: LeaveAlone, Operator, Warning, "fga: others command GUIDED, released";
     Disarmed: RestoreWhenHeard, Automatic, Notice, "fga: vehicle disarmed, released";
-    BelowFloor: Restore, Automatic, Critical, "fga: below the floor, mode restored";
-    TelemetryStale: Restore, Automatic, Critical, "fga: telemetry stale, mode restored";
+    BelowFloor: Restore, Automatic, Critical, "fga: below the floor, restores the mode";
+    TelemetryStale: Restore, Automatic, Critical, "fga: telemetry stale, restores the mode";
     LinkLost: ResumeWhenHeard, Automatic, Critical, "fga: link lost";
     TakeOverRefused: Restore, Automatic, Critical, "fga: take-over refused, cannot avoid";
     ReturnRefused: LeaveAlone, Operator, Critical, "fga: mode not restored, pilot must set it";
-    NotFollowing: Restore, Operator, Critical, "fga: vehicle does not follow, mode restored";
+    NotFollowing: Restore, Operator, Critical, "fga: vehicle does not follow, restores the mode";
     AutopilotRestarted: LeaveAlone, Operator, Critical, "fga: autopilot restarted, released";
     OperatorOff: Restore, Operator, Notice, "fga: switched off by the operator";
-    NoDecision: Restore, Automatic, Critical, "fga: no decision possible, mode restored";
+    NoDecision: Restore, Automatic, Critical, "fga: no decision possible, restores the mode";
     Contradiction: LeaveAlone, Operator, Critical, "fga: heartbeats contradict, released";
-    ProgramEnds: Restore, Operator, Warning, "fga: program ends, mode restored";
-    Restarted: Restore, Automatic, Critical, "fga: restarted, mode restored";
-    LateRequest: Restore, Automatic, Critical, "fga: late request carried out, mode restored";
+    ProgramEnds: Restore, Operator, Warning, "fga: program ends, restores the mode";
+    Restarted: Restore, Automatic, Critical, "fga: restarted, restores the mode";
+    LateRequest: Restore, Automatic, Critical, "fga: late request carried out, restores the mode";
 };
 
 /// The reaction to a fault.

@@ -7,8 +7,9 @@ use super::*;
 use crate::mode::Mode;
 use crate::mode::ModeChange;
 
-const ALL: [Fault; 15] = [
+const ALL: [Fault; 16] = [
     Fault::ModeChanged,
+    Fault::OthersCommand,
     Fault::Disarmed,
     Fault::BelowFloor,
     Fault::TelemetryStale,

@@ -92,6 +92,12 @@ impl Boundary {
         }
     }
 
+    /// Whether a place, metres, is outside of the fence.
+    pub(super) fn is_outside(&self, own_m: Vec3, parameters: &VehicleParameters) -> bool {
+        let zones = self.zones(parameters, own_m);
+        zones.iter().any(|zone| zone.is_entered(own_m))
+    }
+
     /// Tells once where the rest of the mission of a number, from here on, crosses the fence.
     pub(super) fn watch_crossing(
         &mut self,

@@ -75,6 +75,10 @@ impl Companion {
         let round = no_way.then(|| self.threat_name(decision));
         self.told.no_way(round, &mut self.voice);
         let lasting = self.lasting(state);
+        let (own_m, parameters) = (state.ownship.position_m, self.requests.parameters());
+        if self.keeper.commands() && self.boundary.is_outside(own_m, parameters) {
+            self.told.outside_fence(&mut self.voice);
+        }
         let (around, keeper, voice) = (&self.around, &self.keeper, &mut self.voice);
         self.over.watch(decision, &lasting, around, keeper, voice);
         self.log_decision(now_s);
@@ -242,6 +246,9 @@ impl Companion {
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
+        if self.keeper.commands() {
+            self.told.flies_at(airspeed_mps, &mut self.voice);
+        }
         let bank_rad = self.bank_limit_rad()?;
         let parameters = self.requests.parameters();
         let wanted = parameters.vehicle(bank_rad, &self.config, airspeed_mps, response)?;

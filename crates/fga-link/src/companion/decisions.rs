@@ -10,6 +10,9 @@ use crate::ownship::OwnState;
 
 /// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
+/// A change of airspeed that counts in a manoeuvre too, as a share: the aircraft is elsewhere than planned, whether it turns
+/// faster or slower. Load and gusts change the airspeed by less.
+const SPEED_CHANGE: f64 = 0.05;
 /// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
 /// Interval of log lines about the same state and reason, seconds.
@@ -123,10 +126,12 @@ impl Decisions {
         };
         pilot.set_vehicle_in_need(in_need);
         let known = pilot.vehicle();
-        // Worse limits count at once; better ones only between manoeuvres, or where no proof rests on the limits.
+        // Worse limits and another airspeed count at once; better limits only between manoeuvres, or where no proof rests on them.
         let worse = wanted.course_rate_radps() < known.course_rate_radps();
+        let off_mps = (wanted.airspeed_mps - known.airspeed_mps).abs();
+        let counts = worse || off_mps > SPEED_CHANGE * known.airspeed_mps;
         let idle = pilot.state() == State::Cruise;
-        if differs(wanted, known) && (worse || idle || !pilot.certifies()) {
+        if differs(wanted, known) && (counts || idle || !pilot.certifies()) {
             pilot.retune(wanted);
         }
         Ok(())

@@ -8,8 +8,9 @@ use crate::mode::Mode;
 const PREPARE_S: f64 = 0.6;
 /// The vehicle gets its mode back after this long on the leg, seconds.
 const ON_LEG_FOR_S: f64 = 0.4;
-/// Without a threat the vehicle gets its mode back beside the leg after this long, seconds, and flies to the leg by itself.
-const BESIDE_LEG_S: f64 = 30.0;
+/// Without a threat the way back to the leg may take this long, seconds; then the vehicle gets its mode back beside the leg, and
+/// flies to its waypoint.
+const LONGEST_WAY_BACK_S: f64 = 120.0;
 /// A manoeuvre that is taken up again listens this long for traffic before it may end, seconds: the longest interval of reports
 /// (5 s), and the delay of one.
 const LISTENS_S: f64 = 6.0;
@@ -154,7 +155,7 @@ impl Handover {
         let on_way = match decision.state {
             State::Cruise => {
                 let since_s = *self.cruises_since_s.get_or_insert(now_s);
-                on_leg || now_s - since_s >= BESIDE_LEG_S
+                on_leg || now_s - since_s >= LONGEST_WAY_BACK_S
             }
             // The end of a planned way back leaves time for the slowest roll.
             State::Recovering => decision.record.threat.is_none() && turns_onto_leg && on_leg,
@@ -222,17 +223,18 @@ mod tests {
         assert!(handover.settles());
         assert!(handover.is_back(&cruise, true, false, 0.5));
         assert!(!handover.is_back(&cruise, false, false, 1.0) && !handover.settles());
-        assert!(!handover.is_back(&cruise, false, false, 30.1));
-        assert!(handover.is_back(&cruise, false, false, 30.6), "beside it");
+        assert!(!handover.is_back(&cruise, false, false, 119.9));
+        assert!(!handover.is_back(&cruise, false, false, 120.1));
+        assert!(handover.is_back(&cruise, false, false, 120.6), "beside it");
         // The last turn onto the leg counts too, a threat does not.
         let recovering = decision(State::Recovering, None);
-        assert!(!handover.is_back(&recovering, true, false, 31.0));
-        assert!(!handover.is_back(&recovering, true, true, 31.5));
-        assert!(handover.is_back(&recovering, true, true, 32.0));
-        assert!(!handover.is_back(&decision(State::Threatened, None), true, true, 33.0));
-        handover.begin(true, 40.0);
-        assert!(!handover.is_back(&cruise, true, true, 45.9));
-        assert!(!handover.is_back(&cruise, true, true, 46.0));
-        assert!(handover.is_back(&cruise, true, true, 46.5));
+        assert!(!handover.is_back(&recovering, true, false, 131.0));
+        assert!(!handover.is_back(&recovering, true, true, 131.5));
+        assert!(handover.is_back(&recovering, true, true, 132.0));
+        assert!(!handover.is_back(&decision(State::Threatened, None), true, true, 133.0));
+        handover.begin(true, 140.0);
+        assert!(!handover.is_back(&cruise, true, true, 145.9));
+        assert!(!handover.is_back(&cruise, true, true, 146.0));
+        assert!(handover.is_back(&cruise, true, true, 146.5));
     }
 }

@@ -8,6 +8,11 @@ const LOST_S: f64 = 1.0;
 /// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
 
+/// Another airspeed than at the beginning of a manoeuvre differs by more than this, as a share: load and gusts make less.
+const OTHER_SPEED: f64 = 0.15;
+/// Home has moved up or down when it did so by more than this, metres: altitudes of two sensors drift apart by less.
+const HOME_MOVED_M: f64 = 10.0;
+
 /// The missing conditions: how the operator reads each.
 macro_rules! conditions {
     ($($condition:ident: $severity:ident, $words:literal;)*) => {
@@ -72,6 +77,12 @@ pub(super) struct OperatorReports {
     last: Option<Lacking>,
     /// Whether the bank in need was reported.
     need: bool,
+    /// Whether a home that moved in the manoeuvre was reported, another airspeed, a fence that it left.
+    home: bool,
+    speed: bool,
+    fence: bool,
+    /// The airspeed when the manoeuvre began, metres per second.
+    begun_mps: Option<f64>,
     /// Whether an obstacle without a way round was reported.
     no_way: bool,
     /// Whether a failing airspeed sensor was reported, and since when it fails, seconds.
@@ -83,6 +94,33 @@ impl OperatorReports {
     /// A manoeuvre begins.
     pub(super) const fn begin(&mut self) {
         self.need = false;
+        (self.home, self.speed, self.fence) = (false, false, false);
+        self.begun_mps = None;
+    }
+
+    /// Reports once in a manoeuvre that the airspeed is not the one of its beginning, metres per second.
+    pub(super) fn flies_at(&mut self, mps: f64, voice: &mut Voice) {
+        let begun_mps = *self.begun_mps.get_or_insert(mps);
+        let is_other = (mps - begun_mps).abs() > OTHER_SPEED * begun_mps;
+        if is_other && !core::mem::replace(&mut self.speed, true) {
+            voice.warn(&format!(
+                "fga: airspeed now {mps:.0} m/s, was {begun_mps:.0}"
+            ));
+        }
+    }
+
+    /// Reports once in a manoeuvre that it has left the fence.
+    pub(super) fn outside_fence(&mut self, voice: &mut Voice) {
+        if !core::mem::replace(&mut self.fence, true) {
+            voice.warn("fga: outside the fence in the manoeuvre");
+        }
+    }
+
+    /// Reports once in a manoeuvre that home has risen by this, metres.
+    pub(super) fn home_moved(&mut self, rose_m: f64, voice: &mut Voice) {
+        if rose_m.abs() > HOME_MOVED_M && !core::mem::replace(&mut self.home, true) {
+            voice.warn(&format!("fga: home moved {rose_m:+.0} m, floor stays"));
+        }
     }
 
     /// Reports once in a manoeuvre that it uses the bank in need.

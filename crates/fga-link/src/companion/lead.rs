@@ -9,7 +9,7 @@ use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, MavMessage, TIMESYNC_DATA}
 use super::trips::Trips;
 use crate::commanded::Commanded;
 use crate::config::ResponseConfig;
-use crate::ownship::{OwnState, OwnshipEstimate};
+use crate::ownship::{OwnState, OwnshipEstimate, turn_rate_radps};
 use crate::response::ResponseEstimate;
 
 /// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
@@ -34,7 +34,9 @@ pub(super) struct Lead {
     /// The last commanded bank, radians.
     commanded_rad: f64,
     commanded_lately: Commanded,
-    /// Since when the bank is not the commanded one, seconds.
+    /// The bank to which the commands so far lead a vehicle that follows them with the estimated response, radians, and when, seconds.
+    followed: Option<(f64, f64)>,
+    /// Since when the bank is neither the commanded one nor that one, seconds.
     apart_since_s: Option<f64>,
 }
 
@@ -49,6 +51,7 @@ impl Lead {
             steep_response: ResponseEstimate::new(config),
             commanded_rad: 0.0,
             commanded_lately: Commanded::default(),
+            followed: None,
             apart_since_s: None,
         }
     }
@@ -120,6 +123,7 @@ impl Lead {
     /// A manoeuvre begins: until its first command acts, the aircraft keeps its bank, radians.
     pub(super) fn begin(&mut self, bank_rad: Option<f64>, now_s: f64) {
         self.apart_since_s = None;
+        self.followed = bank_rad.map(|bank_rad| (bank_rad, now_s));
         self.commanded_lately.clear();
         if let Some(bank_rad) = bank_rad {
             self.commanded_lately.push(now_s - KEPT_BEFORE_S, bank_rad);
@@ -137,9 +141,18 @@ impl Lead {
         self.commanded_lately.clear();
     }
 
-    /// For how long the bank has been farther from the commanded one than `tolerance_rad`, seconds; without a bank nobody looks.
+    /// For how long the bank has been farther than `tolerance_rad` from the commanded one, and from where the commands so far lead,
+    /// seconds: commands that reverse faster than a bank rolls are followed all the same. Without a bank nobody looks.
     pub(super) fn apart_s(&mut self, bank_rad: Option<f64>, tolerance_rad: f64, now_s: f64) -> f64 {
-        let is_apart = |bank_rad: f64| (self.commanded_rad - bank_rad).abs() > tolerance_rad;
+        let response = self.response();
+        let (before_rad, before_s) = self.followed.unwrap_or((self.commanded_rad, now_s));
+        let commanded = &self.commanded_lately;
+        let followed_rad = commanded.bank_at(before_rad, before_s, now_s, &response);
+        self.followed = Some((followed_rad, now_s));
+        let is_apart = |bank_rad: f64| {
+            let off_rad = |rad: f64| (rad - bank_rad).abs();
+            off_rad(self.commanded_rad).min(off_rad(followed_rad)) > tolerance_rad
+        };
         if !bank_rad.is_some_and(is_apart) {
             self.apart_since_s = None;
             return 0.0;
@@ -169,7 +182,7 @@ impl Lead {
         estimate.observe(
             f64::from(data.time_boot_ms) * 1e-3,
             bank_rad,
-            -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+            -turn_rate_radps(data),
             airspeed_mps,
             |before_s| self.commanded_lately.at(measured_s - before_s),
         );

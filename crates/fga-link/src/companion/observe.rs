@@ -44,6 +44,8 @@ impl Companion {
         let has_terrain = self.requests.parameters().get(TERRAIN_ENABLE) != Some(0.0);
         self.over
             .order(route, lists, (&self.ownship, has_terrain), voice);
+        let rose_m = self.ownship.hold_home(self.keeper.is_engaged());
+        self.told.home_moved(rose_m, &mut self.voice);
         let state = state?;
         self.lay_fence();
         if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {

@@ -46,6 +46,8 @@ impl Companion {
         if self.hear_vehicle(system, header.component_id, message) {
             self.take_telemetry(header.sequence, message, now_s);
             self.take_held_reports();
+        } else {
+            self.overhear(message, now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
     }
@@ -180,6 +182,7 @@ impl Companion {
             }
             MavMessage::GPS_RAW_INT(data) => self.take_geoid(data),
             MavMessage::MISSION_COUNT(_) | MavMessage::MISSION_ITEM_INT(_) => self.lay_fence(),
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.watch_target(data, now_s),
             MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
             MavMessage::COMMAND_ACK(data) => {
                 if data.command == MavCmd::MAV_CMD_DO_SET_MODE

@@ -268,15 +268,22 @@ impl LaidRoute {
         })
     }
 
+    /// Distance from the line of the present leg, metres; `None` without a leg.
+    pub(super) fn beside_leg_m(&self, state: &OwnState) -> Option<f64> {
+        let (from, to) = self.leg_m()?;
+        let level = (to - from).with_z(0.0).normalize_or_zero();
+        let offset = state.ownship.position_m - from;
+        Some((offset.x * level.y - offset.y * level.x).abs())
+    }
+
     /// Whether the aircraft is on the present leg; its height counts where it `climbs`.
     pub(super) fn is_on_leg(&self, state: &OwnState, climbs: bool) -> bool {
-        let Some((from, to)) = self.leg_m() else {
+        let Some(((from, to), across_m)) = self.leg_m().zip(self.beside_leg_m(state)) else {
             return true;
         };
         let ahead = to - from;
-        let level = Vec3::new(ahead.x, ahead.y, 0.0).normalize_or_zero();
+        let level = ahead.with_z(0.0).normalize_or_zero();
         let offset = state.ownship.position_m - from;
-        let across_m = (offset.x * level.y - offset.y * level.x).abs();
         let along = (offset.x * level.x + offset.y * level.y).max(0.0);
         let length_m = libm::hypot(ahead.x, ahead.y).max(1.0);
         let height_m = from.z + ahead.z * (along / length_m).min(1.0);

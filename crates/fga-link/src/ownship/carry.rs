@@ -11,6 +11,9 @@ use crate::commanded::Commanded;
 /// The measured rate of turn beyond the bank's holds for this long, then it fades, seconds.
 const RATE_HOLDS_S: f64 = 0.5;
 const RATE_FADES_S: f64 = 1.0;
+/// Most of the measured rate of turn beyond the bank's that counts, radians per second: in a steep turn that settles the two differ by
+/// 0.5 for half a second.
+const MOST_OFF_RADPS: f64 = 0.3;
 /// Most pieces of the extrapolation's arc, and the longest one, seconds.
 const STEPS: u32 = 8;
 const LONGEST_STEP_S: f64 = 0.2;
@@ -50,7 +53,8 @@ impl OwnshipEstimate {
         let offset_radps = if attitude.rolls {
             0.0
         } else {
-            (attitude.yaw_rate_radps - rate_of(attitude.bank_rad)).clamp(-0.15, 0.15)
+            (attitude.yaw_rate_radps - rate_of(attitude.bank_rad))
+                .clamp(-MOST_OFF_RADPS, MOST_OFF_RADPS)
         };
         let carry_s = (at_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
         let (mut place_m, mut course_rad) = (position.place_m, course_of(air_mps));

@@ -41,6 +41,14 @@ const fn stamped(stamp: BootStamp) -> Option<(f64, Update)> {
     }
 }
 
+/// Rate of turn about the vertical, radians per second, clockwise positive: ψ̇ = (q sin φ + r cos φ) / cos θ, from the rates about the
+/// body's axes. In a steep turn that settles, r / cos φ alone shows the rate of a coordinated turn that is not flown yet.
+pub fn turn_rate_radps(data: &ATTITUDE_DATA) -> f64 {
+    let (sin, cos) = libm::sincos(f64::from(data.roll));
+    let level = libm::cos(f64::from(data.pitch)).max(0.3);
+    (f64::from(data.pitchspeed) * sin + f64::from(data.yawspeed) * cos) / level
+}
+
 impl OwnshipEstimate {
     const fn hear(&mut self, measured_s: f64, now_s: f64) {
         self.heard = Some(Arrival {
@@ -87,13 +95,17 @@ impl OwnshipEstimate {
         update
     }
 
-    /// The height above home: the reported one, unless home jumps with it.
+    /// The height above home: the reported one, unless home jumps with it or is held.
     fn above_home_m(&mut self, reported_m: f64, place_m: Vec3, now_s: f64, update: Update) -> f64 {
         let Some(last) = self.position.filter(|_| update == Update::Fresh) else {
             self.home_moved_s = None;
             return reported_m;
         };
         let known_m = last.above_home_m + place_m.z - last.place_m.z;
+        if self.holds_home {
+            self.home_rose_m = known_m - reported_m;
+            return known_m;
+        }
         if (reported_m - known_m).abs() <= HOME_JUMP_M {
             self.home_moved_s = None;
             return reported_m;
@@ -108,11 +120,18 @@ impl OwnshipEstimate {
 
     /// Takes an attitude.
     pub fn take_attitude(&mut self, data: &ATTITUDE_DATA, now_s: f64) -> Update {
-        let finite = [data.roll, data.pitch, data.yaw, data.yawspeed]
-            .iter()
-            .all(|v| v.is_finite());
+        let finite = [
+            data.roll,
+            data.pitch,
+            data.yaw,
+            data.pitchspeed,
+            data.yawspeed,
+        ]
+        .iter()
+        .all(|v| v.is_finite());
         let plausible = data.roll.abs() <= 4.0
             && data.pitch.abs() <= 2.0
+            && f64::from(data.pitchspeed).abs() <= FASTEST_NOSE_RADPS
             && f64::from(data.yawspeed).abs() <= FASTEST_NOSE_RADPS;
         if !finite || !plausible {
             return Update::Ignored;
@@ -137,9 +156,7 @@ impl OwnshipEstimate {
             bank_rad,
             pitch_rad: f64::from(data.pitch),
             heading_rad: wrap_pi(FRAC_PI_2 - f64::from(data.yaw)),
-            // Body axis to vertical: ψ̇ = r cos φ / cos θ + q …; in a level coordinated turn
-            // r = ψ̇ cos φ.
-            yaw_rate_radps: -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+            yaw_rate_radps: -turn_rate_radps(data),
             rolls: data.rollspeed.is_finite() && f64::from(data.rollspeed).abs() > ROLLS_RADPS,
         });
         update

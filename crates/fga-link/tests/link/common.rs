@@ -484,6 +484,11 @@ impl World {
         }
     }
 
+    /// The next report of each intruder comes at this time, seconds.
+    pub fn next_reports_at(&mut self, time_s: f64) {
+        self.next_report_s.fill(time_s);
+    }
+
     fn flush(&mut self) {
         for outgoing in self.companion.outbox() {
             if self.keep_sent {

@@ -22,6 +22,7 @@ mod field_faults;
 mod flights;
 mod gaps;
 mod how_to;
+mod in_the_turn;
 mod items;
 mod latency;
 mod mavproxy;

@@ -510,7 +510,7 @@ fn l8_a_program_that_is_to_end_flies_on_until_the_mission_is_clear() {
                 assert_eq!(world.mode(), PlaneMode::Auto);
                 // A lossy link may lose a text, which nobody acknowledges.
                 if network.loss == 0.0 {
-                    assert!(was_told(&world, "fga: program ends, mode restored"));
+                    assert!(was_told(&world, "fga: program ends, restores the mode"));
                     assert!(was_told(&world, "fga: program ends when clear"));
                 }
             }

@@ -16,6 +16,9 @@ const LOST_FOR_S: f64 = 10.0;
 const MOST_TRIES: u8 = 24;
 /// A vehicle that stays disarmed for this long has landed, and the debt of a mode ends, seconds.
 const LANDED_S: f64 = 5.0;
+/// The operator's texts once the vehicle reports the mode that was owed, or another one.
+const RESTORED: &str = "fga: mode restored";
+const NOT_RESTORED: &str = "fga: mode chosen by others, not restored";
 /// The operator's text when nothing shows who chose the mode.
 const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
 /// The operator's text when the vehicle is in the mode for manoeuvres without a manoeuvre: after a short failsafe ArduPlane sets the
@@ -31,19 +34,46 @@ impl Keeper {
         let mode = beat.mode;
         self.requests.heard(beat.sequence, Some(mode), now_s);
         if beat.armed {
-            self.disarmed_s = None;
-            return self.mode(mode, now_s);
+            let was_disarmed = self.disarmed_s.take().is_some();
+            let mut actions = self.mode(mode, now_s);
+            if was_disarmed && mode == self.target && self.has_landed() {
+                actions.extend(self.tell_nobody_flies(now_s));
+            }
+            return actions;
         }
         let disarmed_s = *self.disarmed_s.get_or_insert(now_s);
         match &mut self.state {
             Authority::Released { owed, .. } if mode == self.target => {
-                if now_s - disarmed_s > LANDED_S {
-                    *owed = None;
+                let has_landed = now_s - disarmed_s > LANDED_S && owed.take().is_some();
+                let mut actions = vec![Action::CancelSetMode];
+                if has_landed {
+                    actions.extend(self.tell_nobody_flies(now_s));
                 }
-                vec![Action::CancelSetMode]
+                actions
             }
             _ => self.mode(mode, now_s),
         }
+    }
+
+    /// Whether the debt of a mode ended because the vehicle stayed disarmed.
+    const fn has_landed(&self) -> bool {
+        matches!(
+            self.state,
+            Authority::Released {
+                fault: Fault::Disarmed,
+                owed: None,
+                ..
+            }
+        )
+    }
+
+    /// Tells the operator that the vehicle is in the mode for manoeuvres without a manoeuvre.
+    fn tell_nobody_flies(&mut self, now_s: f64) -> Option<Action> {
+        let is_due = now_s - self.nobody_told_s >= NOBODY_AGAIN_S;
+        is_due.then(|| {
+            self.nobody_told_s = now_s;
+            Action::Tell(Severity::Critical, NOBODY_FLIES)
+        })
     }
 
     /// A request for a mode was sent.
@@ -108,10 +138,7 @@ impl Keeper {
             }
             if mode == self.target && self.was_displaced() && !self.undoes(mode, now_s) {
                 let mut actions = self.advance(mode, now_s);
-                if now_s - self.nobody_told_s >= NOBODY_AGAIN_S {
-                    self.nobody_told_s = now_s;
-                    actions.push(Action::Tell(Severity::Critical, NOBODY_FLIES));
-                }
+                actions.extend(self.tell_nobody_flies(now_s));
                 return actions;
             }
             if before == self.target && origin != ModeOrigin::Ours && self.ends_what_is_owed(mode) {
@@ -275,10 +302,15 @@ impl Keeper {
                 if mode == self.target {
                     return self.give_up(now_s);
                 }
+                let words = if mode == owed {
+                    Action::Tell(Severity::Notice, RESTORED)
+                } else {
+                    Action::Tell(Severity::Warning, NOT_RESTORED)
+                };
                 if let Authority::Released { owed, .. } = &mut self.state {
                     *owed = None;
                 }
-                vec![Action::CancelSetMode]
+                vec![Action::CancelSetMode, words]
             }
             Authority::Released {
                 late: Some(late), ..

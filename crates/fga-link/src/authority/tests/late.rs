@@ -25,7 +25,7 @@ pub(super) fn called_off() -> Bench {
     bench
 }
 
-const LATE: &str = "fga: late request carried out, mode restored";
+const LATE: &str = "fga: late request carried out, restores the mode";
 const NOBODY: &str = "fga: GUIDED, but nobody flies: set a mode";
 const WHOSE: &str = "fga: mode is perhaps our late request: set one";
 
