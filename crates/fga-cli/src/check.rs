@@ -230,8 +230,8 @@ fn holds_areas(path: &Path) -> bool {
 
 /// Areas as a `[[zone]]` of a scenario reads them.
 fn areas_in(path: &Path) -> Result<Usable, Failure> {
-    let all = areas::read(path)?;
-    for (area, number) in all.iter().zip(1..) {
+    let file = areas::read(path)?;
+    for (area, number) in file.areas.iter().zip(1..) {
         area.check().map_err(|error| {
             let name = area.name.as_deref().unwrap_or("no name");
             Failure::Input(format!(
@@ -240,8 +240,28 @@ fn areas_in(path: &Path) -> Result<Usable, Failure> {
             ))
         })?;
     }
-    let holds = counted(all.len(), "area");
-    Ok(Usable::new("file of areas for [[zone]]", holds))
+    let parts = [
+        (
+            file.areas.iter().filter(|area| area.is_free).count(),
+            "that restrict nothing",
+        ),
+        (
+            file.areas.iter().filter(|area| area.is_timed).count(),
+            "with times",
+        ),
+        (
+            file.areas
+                .iter()
+                .filter(|area| area.limits == [None; 2])
+                .count(),
+            "without a floor and a ceiling",
+        ),
+    ];
+    let parts = parts.into_iter().filter(|(count, _)| *count > 0);
+    let holds = parts.fold(counted(file.areas.len(), "area"), |holds, (count, what)| {
+        format!("{holds}, {count} {what}")
+    });
+    Ok(Usable::new("file of areas for [[zone]]", holds).with(file.notes))
 }
 
 /// A folder that `fga run` or `fga campaign draw` wrote, or one of recordings.

@@ -1,16 +1,24 @@
 //! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them;
 //! fences of [`missions`].
 //!
-//! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. Nothing of a file is left
-//! out: what is no area is refused.
+//! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. What of a file is no
+//! area, or is said in a way that is not known, is named in [`AreaFile::notes`].
+//!
+//! | file | an edge is |
+//! |---|---|
+//! | GeoJSON, ED-318, fences of missions | straight in longitude and latitude (RFC 7946, 3.1.1; flat coordinates of ArduPilot) |
+//! | KML, ED-269 | the shortest way on the ellipsoid |
 
 mod ed269;
 mod fences;
 mod geojson;
 mod kml;
+mod limits;
+mod plane;
 #[cfg(test)]
 mod tests;
 
+use alloc::collections::BTreeMap;
 use core::fmt::Display;
 use std::path::Path;
 
@@ -22,13 +30,35 @@ use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::missions;
 use crate::terrain::Area;
 use crate::units::FOOT_M;
+use crate::words::counted;
 use crate::zones::{ZoneError, heights_m, with_holes};
+
+pub use plane::PlaneArea;
 
 /// A circle has at most this radius, metres.
 const LARGEST_M: f64 = 1e7;
 
 /// No place of the ellipsoid of WGS 84 is bent more than with this radius, metres: along the meridian at the equator.
 const LEAST_RADIUS_M: f64 = 6_335_439.0;
+
+/// The areas of a file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AreaFile {
+    /// The areas, at least one.
+    pub areas: Vec<NamedArea>,
+    /// What of the file is not used, or used otherwise than it is written; one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Which line an edge is from one corner to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EdgeLine {
+    /// Straight in longitude and latitude.
+    #[default]
+    Degrees,
+    /// The shortest one on the ellipsoid.
+    Geodesic,
+}
 
 /// An area of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,6 +67,8 @@ pub struct NamedArea {
     pub name: Option<String>,
     /// Its outline.
     pub outline: AreaOutline,
+    /// Which line its edges are.
+    pub edges: EdgeLine,
     /// Its floor and its ceiling, where the file states them.
     pub limits: [Option<AreaLimit>; 2],
     /// Whether it is to stay in, or to keep out of, where the file says so.
@@ -107,21 +139,18 @@ impl NamedArea {
         let AreaOutline::Polygon(rings) = &self.outline else {
             return Ok(());
         };
+        // A hole is nearer to a flight than an outline round a country.
         let place = |[latitude_deg, longitude_deg]: &[f64; 2]| {
             Geodetic::new(*latitude_deg, *longitude_deg, 0.0)
         };
-        let Some(origin) = rings.iter().flatten().find_map(place) else {
+        let Some(origin) = rings.iter().rev().flatten().find_map(place) else {
             return Err(ZoneError::Corners(0));
         };
         let frame = LocalFrame::new(origin, Earth::Wgs84);
-        let local_m = |ring: &Vec<[f64; 2]>| {
-            let places = ring.iter().filter_map(place);
-            places
-                .map(|place| frame.to_local_m(place).truncate())
-                .collect()
-        };
-        let mut rings_m = rings.iter().map(local_m);
-        with_holes(rings_m.next().unwrap_or_default(), rings_m.collect())?;
+        for mut rings in self.on_plane(&frame, self.keep_in == Some(true)).polygons {
+            let holes = rings.split_off(1);
+            with_holes(rings.pop().unwrap_or_default(), holes)?;
+        }
         Ok(())
     }
 }
@@ -150,14 +179,28 @@ pub enum Reference {
     Ground,
     /// The ellipsoid of WGS 84 (`WGS84`).
     Ellipsoid,
+    /// The pressure of the standard atmosphere at the sea, 1013.25 hPa (`STD`): flight levels.
+    Pressure,
+}
+
+impl AreaLimit {
+    /// How far it may be from its height above the sea by the weather, metres: for a flight level 550 m by a pressure of 950 to 1,050 hPa
+    /// at the sea, and 12 % of it by air that is 30 K colder or warmer than the standard atmosphere.
+    pub fn off_m(&self) -> f64 {
+        if self.above == Reference::Pressure {
+            550.0 + 0.12 * self.height_m.abs()
+        } else {
+            0.0
+        }
+    }
 }
 
 /// Reads the areas of a file, at least one.
 ///
 /// # Errors
-/// An unreadable file, one of no kind that is read here, anything but polygons and circles, a ring that is not closed, a corner out of
-/// range, a limit without a known unit and reference.
-pub fn read(path: &Path) -> Result<Vec<NamedArea>, InputError> {
+/// An unreadable file, one of no kind that is read here, no polygon or circle at all, a ring that is not closed, a corner out of
+/// range, in ED-269 and ED-318 a limit without a known unit and reference.
+pub fn read(path: &Path) -> Result<AreaFile, InputError> {
     parse(&read_text(path)?, path)
 }
 
@@ -165,11 +208,13 @@ pub fn read(path: &Path) -> Result<Vec<NamedArea>, InputError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(text: &str, path: &Path) -> Result<Vec<NamedArea>, InputError> {
+pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
     let mut areas = Areas {
         path,
         like: NamedArea::default(),
         all: Vec::new(),
+        notes: Vec::new(),
+        others: BTreeMap::new(),
     };
     if text.trim_start().starts_with('<') {
         areas.take_kml(text)?;
@@ -180,13 +225,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<NamedArea>, InputError> {
     } else {
         areas.take_geojson(areas.json(text, "GeoJSON, no ED-269 and no KML")?)?;
     }
-    if areas.all.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            "has no area, expected at least one",
-        ));
-    }
-    Ok(areas.all)
+    areas.finish()
 }
 
 /// The areas of a file so far.
@@ -195,9 +234,46 @@ struct Areas<'a> {
     /// What the file says of the next one.
     like: NamedArea,
     all: Vec<NamedArea>,
+    notes: Vec<String>,
+    /// How often what is no area stands beside areas, by its kind.
+    others: BTreeMap<String, usize>,
 }
 
 impl Areas<'_> {
+    /// The areas, and what else the file holds.
+    fn finish(mut self) -> Result<AreaFile, InputError> {
+        let others = self.others.iter();
+        let others = others.map(|(what, count)| format!("{} left out", counted(*count, what)));
+        let others: Vec<String> = others.collect();
+        if self.all.is_empty() {
+            let beside = others.iter().map(|other| format!("{other}, "));
+            let beside: String = beside.collect();
+            let message = format!("has no area, {beside}expected at least one");
+            return Err(InputError::in_file(self.path, message));
+        }
+        self.notes.extend(others);
+        let Self {
+            all: areas, notes, ..
+        } = self;
+        Ok(AreaFile { areas, notes })
+    }
+
+    /// Counts what is no area.
+    fn leave_out(&mut self, what: &str) {
+        *self
+            .others
+            .entry(Self::name(what).unwrap_or_default())
+            .or_default() += 1;
+    }
+
+    /// Notes something about the next area.
+    fn note(&mut self, message: &str) {
+        let number = self.all.len() + 1;
+        let name = self.like.name.as_ref();
+        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
+        self.notes.push(format!("area {number}{name} {message}"));
+    }
+
     fn json<T: DeserializeOwned>(&self, text: &str, kind: &str) -> Result<T, InputError> {
         serde_json::from_str(text).map_err(|error| {
             let line = u64::try_from(error.line()).unwrap_or_default();

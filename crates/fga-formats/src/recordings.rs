@@ -5,7 +5,8 @@
 //! | `.daa` of DAIDALUS; pairing files of MIT-LL (`NAME, east, north, alt, …`) | a line of column names | one |
 //! | DEGAS of MIT-LL | a first line `# xE1,xE2,…` | one |
 //! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` or `MLAT,` | one for each close pair |
-//! | state vectors in JSON: a list of objects, columns, `aircraft` of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
+//! | state vectors in JSON: a list of objects, columns, `aircraft` and traces of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
+//! | history of OpenSky (CSV) | the columns `time,icao24,lat,lon,velocity` | one for each close pair |
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
 //! Where a file holds one instant only, its aircraft fly straight on. Aircraft that say that they are on the ground are left
@@ -145,6 +146,9 @@ pub fn parse_content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) {
         return state_vectors::parse(begin, path).map(Content::States);
+    }
+    if state_vectors::is_history(begin) {
+        return state_vectors::parse_history(begin, path).map(Content::States);
     }
     if degas::is_degas(begin) {
         return degas::parse(&text, path).map(Content::Recording);

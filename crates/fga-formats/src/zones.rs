@@ -169,7 +169,7 @@ fn edges(ring: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
 }
 
 /// Whether an odd number of a ring's edges surrounds a place.
-fn surrounds(ring: &[Vec2], at: Vec2) -> bool {
+pub(crate) fn surrounds(ring: &[Vec2], at: Vec2) -> bool {
     let is_beyond = |(a, b): &(Vec2, Vec2)| {
         (a.y > at.y) != (b.y > at.y) && ((*b - *a).perp_dot(at - *a) > 0.0) == (b.y > a.y)
     };

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Areas, NamedArea};
+use super::{Areas, EdgeLine, NamedArea};
 use crate::error::InputError;
 
 /// A file.
@@ -53,6 +53,7 @@ impl Areas<'_> {
                 name: names.flatten().find_map(|name| Self::name(&name)),
                 is_free: zone.restriction.as_deref() == Some("NO_RESTRICTION"),
                 is_timed: is_timed(&zone.applicability),
+                edges: EdgeLine::Geodesic,
                 ..NamedArea::default()
             };
             if zone.geometry.is_empty() {
@@ -80,7 +81,7 @@ impl Areas<'_> {
 }
 
 /// Whether one of some periods is not permanent.
-fn is_timed(periods: &Value) -> bool {
+pub(super) fn is_timed(periods: &Value) -> bool {
     match periods {
         Value::Array(periods) => periods.iter().any(is_timed),
         Value::Object(period) => {

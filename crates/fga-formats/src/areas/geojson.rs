@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use super::ed269::is_timed;
 use super::{Areas, NamedArea};
 use crate::error::InputError;
 
@@ -39,6 +40,9 @@ pub(super) enum GeoJson {
         coordinates: Vec<Vec<Vec<Vec<f64>>>>,
         layer: Option<AreaLayer>,
     },
+    LineString {},
+    MultiLineString {},
+    MultiPoint {},
     #[serde(other)]
     Other,
 }
@@ -70,10 +74,14 @@ impl Areas<'_> {
                 if let Some(crs) = crs.map(|crs| crs.to_string())
                     && !WGS84.iter().any(|name| crs.contains(name))
                 {
-                    let message = format!("has the coordinate system {crs}, expected WGS 84 (CRS84, EPSG:4326) or none");
+                    let message = format!(
+                        "has the coordinate system {crs}, expected WGS 84 (CRS84, EPSG:4326) or none"
+                    );
                     return Err(InputError::in_file(self.path, message));
                 }
-                features.into_iter().try_for_each(|each| self.take_geojson(each))
+                features
+                    .into_iter()
+                    .try_for_each(|each| self.take_geojson(each))
             }
             GeoJson::GeometryCollection { geometries, layer } => {
                 self.limited(layer)?;
@@ -90,7 +98,7 @@ impl Areas<'_> {
                 self.described(&properties.unwrap_or_default())?;
                 match geometry {
                     Some(geometry) => self.take_geojson(*geometry),
-                    None => self.refuse("is a feature without a place, expected a polygon"),
+                    None => self.other("feature without a place"),
                 }
             }
             GeoJson::Point {
@@ -109,10 +117,19 @@ impl Areas<'_> {
                 self.limited(layer)?;
                 coordinates.iter().try_for_each(|rings| self.take(rings))
             }
-            GeoJson::Point { .. } | GeoJson::Other => self.refuse(
+            GeoJson::Point { extent: Some(_), .. } => self.refuse(
                 "is no area, expected Polygon, MultiPolygon, or Point with an extent that is a Circle",
             ),
+            GeoJson::Point { .. } => self.other("point"),
+            GeoJson::LineString {} | GeoJson::MultiLineString {} => self.other("line"),
+            GeoJson::MultiPoint {} | GeoJson::Other => self.other("object of another kind"),
         }
+    }
+
+    #[expect(clippy::unnecessary_wraps, reason = "as the other arms")]
+    fn other(&mut self, what: &str) -> Result<(), InputError> {
+        self.leave_out(what);
+        Ok(())
     }
 
     /// What the properties of a feature say of its areas. ENAIRE keeps those of ED-318 in objects of their own (`UASZone`,
@@ -130,14 +147,16 @@ impl Areas<'_> {
             .chain(texts)
             .chain(text("identifier"));
         let times = properties.get("limitedApplicability");
+        let times = times.and_then(Value::as_array);
+        let restrictions = [text("type"), text("restriction")];
         self.like = NamedArea {
             name: names.into_iter().find_map(Self::name),
-            is_free: text("type") == Some("NO_RESTRICTION"),
-            is_timed: times
-                .and_then(Value::as_array)
-                .is_some_and(|all| !all.is_empty()),
+            is_free: restrictions.contains(&Some("NO_RESTRICTION")),
+            is_timed: times.is_some_and(|all| !all.is_empty())
+                || zone.get("applicability").is_some_and(is_timed),
             ..NamedArea::default()
         };
+        self.take_limits(zone);
         if let Some(layer) = properties.get("verticalLayer") {
             match serde_json::from_value(layer.clone()) {
                 Ok(layer) => self.limited(layer)?,

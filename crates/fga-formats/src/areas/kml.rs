@@ -2,8 +2,10 @@
 
 use roxmltree::{Document, Node};
 
-use super::{Areas, NamedArea};
-use crate::error::InputError;
+use serde_json::Value;
+
+use super::{Areas, EdgeLine, NamedArea};
+use crate::error::{InputError, shown};
 
 impl Areas<'_> {
     pub(super) fn take_kml(&mut self, text: &str) -> Result<(), InputError> {
@@ -13,11 +15,21 @@ impl Areas<'_> {
         })?;
         let is = |node: &Node<'_, '_>, name: &str| node.tag_name().name() == name;
         for node in document.descendants() {
-            if ["Point", "LineString", "Track", "Model"]
-                .iter()
-                .any(|name| is(&node, name))
-            {
-                return self.refuse("is no area, expected Polygon");
+            let what = match node.tag_name().name() {
+                "Point" => "point",
+                "LineString" | "LinearRing"
+                    if !node.ancestors().any(|outer| is(&outer, "Polygon")) =>
+                {
+                    "line"
+                }
+                "Track" | "MultiTrack" => "track",
+                "Model" => "model",
+                "NetworkLink" => "link to another file (NetworkLink)",
+                "GroundOverlay" => "image (GroundOverlay)",
+                _ => "",
+            };
+            if !what.is_empty() {
+                self.leave_out(what);
             }
             if !is(&node, "Polygon") {
                 continue;
@@ -29,8 +41,20 @@ impl Areas<'_> {
             });
             self.like = NamedArea {
                 name: name.and_then(Self::name),
+                edges: EdgeLine::Geodesic,
                 ..NamedArea::default()
             };
+            let data = placemark.into_iter().flat_map(|outer| outer.descendants());
+            let data = data.filter(|inner| is(inner, "Data") || is(inner, "SimpleData"));
+            let data = data.filter_map(|inner| {
+                let value = inner.descendants().find(|value| is(value, "value"));
+                let value = value.unwrap_or(inner).text()?.trim();
+                Some((inner.attribute("name")?.to_owned(), Value::from(value)))
+            });
+            self.take_limits(&data.collect());
+            let mode = node.children().find(|child| is(child, "altitudeMode"));
+            let mode = mode.and_then(|mode| mode.text()).unwrap_or_default().trim();
+            let is_clamped = ["", "clampToGround", "clampToSeaFloor"].contains(&mode);
             let mut rings = Vec::new();
             for ring in node.descendants().filter(|inner| is(inner, "coordinates")) {
                 let places = ring.text().unwrap_or_default().split_whitespace();
@@ -49,6 +73,13 @@ impl Areas<'_> {
             }
             rings.sort_by_key(|(is_hole, _)| *is_hole);
             let rings: Vec<_> = rings.into_iter().map(|(_, ring)| ring).collect();
+            let is_high = |place: &Vec<f64>| place.get(2).is_some_and(|height_m| *height_m != 0.0);
+            if !is_clamped && rings.iter().flatten().any(is_high) {
+                self.note(&format!(
+                    "has heights at its corners (altitudeMode {}), which are not read as limits",
+                    shown(mode)
+                ));
+            }
             self.take(&rings)?;
         }
         Ok(())

@@ -4,8 +4,12 @@ use super::*;
 
 const RING: &str = "[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]";
 
-fn areas(text: &str) -> Result<Vec<NamedArea>, String> {
+fn file(text: &str) -> Result<AreaFile, String> {
     parse(text, Path::new("a")).map_err(|error| error.to_string())
+}
+
+fn areas(text: &str) -> Result<Vec<NamedArea>, String> {
+    file(text).map(|file| file.areas)
 }
 
 fn triangle(name: Option<&str>) -> NamedArea {
@@ -88,7 +92,332 @@ fn polygons_of_geojson_and_kml_are_the_same() {
             <Polygon><outerBoundaryIs><LinearRing><coordinates>
             8.5,47.3,0 8.6,47.3,0
             8.6,47.4 8.5,47.3,90</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>";
-    assert_eq!(areas(kml).unwrap(), [triangle(Some("yard"))]);
+    assert_eq!(areas(kml).unwrap(), [geodesic(triangle(Some("yard")))]);
+}
+
+fn geodesic(area: NamedArea) -> NamedArea {
+    let edges = EdgeLine::Geodesic;
+    NamedArea { edges, ..area }
+}
+
+/// A feature of GeoJSON with properties.
+fn feature(properties: &str) -> String {
+    format!(
+        r#"{{"type":"Feature","properties":{{{properties}}},"geometry":{{"type":"Polygon","coordinates":[{RING}]}}}}"#
+    )
+}
+
+#[test]
+fn limits_in_properties_are_read_where_their_names_are_known() {
+    use Reference::{Ellipsoid, Ground, Pressure, Sea};
+    let [ft, nothing] = [FOOT_M, 0.0];
+    for (properties, lower, upper) in [
+        // ED-269 with its outline elsewhere, also as a list of one.
+        (
+            r#""geometry":{"uomDimensions":"FT","lowerLimit":60,"lowerVerticalReference":"AMSL","upperLimit":"200","upperVerticalReference":"AGL"}"#,
+            (Sea, 60.0 * ft),
+            (Ground, 200.0 * ft),
+        ),
+        (
+            r#""geometry":[{"uomDimensions":"M","lowerLimit":-5,"lowerVerticalReference":"WGS84","upperLimit":200,"upperVerticalReference":"AMSL"}]"#,
+            (Ellipsoid, -5.0),
+            (Sea, 200.0),
+        ),
+        // A service of features.
+        (
+            r#""upper_limit_unit":"FL","upper_limit_altitude":"100","upper_limit_alt_ref":"STD","lower_limit_altitude":"1500","lower_limit_unit":"ft","lower_limit_alt_ref":"AMSL""#,
+            (Sea, 1500.0 * ft),
+            (Pressure, 10_000.0 * ft),
+        ),
+        // OpenAIP.
+        (
+            r#""lowerLimit":{"value":0,"unit":1,"referenceDatum":0},"upperLimit":{"value":65,"unit":6,"referenceDatum":2}"#,
+            (Ground, nothing),
+            (Pressure, 6500.0 * ft),
+        ),
+        // The airspace of the FAA, names with units, and words.
+        (
+            r#""LOWER_VAL":700,"LOWER_UOM":"FT","LOWER_CODE":"SFC","UPPER_VAL":"1200","UPPER_UOM":"FT","UPPER_CODE":"MSL","UPPER_DESC":"TI""#,
+            (Ground, 700.0 * ft),
+            (Sea, 1200.0 * ft),
+        ),
+        (
+            r#""floor_m_amsl":120,"ceiling_ft_agl":"400""#,
+            (Sea, 120.0),
+            (Ground, 400.0 * ft),
+        ),
+        (
+            r#""lower":"GND","upper":"2500 ft AMSL""#,
+            (Ground, nothing),
+            (Sea, 2500.0 * ft),
+        ),
+        (
+            r#""Floor":"SFC","Ceiling":"FL95""#,
+            (Ground, nothing),
+            (Pressure, 9500.0 * ft),
+        ),
+    ] {
+        let file = file(&feature(properties)).unwrap();
+        let expected = [Some(above(lower.0, lower.1)), Some(above(upper.0, upper.1))];
+        for (found, expected) in file.areas[0].limits.iter().zip(expected) {
+            let (found, expected) = (found.unwrap(), expected.unwrap());
+            assert_eq!(found.above, expected.above, "{properties}");
+            assert!(
+                (found.height_m - expected.height_m).abs() < 1e-9,
+                "{properties}"
+            );
+        }
+        assert!(file.notes.is_empty(), "{properties}: {:?}", file.notes);
+    }
+    let unlimited = file(&feature(r#""lower":"100 m AGL","upper":"UNL""#)).unwrap();
+    assert_eq!(
+        unlimited.areas[0].limits,
+        [Some(above(Ground, 100.0)), None]
+    );
+    assert!(unlimited.notes.is_empty());
+    let free = areas(&feature(
+        r#""restriction":"NO_RESTRICTION","applicability":[{"permanent":"NO"}]"#,
+    ));
+    assert_eq!(
+        free.map(|all| (all[0].is_free, all[0].is_timed)),
+        Ok((true, true))
+    );
+}
+
+#[test]
+fn limits_that_cannot_be_read_are_named() {
+    for (properties, expected) in [
+        (
+            r#""CEILING":400,"UNIT":"Feet""#,
+            "upper limit \"400\" without what it counts from",
+        ),
+        (
+            r#""upperLimit":120,"upperReference":"AGL""#,
+            "upper limit \"120 AGL\" without a unit",
+        ),
+        (r#""lower":"60 furlongs AGL""#, "\"FURLONGS\" is not known"),
+        (r#""lower":"by NOTAM""#, "is not known"),
+        (
+            r#""lowerLimit":{"value":60,"unit":17,"referenceDatum":1}"#,
+            "is not known",
+        ),
+        (r#""lower":"1000 ft 2000 ft AMSL""#, "as a second height"),
+    ] {
+        let file = file(&feature(properties)).unwrap();
+        assert_eq!(file.areas[0].limits, [None; 2], "{properties}");
+        assert!(
+            file.notes.len() == 1 && file.notes[0].contains(expected),
+            "{properties}: {:?}",
+            file.notes
+        );
+    }
+    // What says nothing of heights is no limit.
+    let other =
+        feature(r##""fill":"#f00","max-zoom":12,"base":null,"topic":"a","Bufferzone":"5 km""##);
+    assert_eq!(file(&other).unwrap().notes, [""; 0]);
+    // KML: data beside a polygon, and heights at its corners.
+    let kml = "<kml><Placemark><ExtendedData><Data name=\"upper\"><value>120 m AGL</value></Data></ExtendedData><Polygon>
+        <altitudeMode>absolute</altitudeMode><outerBoundaryIs><LinearRing><coordinates>8.5,47.3,90 8.6,47.3,90 8.6,47.4,90 8.5,47.3,90
+        </coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>";
+    let found = file(kml).unwrap();
+    assert_eq!(
+        found.areas[0].limits,
+        [None, Some(above(Reference::Ground, 120.0))]
+    );
+    assert!(
+        found.notes[0].contains("has heights at its corners"),
+        "{:?}",
+        found.notes
+    );
+}
+
+#[test]
+fn what_is_no_area_is_named_beside_areas() {
+    let polygon = format!(r#"{{"type":"Polygon","coordinates":[{RING}]}}"#);
+    let point = r#"{"type":"Feature","properties":{"name":"a"},"geometry":{"type":"Point","coordinates":[8.5,47.3]}}"#;
+    let text = format!(
+        r#"{{"type":"FeatureCollection","features":[{point},{},{point},{{"type":"Feature","properties":null,"geometry":null}}]}}"#,
+        feature("").replace("{}", "null")
+    );
+    let found = file(&text).unwrap();
+    assert_eq!(found.areas, [triangle(None)]);
+    assert_eq!(
+        found.notes,
+        ["1 feature without a place left out", "2 points left out"]
+    );
+    assert_eq!(found.areas, areas(&polygon).unwrap());
+    let kml = "<kml><Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>8.5,47.3 8.6,47.3 8.6,47.4 8.5,47.3</coordinates>
+        </LinearRing></outerBoundaryIs></Polygon><Point/><LineString/></Placemark><NetworkLink/></kml>";
+    let found = file(kml).unwrap();
+    assert_eq!(found.areas, [geodesic(triangle(None))]);
+    let named = [
+        "1 line left out",
+        "1 link to another file (NetworkLink) left out",
+        "1 point left out",
+    ];
+    assert_eq!(found.notes, named);
+}
+
+fn frame(latitude_deg: f64, longitude_deg: f64) -> LocalFrame {
+    let origin = Geodetic::new(latitude_deg, longitude_deg, 0.0).unwrap();
+    LocalFrame::new(origin, Earth::Wgs84)
+}
+
+/// Least distance of a place from the edges of a ring, metres.
+fn beside_m(ring: &[fga::Vec2], at: fga::Vec2) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    let edges = ring.iter().zip(next);
+    let distances_m = edges.map(|(a, b)| {
+        let (edge, offset) = (*b - *a, at - *a);
+        let share = (offset.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+        (offset - edge * share).length()
+    });
+    distances_m.fold(f64::INFINITY, f64::min)
+}
+
+/// Places of the shortest lines by GeographicLib (pyproj 3.7, `Geod.fwd` at a quarter, half and three quarters).
+#[test]
+fn edges_are_the_lines_of_their_formats() {
+    let ring = |from: [f64; 2], to: [f64; 2]| {
+        let apex = [to[0] - 1.5, 0.5 * (from[1] + to[1])];
+        NamedArea {
+            outline: AreaOutline::Polygon(vec![vec![from, to, apex]]),
+            ..NamedArea::default()
+        }
+    };
+    for (from, to, shortest) in [
+        (
+            [45.0, 3.7],
+            [45.0, 6.3],
+            [
+                [45.005_549_504_760_69, 4.349_958_161_424_952_5],
+                [45.007_399_497_360_3, 5.0],
+                [45.005_549_504_760_69, 5.650_041_838_575_048],
+            ],
+        ),
+        (
+            [44.0, 3.0],
+            [47.0, 8.0],
+            [
+                [44.770_304_376_723_146, 4.200_744_105_600_106],
+                [45.527_543_735_197_284, 5.433_559_805_581_249],
+                [46.271_019_764_005_46, 6.699_598_599_577_104],
+            ],
+        ),
+    ] {
+        let frame = frame(45.0, 5.0);
+        let local = |[latitude_deg, longitude_deg]: [f64; 2]| {
+            let place = Geodetic::new(latitude_deg, longitude_deg, 0.0).unwrap();
+            frame.to_local_m(place).truncate()
+        };
+        let area = ring(from, to);
+        let straight = area.on_plane(&frame, false);
+        let bent = geodesic(area).on_plane(&frame, false);
+        assert_eq!((straight.grown_m, bent.grown_m), (0.0, 0.0));
+        for (share, shortest) in [0.25, 0.5, 0.75].into_iter().zip(shortest) {
+            let degrees = [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]));
+            let off_m = [
+                beside_m(&straight.polygons[0][0], local(degrees)),
+                beside_m(&bent.polygons[0][0], local(shortest)),
+            ];
+            assert!(
+                off_m.iter().all(|off_m| *off_m <= 1.0),
+                "{share}: {off_m:?}"
+            );
+            let apart_m = beside_m(&straight.polygons[0][0], local(shortest));
+            assert!(apart_m > 300.0, "{apart_m}");
+        }
+    }
+    // An outline that reaches far away is cut, and its edge stays.
+    let far = vec![vec![
+        [45.0, 3.7],
+        [45.0, 6.3],
+        [80.0, 100.0],
+        [80.0, -100.0],
+    ]];
+    let area = NamedArea {
+        outline: AreaOutline::Polygon(far),
+        ..NamedArea::default()
+    };
+    let cut = area.on_plane(&frame(45.0, 5.0), false);
+    let off_m = beside_m(&cut.polygons[0][0], fga::Vec2::ZERO);
+    assert!(
+        off_m <= 1.0 + cut.grown_m && cut.grown_m < 10.0,
+        "{off_m}, {}",
+        cut.grown_m
+    );
+    // Over the antimeridian, with an end on the other side.
+    let area = geodesic(NamedArea {
+        outline: AreaOutline::Polygon(vec![vec![[60.0, 179.0], [61.0, -178.0], [59.5, -179.5]]]),
+        ..NamedArea::default()
+    });
+    let frame = frame(60.5, -179.5);
+    let plane = area.on_plane(&frame, false);
+    let place = Geodetic::new(60.508_446_057_259_704, -179.523_104_293_574_91, 0.0).unwrap();
+    let off_m = beside_m(&plane.polygons[0][0], frame.to_local_m(place).truncate());
+    assert!(off_m <= 1.0, "{off_m}");
+}
+
+#[test]
+fn an_outline_round_the_world_with_a_country_as_its_hole_is_cut() {
+    let world = vec![
+        [-89.9, -179.9],
+        [-89.9, 179.9],
+        [89.9, 179.9],
+        [89.9, -179.9],
+    ];
+    let country = vec![[44.8, 4.8], [45.2, 4.8], [45.2, 5.2], [44.8, 5.2]];
+    let area = NamedArea {
+        outline: AreaOutline::Polygon(vec![world, country]),
+        ..NamedArea::default()
+    };
+    assert_eq!(area.check(), Ok(()));
+    let plane = area.on_plane(&frame(45.0, 5.0), false);
+    let [rings] = &plane.polygons[..] else {
+        panic!("{plane:?}");
+    };
+    assert_eq!((rings.len(), plane.grown_m), (2, 0.0));
+    let border_m = beside_m(&rings[1], fga::Vec2::ZERO);
+    assert!((15_000.0..16_000.0).contains(&border_m), "{border_m}");
+}
+
+#[test]
+fn an_outline_of_twenty_thousand_corners_grows_by_the_metres_that_it_says() {
+    let corner = |k: u32| {
+        let angle = f64::from(k) * core::f64::consts::TAU / 20_000.0;
+        let waves = 1.0 + 0.2 * libm::sin(7.0 * angle) + 1e-4 * libm::sin(900.0 * angle);
+        [
+            47.0 + 0.05 * waves * libm::sin(angle),
+            8.0 + 0.07 * waves * libm::cos(angle),
+        ]
+    };
+    let area = NamedArea {
+        outline: AreaOutline::Polygon(vec![(0..20_000).map(corner).collect()]),
+        ..NamedArea::default()
+    };
+    assert_eq!(area.check(), Ok(()));
+    let frame = frame(47.0, 8.0);
+    for keep_in in [false, true] {
+        let plane = area.on_plane(&frame, keep_in);
+        assert!(
+            plane.grown_m <= 16.0 && plane.polygons.len() == 1,
+            "{}",
+            plane.grown_m
+        );
+        let ring = &plane.polygons[0][0];
+        assert!(ring.len() <= 256);
+        for k in 0..20_000 {
+            let [latitude_deg, longitude_deg] = corner(k);
+            let place = Geodetic::new(latitude_deg, longitude_deg, 0.0).unwrap();
+            let at_m = frame.to_local_m(place).truncate();
+            let is_inside = crate::zones::surrounds(ring, at_m);
+            let off_m = beside_m(ring, at_m);
+            assert!(
+                is_inside != keep_in && off_m <= plane.grown_m + 1.0,
+                "{k}: {off_m}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -132,7 +461,7 @@ fn zones_of_ed269_have_volumes_limits_and_times() {
     let file = ed269(&format!("{polygon},{feet}"));
     let common = NamedArea {
         is_timed: true,
-        ..triangle(Some("yard"))
+        ..geodesic(triangle(Some("yard")))
     };
     let ground = Some(above(Reference::Ground, 0.0));
     let expected = [
@@ -257,7 +586,7 @@ fn what_is_no_area_is_one_sentence() {
         (polygon(&format!("[{RING},[]]")), "area 1 has no corners"),
         (
             r#"{"type":"Point","coordinates":[1,2]}"#.into(),
-            "area 1 is no area",
+            "has no area, 1 point left out",
         ),
         (
             r#"{"type":"FeatureCollection","features":[]}"#.into(),
@@ -265,12 +594,15 @@ fn what_is_no_area_is_one_sentence() {
         ),
         (
             r#"{"type":"Feature","geometry":null,"properties":null}"#.into(),
-            "without a place",
+            "has no area, 1 feature without a place left out",
         ),
         ("<kml><Polygon>".into(), "is no KML"),
         ("<kml><a/\n></kml>".into(), "line 1: is no KML"),
         ("<kml></kml>".into(), "has no area"),
-        ("<kml><Point/></kml>".into(), "area 1 is no area"),
+        (
+            "<kml><Point/></kml>".into(),
+            "has no area, 1 point left out",
+        ),
         (
             "<kml><Polygon><coordinates>1,x</coordinates></Polygon></kml>".into(),
             "no row of numbers",

@@ -122,6 +122,8 @@ struct Choices {
     is_unused: bool,
     phases: Phases,
     limits: Limits,
+    /// The airspeed sensor and the lane of the filter that the vehicle uses.
+    primary: [f64; 2],
     /// Commands of the mission with their times, if no message names those that begin.
     commands: Vec<(f64, u32)>,
     names_begun: bool,
@@ -145,11 +147,10 @@ impl Choices {
     /// Takes a message; `None` if it lacks a field.
     fn take(&mut self, format: &MessageFormat, message: &[u8]) -> Option<Result<(), LeftOut>> {
         let field = |name: &str| format.number(message, name);
-        // Instance 0 of sensors and filters, where there are several.
-        let is_first = ["I", "C", "Instance"]
-            .iter()
-            .find_map(|name| field(name))
-            .is_none_or(|instance| instance == 0.0);
+        // The instance of sensors and filters that the vehicle uses, where there are several: 0 until the log says otherwise.
+        let [sensor, lane] = self.primary;
+        let instance = ["I", "C", "Instance"].iter().find_map(|name| field(name));
+        let is_used = |primary: f64| instance.is_none_or(|instance| instance == primary);
         let time_s = || field("TimeUS").map(|time_us| time_us * 1e-6);
         match format.name.as_str() {
             "ATT" => {
@@ -160,10 +161,13 @@ impl Choices {
                 course.push(time_s, FRAC_PI_2 - field("Yaw")? * PI / 180.0);
             }
             // A sensor that is not used or not healthy measures nothing.
-            "ARSP" if is_first && (field("U") == Some(0.0) || field("H") == Some(0.0)) => {
+            "ARSP" if !is_used(field("Pri").unwrap_or(sensor)) => {
+                return Some(Err(LeftOut::NotNeeded));
+            }
+            "ARSP" if field("U") == Some(0.0) || field("H") == Some(0.0) => {
                 self.is_unused = true;
             }
-            "ARSP" if is_first => self.airspeed[0].push(time_s()?, field("Airspeed")?),
+            "ARSP" => self.airspeed[0].push(time_s()?, field("Airspeed")?),
             "MODE" => {
                 let mode = field("ModeNum").or_else(|| field("Mode"))?;
                 self.phases.mode(time_s()?, whole(mode));
@@ -174,15 +178,20 @@ impl Choices {
                 self.phases.command(time_s()?, whole(field("CId")?));
             }
             "CMD" => self.commands.push((time_s()?, whole(field("CId")?))),
-            "PARM" => self
-                .limits
-                .take(&format.text(message, "Name")?, field("Value")?),
+            "PARM" => {
+                let (name, value) = (format.text(message, "Name")?, field("Value")?);
+                if name == "ARSPD_PRIMARY" {
+                    self.primary[0] = value;
+                }
+                self.limits.take(&name, value);
+            }
+            "XKF4" | "NKF4" => self.primary[1] = field("PI").unwrap_or(lane),
             "CTUN" => {
                 let airspeed = field("As").or_else(|| field("Aspd"))?;
                 self.airspeed[1].push(time_s()?, airspeed);
             }
-            "XKF1" if is_first => self.descent[0].push(time_s()?, field("VD")?),
-            "NKF1" if is_first => self.descent[1].push(time_s()?, field("VD")?),
+            "XKF1" if is_used(lane) => self.descent[0].push(time_s()?, field("VD")?),
+            "NKF1" if is_used(lane) => self.descent[1].push(time_s()?, field("VD")?),
             _ => return Some(Err(LeftOut::NotNeeded)),
         }
         Some(Ok(()))

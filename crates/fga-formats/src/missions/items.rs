@@ -14,6 +14,8 @@ use crate::words::counted;
 
 /// A place nearer than this to the one before adds no leg, metres.
 const SAME_PLACE_M: f64 = 1.0;
+/// A place farther below home is named, metres.
+const BELOW_HOME_M: f64 = 50.0;
 /// How far before the only place of a mission its flight begins, metres.
 const RUN_UP_M: f64 = 1000.0;
 /// Metres of a degree of latitude.
@@ -32,6 +34,8 @@ pub(super) struct Item {
     pub command: u16,
     pub frame: u16,
     pub first_parameter: Option<f64>,
+    /// The group of a corner of a fence to stay in.
+    pub group: Option<f64>,
     /// Latitude and longitude, degrees; altitude, metres.
     pub at: [Option<f64>; 3],
 }
@@ -43,6 +47,8 @@ pub(super) struct ItemReader<'a> {
     file: MissionFile,
     /// The corners of an unfinished polygon, how many there will be, and whether it keeps in.
     corners: Option<(Vec<[f64; 2]>, usize, bool)>,
+    /// The groups of the fences to stay in.
+    groups: Vec<f64>,
     begun: bool,
     ended: bool,
     left_out: BTreeMap<String, usize>,
@@ -57,6 +63,7 @@ impl<'a> ItemReader<'a> {
             path,
             file: MissionFile::default(),
             corners: None,
+            groups: Vec::new(),
             begun: false,
             ended: false,
             left_out: BTreeMap::new(),
@@ -144,6 +151,13 @@ impl<'a> ItemReader<'a> {
             self.file.waypoints.insert(0, before);
             let sentence =
                 format!("the mission has one place: the flight begins {RUN_UP_M} m south of it");
+            self.note(&sentence);
+        }
+        if self.groups.len() > 1 {
+            let groups = self.groups.len();
+            let sentence = format!(
+                "the fences to stay in are of {groups} groups, of which MAVLink asks for one: the aircraft stays in all of them, as ArduPilot does by default (FENCE_OPTIONS)"
+            );
             self.note(&sentence);
         }
         let skipped: usize = self.left_out.values().sum();
@@ -254,10 +268,16 @@ impl<'a> ItemReader<'a> {
 
     /// Where an item leads, above mean sea level.
     fn place(&mut self, item: &Item) -> Result<Geodetic, InputError> {
-        let [Some(latitude_deg), Some(longitude_deg), Some(given_m)] = item.at else {
+        let [Some(latitude_deg), Some(longitude_deg), given_m] = item.at else {
             return Err(self.error(
                 item,
                 "has no place, expected latitude, longitude and altitude",
+            ));
+        };
+        let Some(given_m) = given_m else {
+            return Err(self.error(
+                item,
+                "has a place without an altitude, expected one: some stations leave it to the vehicle or to their terrain",
             ));
         };
         let altitude_m = match item.frame {
@@ -282,6 +302,17 @@ impl<'a> ItemReader<'a> {
                 return Err(self.error(item, &message));
             }
         };
+        if let Some(home) = self.file.home
+            && home.altitude_m - altitude_m > BELOW_HOME_M
+        {
+            let sentence = format!(
+                "item {} is {:.0} m below home: it is {altitude_m:.0} m above the sea, home {:.0} m; is one of them above another level?",
+                item.number,
+                home.altitude_m - altitude_m,
+                home.altitude_m
+            );
+            self.note(&sentence);
+        }
         self.on_earth(item, [latitude_deg, longitude_deg, altitude_m])
     }
 
@@ -333,6 +364,10 @@ impl<'a> ItemReader<'a> {
                     reason = "from 3 to 10,000"
                 )]
                 let expected = expected as usize;
+                let group = item.group.unwrap_or(0.0);
+                if keep_in && !self.groups.contains(&group) {
+                    self.groups.push(group);
+                }
                 let (mut corners_deg, count, kept_in) =
                     self.corners
                         .take()

@@ -80,7 +80,19 @@ struct SimpleItem {
     command: u16,
     frame: u16,
     params: Vec<Option<f64>>,
+    /// What the station made its height of: above the terrain, and above the sea over it, metres.
+    #[serde(rename = "Altitude")]
+    above_m: Option<f64>,
+    #[serde(rename = "AltitudeMode")]
+    mode: Option<f64>,
+    #[serde(rename = "AMSLAltAboveTerrain")]
+    sea_m: Option<f64>,
 }
+
+/// Heights of one item that are farther apart contradict each other, metres.
+const APART_M: f64 = 1.0;
+/// The height above the sea that the station computes from its terrain.
+const CALCULATED: f64 = 3.0;
 
 /// What a complex item may hold of interest.
 #[derive(Debug, Deserialize)]
@@ -195,6 +207,7 @@ const fn blank(number: u64) -> Item {
         command: 0,
         frame: 0,
         first_parameter: None,
+        group: None,
         at: [None; 3],
     }
 }
@@ -232,6 +245,24 @@ fn take(
     if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {
         let simple = SimpleItem::deserialize(value).map_err(|error| unusable(reader, &error))?;
         let parameter = |index: usize| simple.params.get(index).copied().flatten();
+        if simple.frame == 0 && simple.mode == Some(CALCULATED) {
+            let above_m = simple.above_m.unwrap_or(f64::NAN);
+            match (parameter(6), simple.sea_m) {
+                (None, _) => {
+                    let message = format!(
+                        "is {above_m} m above the terrain, whose height the station did not write, expected its altitude above mean sea level"
+                    );
+                    return Err(reader.error(&item, &message));
+                }
+                (Some(flown_m), Some(sea_m)) if (flown_m - sea_m).abs() > APART_M => {
+                    reader.note(&format!(
+                        "item {} is flown {flown_m} m above the sea (params), though {above_m} m above the terrain are {sea_m} m there (AMSLAltAboveTerrain)",
+                        item.number
+                    ));
+                }
+                _ => (),
+            }
+        }
         return reader.take(&Item {
             command: simple.command,
             frame: simple.frame,

@@ -1,7 +1,8 @@
 //! Lists of items in lines: `QGC WPL 110`.
 //!
 //! Number, current, frame, command, four parameters, latitude, longitude, altitude, continue; between them tabs, or
-//! spaces. Item 0 is home where it is a waypoint above mean sea level, as Mission Planner and MAVProxy write it.
+//! spaces. Item 0 is home where it is a waypoint, whatever its frame: ArduPilot and the stations that write it never fly it, and its height is
+//! above mean sea level.
 
 use std::path::Path;
 
@@ -49,8 +50,15 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     }
     let mut reader = ItemReader::new(path);
     let items = match items.split_first() {
-        Some((first, rest)) if (first.number, first.command, first.frame) == (0, 16, 0) => {
-            reader.take_home(first)?;
+        Some((first, rest)) if (first.number, first.command) == (0, 16) => {
+            if first.frame != 0 {
+                let frame = first.frame;
+                let sentence = format!(
+                    "item 0 is home, whose height is above mean sea level whatever its frame ({frame})"
+                );
+                reader.note(&sentence);
+            }
+            reader.take_home(&Item { frame: 0, ..*first })?;
             rest
         }
         _ => items.as_slice(),
@@ -99,6 +107,7 @@ fn item(line: &str, number: u64, path: &Path) -> Result<Item, InputError> {
         frame: whole(2)?,
         command: whole(3)?,
         first_parameter: value(4)?,
+        group: value(5)?,
         at: [value(8)?, value(9)?, value(10)?],
     })
 }

@@ -94,8 +94,8 @@ impl Collector {
         track.heard.push(heard);
     }
 
-    /// The tracks, sorted by time; of several reports of one time the first stays, and a position that is in reach of
-    /// neither the one before nor the one after it goes. The tally counts all of them as used.
+    /// The tracks, sorted by time; of several reports of one time the first stays, and what is out of reach of the rest of its track
+    /// goes. The tally counts all of them as used.
     pub(super) fn finish(self, mut tally: Tally) -> Received {
         let tracks = self.tracks.into_values().map(|mut track| {
             let count = track.heard.len();
@@ -107,22 +107,42 @@ impl Collector {
                 tally.refuse(LeftOut::SameTime);
             }
             let heard = core::mem::take(&mut track.heard);
-            let at = |index: Option<usize>| index.and_then(|index| heard.get(index));
-            for (index, this) in heard.iter().enumerate() {
-                let (before, after) = (at(index.checked_sub(1)), at(Some(index + 1)));
-                let in_reach = before.is_none_or(|before| before.reaches(this))
-                    || after.is_some_and(|after| this.reaches(after));
-                if in_reach {
-                    track.heard.push(*this);
-                } else {
-                    tally.refuse(LeftOut::Jump);
-                }
+            let count = heard.len();
+            track.heard = in_reach(heard);
+            for _ in track.heard.len()..count {
+                tally.refuse(LeftOut::Jump);
             }
             track
         });
         let tracks = tracks.collect();
         Received { tracks, tally }
     }
+}
+
+/// At most this many rows of positions are followed; the shortest one makes way.
+const ROWS: usize = 32;
+
+/// The longest row of positions, in order of time, each of which is in reach of the one before. However many positions are elsewhere,
+/// next to each other or not, they are no part of it. Of a mixture of which no row is more than half, nothing stays.
+fn in_reach(heard: Vec<Heard>) -> Vec<Heard> {
+    let count = heard.len();
+    let mut rows: Vec<Vec<Heard>> = Vec::new();
+    for this in heard {
+        let reaches = |row: &&mut Vec<Heard>| row.last().is_some_and(|last| last.reaches(&this));
+        if let Some(row) = rows.iter_mut().filter(reaches).max_by_key(|row| row.len()) {
+            row.push(this);
+            continue;
+        }
+        if rows.len() == ROWS {
+            let shortest = (0..).zip(&rows).min_by_key(|(_, row)| row.len());
+            rows.remove(shortest.map_or(0, |(index, _)| index));
+        }
+        rows.push(vec![this]);
+    }
+    let longest = rows.into_iter().max_by_key(Vec::len);
+    longest
+        .filter(|row| 2 * row.len() > count)
+        .unwrap_or_default()
 }
 
 impl Received {

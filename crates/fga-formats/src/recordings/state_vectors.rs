@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | a list of objects, or an object of columns, with `icao24`, `timestamp`, `latitude`, … | ft, kt, ft/min | `timestamp` |
 //! | `{"now": …, "aircraft": [{"hex": …, "lat": …}]}` of readsb, dump1090 and tar1090 | ft, kt, ft/min | `now` less `seen_pos` |
+//! | `{"icao": …, "timestamp": …, "trace": [[…]]}` of readsb and tar1090, one aircraft | ft, kt, ft/min | `timestamp` and the first of each row |
 //! | `{"time": …, "states": [["icao24", …]]}` of the OpenSky network | m, m/s | `time_position` |
 //!
 //! A file may hold several documents one after the other, or a list of them. Times are seconds or milliseconds since
@@ -94,6 +95,44 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
     Ok(reader.collector.finish(reader.tally))
 }
 
+/// Whether a text is a table of OpenSky's history, by its columns.
+pub(super) fn is_history(text: &str) -> bool {
+    let head = text.lines().next().unwrap_or_default().to_ascii_lowercase();
+    let columns: Vec<&str> = head
+        .split(',')
+        .map(|name| name.trim().trim_matches('"'))
+        .collect();
+    ["time", "icao24", "lat", "lon", "velocity"]
+        .iter()
+        .all(|name| columns.contains(name))
+}
+
+/// The tracks of a table of OpenSky's history: metres, metres per second, seconds since 1970.
+///
+/// # Errors
+/// A table that is none.
+pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputError> {
+    let mut reader = StateVectorReader {
+        path,
+        collector: Collector::default(),
+        tally: Tally::default(),
+    };
+    let mut table = csv::ReaderBuilder::new()
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let wrong = |error: csv::Error| {
+        let message =
+            format!("is no table that can be read: {error}").replace(char::is_control, " ");
+        InputError::in_file(path, message)
+    };
+    let columns = table.headers().map_err(wrong)?.clone();
+    for row in table.records() {
+        reader.history(&columns, &row.map_err(wrong)?);
+    }
+    Ok(reader.collector.finish(reader.tally))
+}
+
 struct StateVectorReader<'a> {
     path: &'a Path,
     collector: Collector,
@@ -119,6 +158,12 @@ impl StateVectorReader<'_> {
                 Some(StateList::States(states)) => {
                     for row in states {
                         self.opensky(row, seconds(object.get("time")));
+                    }
+                    Ok(())
+                }
+                Some(StateList::Trace(name, begin_s, rows)) => {
+                    for row in rows {
+                        self.trace(name, begin_s, row);
                     }
                     Ok(())
                 }
@@ -196,20 +241,24 @@ impl StateVectorReader<'_> {
             return self.tally.leave_out(LeftOut::NoAddress);
         };
         let number = |key: &str| number(row.get(key));
-        let first = |keys: [&str; 2]| keys.iter().find_map(|key| number(key));
+        // The second names are those of dump1090-mutability and of receivers of 978 MHz.
+        let first = |keys: &[&str]| keys.iter().find_map(|key| number(key));
         self.take(&StateVector {
             name,
             address: address_of(name),
             callsign: row.get("flight").and_then(Value::as_str),
             time_s: now_s,
-            age_s: first(["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
+            age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
             place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: first(["alt_baro", "alt_geom"]).map(|feet| Feet(feet).to_m()),
-            is_by_pressure: number("alt_baro").is_some(),
-            speed_mps: number("gs").map(|knots| Knots(knots).to_mps()),
+            altitude_m: first(&["alt_baro", "altitude", "alt_geom"]).map(|feet| Feet(feet).to_m()),
+            is_by_pressure: first(&["alt_baro", "altitude"]).is_some(),
+            speed_mps: first(&["gs", "speed"]).map(|knots| Knots(knots).to_mps()),
             track_deg: number("track"),
-            climb_mps: first(["baro_rate", "geom_rate"]).map(|fpm| FeetPerMinute(fpm).to_mps()),
-            on_ground: row.get("alt_baro").and_then(Value::as_str) == Some("ground"),
+            climb_mps: first(&["baro_rate", "vert_rate", "geom_rate"])
+                .map(|fpm| FeetPerMinute(fpm).to_mps()),
+            on_ground: ["alt_baro", "altitude"]
+                .iter()
+                .any(|key| row.get(key).and_then(Value::as_str) == Some("ground")),
         });
     }
 
@@ -238,6 +287,91 @@ impl StateVectorReader<'_> {
         });
     }
 
+    /// A row of a trace of readsb: seconds since it began, place, altitude, speed, track, flags, climb rate, details, kind, altitude and
+    /// climb rate above the ellipsoid.
+    fn trace(&mut self, name: &str, begin_s: f64, row: &Value) {
+        /// Flags of a row: its climb rate and its altitude are above the ellipsoid.
+        const GEOMETRIC_RATE: u64 = 4;
+        const GEOMETRIC: u64 = 8;
+        let field = |index: usize| row.get(index);
+        let number = |index: usize| number(field(index));
+        let flags = field(6).and_then(Value::as_u64).unwrap_or(0);
+        let details = field(8);
+        let callsign = details.and_then(|details| details.get("flight")?.as_str());
+        self.take(&StateVector {
+            name,
+            address: address_of(name),
+            callsign,
+            time_s: number(0).map(|after_s| begin_s + after_s),
+            age_s: 0.0,
+            place_deg: number(1).zip(number(2)).map(<[f64; 2]>::from),
+            altitude_m: number(3)
+                .or_else(|| number(10))
+                .map(|feet| Feet(feet).to_m()),
+            is_by_pressure: number(3).is_some() && flags & GEOMETRIC == 0,
+            speed_mps: number(4).map(|knots| Knots(knots).to_mps()),
+            track_deg: number(5),
+            climb_mps: number(7)
+                .filter(|_| flags & GEOMETRIC_RATE == 0 || number(11).is_none())
+                .or_else(|| number(11))
+                .map(|fpm| FeetPerMinute(fpm).to_mps()),
+            on_ground: field(3).and_then(Value::as_str) == Some("ground"),
+        });
+    }
+
+    /// A row of OpenSky's history, a table of texts.
+    fn history(&mut self, columns: &csv::StringRecord, row: &csv::StringRecord) {
+        let field = |name: &str| {
+            let index = columns
+                .iter()
+                .position(|column| column.eq_ignore_ascii_case(name))?;
+            let known = |text: &&str| {
+                !["", "null", "nan", "none"].contains(&text.to_ascii_lowercase().as_str())
+            };
+            row.get(index).map(str::trim).filter(known)
+        };
+        let Some(name) = field("icao24") else {
+            return self.tally.leave_out(LeftOut::NoAddress);
+        };
+        let numbers = [
+            "time",
+            "lastposupdate",
+            "lat",
+            "lon",
+            "baroaltitude",
+            "geoaltitude",
+            "velocity",
+            "heading",
+            "vertrate",
+        ];
+        let read = |name| {
+            field(name).map(|text| text.parse().ok().filter(|number: &f64| number.is_finite()))
+        };
+        if numbers.into_iter().any(|name| read(name) == Some(None)) {
+            return self.tally.leave_out(LeftOut::UnreadableField);
+        }
+        let number = |name| read(name).flatten();
+        let time_s = number("time");
+        let age_s = time_s
+            .zip(number("lastposupdate"))
+            .map(|(time_s, heard_s)| time_s - heard_s);
+        self.take(&StateVector {
+            name,
+            address: address_of(name),
+            callsign: field("callsign"),
+            time_s,
+            age_s: age_s.unwrap_or(0.0).max(0.0),
+            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
+            altitude_m: number("baroaltitude").or_else(|| number("geoaltitude")),
+            is_by_pressure: number("baroaltitude").is_some(),
+            speed_mps: number("velocity"),
+            track_deg: number("heading"),
+            climb_mps: number("vertrate"),
+            on_ground: field("onground")
+                .is_some_and(|text| text.eq_ignore_ascii_case("true") || text == "1"),
+        });
+    }
+
     fn take(&mut self, state: &StateVector<'_>) {
         let heard = state.heard();
         self.tally.take(&heard);
@@ -257,12 +391,18 @@ impl StateVectorReader<'_> {
 enum StateList<'a> {
     Aircraft(&'a [Value]),
     States(&'a [Value]),
+    Trace(&'a str, f64, &'a [Value]),
 }
 
 fn list_of(object: &Map<String, Value>) -> Option<StateList<'_>> {
     let list = |key: &str| object.get(key).and_then(Value::as_array);
     // OpenSky writes null for a missing value.
     let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
+    let trace = || {
+        let name = object.get("icao").and_then(name_of)?;
+        let begin_s = seconds(object.get("timestamp"))?;
+        Some(StateList::Trace(name, begin_s, list("trace")?))
+    };
     list("aircraft")
         .or_else(|| list("ac"))
         .filter(|list| list.iter().all(Value::is_object))
@@ -273,6 +413,7 @@ fn list_of(object: &Map<String, Value>) -> Option<StateList<'_>> {
                 .map(|list| StateList::States(list))
         })
         .or_else(|| no_states.then_some(StateList::States(&[])))
+        .or_else(trace)
 }
 
 /// A name that is not empty.

@@ -1,5 +1,5 @@
 //! DTED levels 0, 1 and 2 (MIL-PRF-89020B): three headers, then a record of heights for each line of longitude, from the west;
-//! in it heights from the south, with a sign and a magnitude.
+//! in it heights from the south, with a sign and a magnitude, or, from some producers, in two's complement.
 
 use std::io::Read;
 
@@ -17,8 +17,12 @@ const BEFORE: usize = 8;
 const CHECKSUM: usize = 4;
 /// The first byte of a record.
 const SENTINEL: u8 = 0xAA;
-/// A height that is not known: the largest negative one.
-const UNKNOWN: u16 = 0xFFFF;
+/// A height that is not known: the largest negative one, all bits set.
+const UNKNOWN: i16 = -1;
+/// The same where a producer wrote negative heights in two's complement.
+const UNKNOWN_IN_TWOS: i16 = -32_767;
+/// No height has this magnitude as a sign and a magnitude: it stands in two's complement, metres.
+const TWOS_FROM_M: i16 = 16_000;
 
 /// A field, its datum and its vertical error, if the file has one.
 pub(super) type ParsedField = (HeightField, Stated<Datum>, Option<Stated<f64>>);
@@ -171,24 +175,32 @@ fn heights(mut input: impl Read, rows: usize, columns: usize) -> Result<Vec<i16>
         let (pairs, _) = content.get(BEFORE..).unwrap_or_default().as_chunks::<2>();
         for (from_south, pair) in pairs.iter().enumerate() {
             let raw = u16::from_be_bytes(*pair);
-            if raw == UNKNOWN {
-                continue;
-            }
-            let magnitude = (raw & 0x7FFF).cast_signed();
-            let height = if raw & 0x8000 == 0 {
-                magnitude
-            } else {
-                -magnitude
-            };
             let index = (rows - 1 - from_south) * columns + column;
             if let Some(post) = heights.get_mut(index) {
-                *post = height;
+                *post = raw.cast_signed();
             }
         }
     }
+    signed(&mut heights);
     fill(&mut input, &mut record, 1)?;
     if !record.is_empty() {
         return Err(wrong(&format!("more than {expected}")));
     }
     Ok(heights)
+}
+
+/// Gives heights their sign. Those that no place has as a sign and a magnitude show that a producer wrote two's complement.
+fn signed(heights: &mut [i16]) {
+    let magnitude = |height: i16| height & i16::MAX;
+    let is_twos =
+        |height: &i16| *height < 0 && *height != UNKNOWN && magnitude(*height) > TWOS_FROM_M;
+    let twos = heights.iter().any(is_twos);
+    for height in heights.iter_mut().filter(|height| **height < 0) {
+        *height = match *height {
+            UNKNOWN => HOLE,
+            UNKNOWN_IN_TWOS if twos => HOLE,
+            _ if twos => *height,
+            _ => -magnitude(*height),
+        };
+    }
 }

@@ -121,6 +121,24 @@ pub(super) enum Heights {
     Fraction(Vec<f32>),
 }
 
+impl Heights {
+    /// Makes holes of all but those whose index is known.
+    pub(super) fn keep(&mut self, is_known: impl Fn(usize) -> bool) {
+        match self {
+            Self::Whole(heights) => {
+                let masked = heights.iter_mut().enumerate();
+                let masked = masked.filter(|(index, _)| !is_known(*index));
+                masked.for_each(|(_, height)| *height = HOLE);
+            }
+            Self::Fraction(heights) => {
+                let masked = heights.iter_mut().enumerate();
+                let masked = masked.filter(|(index, _)| !is_known(*index));
+                masked.for_each(|(_, height)| *height = f32::NAN);
+            }
+        }
+    }
+}
+
 /// Heights of the ground on a regular grid of latitudes and longitudes; between four posts the ground is bilinear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightField {

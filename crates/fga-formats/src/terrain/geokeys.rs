@@ -1,6 +1,7 @@
 //! The GeoKeys of a TIFF (OGC GeoTIFF 1.1): its coordinates, its datum, and whether its pixels are points or areas.
 
 use super::{Datum, Stated};
+use crate::units::FOOT_M;
 
 /// Model: 1 projected, 2 geographic, 3 earth-centred.
 pub(super) const MODEL: u16 = 1024;
@@ -14,7 +15,10 @@ pub(super) const VERTICAL: u16 = 4096;
 pub(super) const VERTICAL_UNITS: u16 = 4099;
 
 const DEGREE: u16 = 9102;
-const METRE: u16 = 9001;
+/// Units of heights by their numbers of EPSG, metres.
+const UNITS_M: [(u16, f64); 3] = [(9001, 1.0), (9002, FOOT_M), (9003, SURVEY_FOOT_M)];
+/// A foot of the surveys of the United States, metres.
+pub(super) const SURVEY_FOOT_M: f64 = 1200.0 / 3937.0;
 /// A key that says nothing.
 const UNDEFINED: u16 = 0;
 const USER_DEFINED: u16 = 32767;
@@ -24,6 +28,10 @@ const USER_DEFINED: u16 = 32767;
 pub(super) struct GeoKeys {
     /// Whether a pixel is a point; otherwise it is an area, and the file gives the area's corner.
     pub is_point: bool,
+    /// Whether they name a vertical datum.
+    pub is_vertical: bool,
+    /// The unit of heights, metres.
+    pub vertical_unit_m: f64,
     pub datum: Stated<Datum>,
 }
 
@@ -71,20 +79,24 @@ pub(super) fn read(directory: &[u16]) -> Result<GeoKeys, String> {
             "has the coordinates EPSG:{geographic} (GeoKey {GEOGRAPHIC}), expected WGS84 (4326, 4979), NAD83 (4269) or ETRS89 (4258)"
         ));
     }
-    for (wanted, expected, what) in [
-        (ANGULAR_UNITS, DEGREE, "degrees"),
-        (VERTICAL_UNITS, METRE, "metres"),
-    ] {
-        if let Some(found) = key(wanted)
-            && found != expected
-        {
-            return Err(format!(
-                "has the unit EPSG:{found} (GeoKey {wanted}), expected {what} ({expected})"
-            ));
-        }
+    let wrong_unit = |found: u16, wanted: u16, expected: &str| {
+        Err(format!(
+            "has the unit EPSG:{found} (GeoKey {wanted}), expected {expected}"
+        ))
+    };
+    if let Some(found) = key(ANGULAR_UNITS)
+        && found != DEGREE
+    {
+        return wrong_unit(found, ANGULAR_UNITS, "degrees (9102)");
     }
+    let unit = key(VERTICAL_UNITS).unwrap_or(9001);
+    let Some((_, vertical_unit_m)) = UNITS_M.iter().find(|(code, _)| *code == unit) else {
+        return wrong_unit(unit, VERTICAL_UNITS, "metres (9001) or feet (9002, 9003)");
+    };
     Ok(GeoKeys {
         is_point: key(RASTER) == Some(2),
+        is_vertical: key(VERTICAL).is_some(),
+        vertical_unit_m: *vertical_unit_m,
         datum: datum(geographic, key(VERTICAL))?,
     })
 }

@@ -1,6 +1,8 @@
-//! Heights in a GeoTIFF: one band of 16-bit integers or of floats, in strips or tiles, geographic coordinates.
+//! Heights in a GeoTIFF: one band of 16-bit integers or of floats, in strips or tiles, geographic coordinates, with its mask.
 
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
+
+use roxmltree::Document;
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -11,6 +13,7 @@ use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
 use super::name;
 use crate::gzip::unread;
+use crate::units::{Dimension, Unit};
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
 const MOST_TIMES: u64 = 1_100;
@@ -65,17 +68,132 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Pars
         Some(value) => Some(nodata(&value.into_string().map_err(failed)?)?),
         None => None,
     };
-    let error = match decoder
+    let metadata = match decoder
         .find_tag(Tag::Unknown(GDAL_METADATA))
         .map_err(failed)?
     {
-        Some(value) => metadata(&value.into_string().map_err(failed)?)?,
-        None => None,
+        Some(value) => Metadata::read(&value.into_string().map_err(failed)?)?,
+        None => Metadata::default(),
     };
+    let unit_m = metadata.unit_m.unwrap_or(keys.vertical_unit_m);
+    let line = metadata
+        .line
+        .map_or_else(|| line(&mut decoder, &keys), Ok)?;
+    let line = line.map(|number| number * unit_m);
     let image = decoder.read_image().map_err(failed)?;
-    let field = HeightField::new(grid, heights(image, unknown)?)?;
+    let mut heights = heights(image, unknown, line)?;
+    if let Some(known) = mask(decoder, [columns, rows])? {
+        heights.keep(|index| known.get(index).copied().unwrap_or(false));
+    }
+    let field = HeightField::new(grid, heights)?;
     name::agrees(file_name, &field.grid().area())?;
-    Ok(Parsed::one("GeoTIFF", field, keys.datum, error))
+    Ok(Parsed::one("GeoTIFF", field, keys.datum, metadata.error))
+}
+
+/// Whether each pixel is known, by the mask that follows the image; `None` without one. Smaller images are overviews.
+fn mask<R: Read + Seek>(
+    mut decoder: Decoder<R>,
+    size: [u32; 2],
+) -> Result<Option<Vec<bool>>, String> {
+    let failed = |error: TiffError| sentence(&error);
+    while decoder.more_images() {
+        decoder.next_image().map_err(failed)?;
+        let (width, height) = decoder.dimensions().map_err(failed)?;
+        let kind = decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType);
+        let kind = kind.map_err(failed)?.unwrap_or(0);
+        let color = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
+        let is_mask = kind & 4 != 0 || color.map_err(failed)? == Some(TRANSPARENCY_MASK);
+        if kind & 1 != 0 || (!is_mask && (width < size[0] || height < size[1])) {
+            continue;
+        }
+        if !is_mask || [width, height] != size {
+            let what = if is_mask { "a mask" } else { "a second image" };
+            let [columns, rows] = size;
+            return Err(format!(
+                "has {what} of {width} x {height} pixels beside {columns} x {rows} heights, expected one image, its mask and overviews"
+            ));
+        }
+        let directory = decoder.ifd_pointer().map_or(0, |at| at.0);
+        let mut bytes = Vec::new();
+        let input = decoder.inner();
+        input.rewind().map_err(|error| unread(&error))?;
+        let read = input.take(MOST_BYTES as u64).read_to_end(&mut bytes);
+        read.map_err(|error| unread(&error))?;
+        as_gray(&mut bytes, directory)
+            .ok_or("has a mask without its interpretation, expected a whole TIFF")?;
+        return gray_mask(bytes, directory, size).map(Some);
+    }
+    Ok(None)
+}
+
+/// A mask as its photometric interpretation names it.
+const TRANSPARENCY_MASK: u16 = 4;
+
+/// Calls the image of a directory gray: the decoder reads no image that calls itself a mask.
+fn as_gray(bytes: &mut [u8], directory: u64) -> Option<()> {
+    const INTERPRETATION: u16 = 262;
+    let is_little = bytes.starts_with(b"II");
+    let (count_bytes, entry_bytes) = match bytes.get(2..4)? {
+        [43, 0] | [0, 43] => (8, 20),
+        _ => (2, 12),
+    };
+    let of = |pair: &[u8]| -> Option<u16> {
+        let pair = pair.first_chunk::<2>()?;
+        Some(if is_little {
+            u16::from_le_bytes(*pair)
+        } else {
+            u16::from_be_bytes(*pair)
+        })
+    };
+    let entries = bytes.get_mut(usize::try_from(directory).ok()?.checked_add(count_bytes)?..)?;
+    let mut entries = entries.chunks_exact_mut(entry_bytes);
+    let entry = entries.find(|entry| of(entry) == Some(INTERPRETATION))?;
+    let value = entry.get_mut(if entry_bytes == 20 { 12.. } else { 8.. })?;
+    let gray = if is_little { [1, 0] } else { [0, 1] };
+    value.get_mut(..2)?.copy_from_slice(&gray);
+    Some(())
+}
+
+/// Whether each pixel is known, by the gray image of a directory: what is black is a hole.
+fn gray_mask(
+    bytes: Vec<u8>,
+    directory: u64,
+    [columns, rows]: [u32; 2],
+) -> Result<Vec<bool>, String> {
+    let failed = |error: TiffError| sentence(&error);
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?;
+    while decoder.ifd_pointer().map(|at| at.0) != Some(directory) {
+        decoder.next_image().map_err(failed)?;
+    }
+    let (columns, rows) = (columns as usize, rows as usize);
+    let color = decoder.colortype().map_err(failed)?;
+    let image = decoder.read_image().map_err(failed)?;
+    let known: Vec<bool> = match (color, image) {
+        (ColorType::Gray(1), DecodingResult::U8(bits)) => {
+            let lines = bits.chunks(columns.div_ceil(8)).flat_map(|line| {
+                let bits = line
+                    .iter()
+                    .flat_map(|byte| (0..8).map(move |bit| byte & (0x80 >> bit) != 0));
+                bits.take(columns)
+            });
+            lines.collect()
+        }
+        (ColorType::Gray(8), DecodingResult::U8(values)) => {
+            values.iter().map(|value| *value != 0).collect()
+        }
+        _ => {
+            return Err(format!(
+                "has a mask of the kind {color:?}, expected one with 1 or 8 bits"
+            ));
+        }
+    };
+    let count = known.len();
+    if count != columns * rows {
+        return Err(format!(
+            "has a mask of {count} pixels, expected {columns} x {rows}"
+        ));
+    }
+    Ok(known)
 }
 
 /// An error of the reader as words without its line breaks.
@@ -86,24 +204,49 @@ fn sentence(error: &TiffError) -> String {
     )
 }
 
+/// The numbers of a tag; empty without it.
+fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Result<Vec<f64>, String> {
+    let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
+    let numbers = found.map(tiff::decoder::ifd::Value::into_f64_vec);
+    let numbers = numbers.transpose().map_err(|error| sentence(&error))?;
+    Ok(numbers.unwrap_or_default())
+}
+
+/// Scale and offset of pixels that are heights.
+const AS_THEY_ARE: [f64; 2] = [1.0, 0.0];
+
+/// Scale and offset of the pixels by the third number of the pixel scale, as GDAL writes them where keys name a vertical datum.
+fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 2], String> {
+    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
+    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
+    let &[_, _, scale, ..] = &scale[..] else {
+        return Ok(AS_THEY_ARE);
+    };
+    let offset = match &tie[..] {
+        [_, _, pixel, _, _, height, ..] => height - pixel * scale,
+        _ => 0.0,
+    };
+    let line = [scale, offset];
+    if scale == 0.0 || line == AS_THEY_ARE {
+        return Ok(AS_THEY_ARE);
+    }
+    if !keys.is_vertical || !line.iter().all(|number| number.is_finite()) {
+        return Err(format!(
+            "has the vertical scale {scale} and the offset {offset} without a vertical datum, expected both with one, or neither"
+        ));
+    }
+    Ok(line)
+}
+
 /// The posts: the pixels, or the middles of pixels that are areas.
 fn grid<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     keys: &GeoKeys,
     [rows, columns]: [usize; 2],
 ) -> Result<HeightGrid, String> {
-    let mut numbers = |tag: Tag| -> Result<Vec<f64>, String> {
-        let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
-        let numbers = found
-            .map(tiff::decoder::ifd::Value::into_f64_vec)
-            .transpose();
-        Ok(numbers
-            .map_err(|error| sentence(&error))?
-            .unwrap_or_default())
-    };
-    let scale = numbers(Tag::ModelPixelScaleTag)?;
-    let tie = numbers(Tag::ModelTiepointTag)?;
-    let matrix = numbers(Tag::ModelTransformationTag)?;
+    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
+    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
+    let matrix = numbers(decoder, Tag::ModelTransformationTag)?;
     // West and north of the first pixel's corner, and the size of a pixel.
     let [west_deg, north_deg, east_step, north_step] = match (&scale[..], &tie[..], &matrix[..]) {
         ([east, north, ..], [column, row, _, west, top, _], _) => {
@@ -144,72 +287,126 @@ fn nodata(text: &str) -> Result<f64, String> {
     })
 }
 
-/// The vertical error in the metadata, if it stands there; scaled heights are refused.
-fn metadata(text: &str) -> Result<Option<Stated<f64>>, String> {
-    if text.contains("role=\"scale\"") || text.contains("role=\"offset\"") {
-        return Err(
-            "has scaled heights (GDAL's scale or offset), expected heights in metres".into(),
-        );
-    }
-    let value = text
-        .split_once(ERROR_ITEM)
-        .and_then(|(_, rest)| rest.split_once('>'))
-        .and_then(|(_, rest)| rest.split_once('<'))
-        .and_then(|(value, _)| value.trim().parse::<f64>().ok());
-    Ok(value
-        .filter(|value| (0.0..=1000.0).contains(value))
-        .map(|value| Stated {
-            value,
-            source: "the file's metadata",
-        }))
+/// What GDAL's metadata say of the only band.
+#[derive(Debug, Default)]
+struct Metadata {
+    /// The vertical error, if it stands there.
+    error: Option<Stated<f64>>,
+    /// Scale and offset of the pixels, in the unit.
+    line: Option<[f64; 2]>,
+    /// The unit, metres.
+    unit_m: Option<f64>,
 }
 
-fn heights(image: DecodingResult, unknown: Option<f64>) -> Result<Heights, String> {
-    /// As 32-bit floats: no height of the earth needs more.
+impl Metadata {
+    fn read(text: &str) -> Result<Self, String> {
+        let text = text.trim_matches(|c: char| c == '\0' || c.is_whitespace());
+        let mut found = Self::default();
+        let document = Document::parse(text)
+            .map_err(|error| format!("has unreadable metadata of GDAL ({error}), expected XML"))?;
+        for item in document.descendants().filter(|node| node.is_element()) {
+            let value = item.text().unwrap_or_default().trim();
+            let number = || {
+                let number = value.parse().ok().filter(|number: &f64| number.is_finite());
+                let shown = crate::error::shown(value);
+                number.ok_or(format!(
+                    "has the scale or offset {shown}, expected a number"
+                ))
+            };
+            let of_first = item.attribute("sample").is_none_or(|sample| sample == "0");
+            match item
+                .attribute("role")
+                .map(str::to_ascii_lowercase)
+                .as_deref()
+            {
+                Some("scale") if of_first => found.line.get_or_insert(AS_THEY_ARE)[0] = number()?,
+                Some("offset") if of_first => found.line.get_or_insert(AS_THEY_ARE)[1] = number()?,
+                Some("unittype") if of_first && !value.is_empty() => {
+                    found.unit_m = Some(unit_m(value)?);
+                }
+                _ if item.attribute("name") == Some(ERROR_ITEM) => {
+                    let value = value.parse().ok();
+                    let value = value.filter(|value| (0.0..=1000.0).contains(value));
+                    let source = "the file's metadata";
+                    found.error = value.map(|value| Stated { value, source });
+                }
+                _ => (),
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// A unit of heights by its name in a file, metres.
+fn unit_m(name: &str) -> Result<f64, String> {
+    let words = name.to_ascii_lowercase().replace(['_', '-'], " ");
+    match words.as_str() {
+        "us survey foot" | "us survey feet" | "us ft" | "sft" | "foot us" | "ft us" | "ftus" => {
+            Ok(geokeys::SURVEY_FOOT_M)
+        }
+        other => {
+            let unit = Unit::parse(other).filter(|unit| unit.dimension == Dimension::Length);
+            let expected = || {
+                let shown = crate::error::shown(name);
+                format!("has heights in {shown}, expected metres or feet")
+            };
+            unit.map(|unit| unit.factor).ok_or_else(expected)
+        }
+    }
+}
+
+/// The heights in metres: the pixels times a scale, plus an offset; the value of a hole is one of the pixels.
+fn heights(
+    image: DecodingResult,
+    unknown: Option<f64>,
+    [scale, offset]: [f64; 2],
+) -> Result<Heights, String> {
+    // As 32-bit floats: no height of the earth needs more. Programs write the value of a hole with the digits of either.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a height beyond the range of f32 becomes infinite and is refused"
     )]
-    fn fraction(heights: impl Iterator<Item = f64>, unknown: Option<f64>) -> Heights {
-        let known = |height: f64| Some(height) != unknown;
-        Heights::Fraction(
-            heights
-                .map(|height| {
-                    if known(height) {
-                        height as f32
-                    } else {
-                        f32::NAN
-                    }
-                })
-                .collect(),
-        )
-    }
+    let fraction = |pixels: &mut dyn Iterator<Item = f64>| {
+        let is_hole = |pixel: f64| {
+            unknown.is_some_and(|unknown| pixel == unknown || pixel as f32 == unknown as f32)
+        };
+        let height_m = |pixel: f64| {
+            if is_hole(pixel) {
+                f32::NAN
+            } else {
+                (pixel * scale + offset) as f32
+            }
+        };
+        Heights::Fraction(pixels.map(height_m).collect())
+    };
     Ok(match image {
-        DecodingResult::I16(mut heights) => {
-            if let Some(unknown) = unknown.filter(|unknown| *unknown != f64::from(HOLE)) {
-                for height in &mut heights {
-                    if f64::from(*height) == unknown {
-                        *height = HOLE;
-                    }
+        DecodingResult::I16(mut heights) if [scale, offset] == AS_THEY_ARE => {
+            for height in &mut heights {
+                if Some(f64::from(*height)) == unknown {
+                    *height = HOLE;
                 }
             }
             Heights::Whole(heights)
         }
-        DecodingResult::F32(mut heights) => {
-            for height in &mut heights {
-                if Some(f64::from(*height)) == unknown {
-                    *height = f32::NAN;
+        DecodingResult::I16(pixels) => {
+            // The most negative one is a hole, whether or not the file says so.
+            let pixel = |pixel| {
+                if pixel == HOLE {
+                    f64::NAN
+                } else {
+                    f64::from(pixel)
                 }
-            }
-            Heights::Fraction(heights)
+            };
+            fraction(&mut pixels.into_iter().map(pixel))
         }
-        DecodingResult::U16(heights) => fraction(heights.into_iter().map(f64::from), unknown),
-        DecodingResult::I32(heights) => fraction(heights.into_iter().map(f64::from), unknown),
-        DecodingResult::F64(heights) => fraction(heights.into_iter(), unknown),
+        DecodingResult::F32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
+        DecodingResult::U16(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
+        DecodingResult::I32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
+        DecodingResult::U32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
+        DecodingResult::F64(pixels) => fraction(&mut pixels.into_iter()),
         _ => {
             return Err(
-                "has pixels of another kind, expected signed integers of 16 bits or floats of 32 bits"
-                    .into(),
+                "has pixels of another kind, expected integers of 16 or 32 bits or floats".into(),
             );
         }
     })

@@ -16,7 +16,33 @@ use crate::gzip::{fill, unread};
 /// A file that is unreadable or of no known format; a part of it that cannot be right, with its place.
 pub fn read(path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let file = std::fs::File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
+    nothing_beside(path)?;
     file_of(BufReader::new(file), path, given)
+}
+
+/// Refuses a file whose meaning programs of GDAL keep in a file beside it.
+fn nothing_beside(path: &Path) -> Result<(), InputError> {
+    let beside = |ending: &str| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(ending);
+        std::fs::read(name).unwrap_or_default()
+    };
+    let refused = |what: &str| {
+        let message = format!(
+            "{what} in a file beside it, which is not read, expected it in the file itself"
+        );
+        Err(InputError::in_file(path, message))
+    };
+    if !beside(".msk").is_empty() {
+        return refused("has a mask (.msk)");
+    }
+    let said = beside(".aux.xml");
+    let said = String::from_utf8_lossy(&said);
+    let words = ["Scale", "Offset", "UnitType", "NoDataValue"];
+    let word = words
+        .iter()
+        .find(|word| said.contains(&format!("<{word}>")));
+    word.map_or(Ok(()), |word| refused(&format!("has {word} (.aux.xml)")))
 }
 
 /// Reads heights from the bytes of a file; see [`read`].

@@ -460,6 +460,45 @@ fn n3_a_disabled_airspeed_sensor_is_no_airspeed() {
 }
 
 #[test]
+fn the_airspeed_is_that_of_the_primary_sensor() {
+    let rows = flight(300, 0.05);
+    let first = parsed(&dataflash(&rows)).unwrap();
+    // A row says which sensor is the primary one, or a parameter does.
+    let mut bytes = format(11, "ARSP", "QBfB", "TimeUS,I,Airspeed,Pri");
+    let plain = dataflash(&rows);
+    let mut at = 0;
+    while at < plain.len() {
+        let length = match plain[at + 2] {
+            128 => 89,
+            10 => 3 + 8 + 2 + 2 + 4 + 4,
+            _ => 3 + 8 + 1 + 4,
+        };
+        let is_format = plain[at + 2] == 128 && plain[at + 3] == 11;
+        if !is_format {
+            bytes.extend(&plain[at..at + length]);
+        }
+        if plain[at + 2] == 11 {
+            bytes.push(1);
+        }
+        at += length;
+    }
+    let mut parameter = format(15, "PARM", "QNf", "TimeUS,Name,Value");
+    let mut name = [0; 16];
+    name[..13].copy_from_slice(b"ARSPD_PRIMARY");
+    parameter.extend(message(
+        15,
+        0.0,
+        &[&name[..], &1.0_f32.to_le_bytes()].concat(),
+    ));
+    parameter.extend(plain);
+    for bytes in [bytes, parameter] {
+        let second = parsed(&bytes).unwrap();
+        let ratio = second.pieces[0].airspeed_mps[9] / first.pieces[0].airspeed_mps[9];
+        assert!((ratio - 3.0).abs() < 1e-6, "{ratio}");
+    }
+}
+
+#[test]
 fn n3_a_log_of_the_ground_never_flies_and_a_ulog_is_named() {
     let mut rows = flight(300, 0.05);
     for row in &mut rows {

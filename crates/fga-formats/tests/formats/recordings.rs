@@ -480,6 +480,101 @@ fn t1_a_position_out_of_reach_is_left_out_and_counted() {
 }
 
 #[test]
+fn positions_out_of_reach_go_however_many_follow_each_other() {
+    use fga_formats::tally::LeftOut;
+    let plain = recordings::parse(meeting(|line| line).as_bytes(), Path::new("r.sbs")).unwrap();
+    let span = |found: &recordings::Encounters| found.named[0].recording.aircraft[1].samples.len();
+    for many in [2, 5, 15] {
+        let text = meeting(|line| {
+            let second = |second: u64| line.contains(&format!("23:00:{second:02}"));
+            if (30..30 + many).any(second) {
+                line.replace(",0.1,", ",7.1,")
+            } else {
+                line
+            }
+        });
+        let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+        assert_eq!(found.named.len(), plain.named.len());
+        assert_eq!(found.tally.left_out(LeftOut::Jump), many);
+        assert_eq!(span(&found) as u64, span(&plain) as u64 - many);
+    }
+}
+
+#[test]
+fn aircraft_of_older_receivers_are_read() {
+    let with = |names: [&str; 3]| {
+        let aircraft = |hex: &str, lon: f64, track: f64| {
+            let [altitude, speed, rate] = names;
+            format!(
+                r#"{{"hex":"{hex}","{altitude}":3000,"{speed}":100,"track":{track},"{rate}":640,"lat":45.0,"lon":{lon},"seen":0.1}}"#
+            )
+        };
+        let text = format!(
+            r#"{{"now":1700000000.0,"aircraft":[{},{},{{"hex":"aa0003","{}":"ground","lat":45.0,"lon":5.0,"seen":0.1}}]}}"#,
+            aircraft("aa0001", 4.96, 90.0),
+            aircraft("aa0002", 5.04, 270.0),
+            names[0],
+        );
+        recordings::parse(text.as_bytes(), Path::new("a.json")).unwrap()
+    };
+    let new = with(["alt_baro", "gs", "baro_rate"]);
+    assert_eq!(
+        (new.named.len(), new.tally.used, new.tally.lost()),
+        (1, 2, 1)
+    );
+    assert_eq!(with(["altitude", "speed", "vert_rate"]), new);
+}
+
+#[test]
+fn traces_of_readsb_and_the_history_of_opensky_are_read() {
+    let trace = |icao: &str, west: f64, track: f64| {
+        let rows: Vec<String> = (0..60)
+            .map(|second| {
+                let lon = west + f64::from(second) * 6.5e-4 * if track < 180.0 { 1.0 } else { -1.0 };
+                format!("[{second},45.0,{lon:.6},3000,99.9,{track},0,0,null,\"adsb_icao\",3117,null,null,null]")
+            })
+            .collect();
+        format!(
+            r#"{{"icao":"{icao}","timestamp":1700000000,"trace":[{}]}}"#,
+            rows.join(",")
+        )
+    };
+    let text = format!(
+        "{}\n{}",
+        trace("aa0001", 4.98, 90.0),
+        trace("aa0002", 5.02, 270.0)
+    );
+    let found = recordings::parse(text.as_bytes(), Path::new("a.json")).unwrap();
+    assert_eq!((found.named.len(), found.tally.used), (1, 120));
+    let mut table = String::from(
+        "time,icao24,lat,lon,velocity,heading,vertrate,callsign,onground,baroaltitude,geoaltitude,lastposupdate\n",
+    );
+    for second in 0..60 {
+        let [a, b] = [
+            4.98 + f64::from(second) * 6.5e-4,
+            5.02 - f64::from(second) * 6.5e-4,
+        ];
+        for (icao, lon, track) in [("aa0001", a, 90.0), ("aa0002", b, 270.0)] {
+            let time = 1_700_000_000 + second;
+            table += &format!(
+                "{time},{icao},45.0,{lon:.6},51.4,{track},0.0,T,False,914.4,950,{time}.0\n"
+            );
+        }
+    }
+    table += "1700000060,aa0003,45.0,5.0,0,0,0,,True,,,1700000060.0\n1700000060,,45.0,5.0,0,0,0,,False,914.4,,\n";
+    table += "1700000060,aa0004,45.0,x,0,0,0,,False,914.4,,\n1700000060,aa0004,NULL,,0,0,0,,False,914.4,,\n";
+    let history = recordings::parse(table.as_bytes(), Path::new("a.csv")).unwrap();
+    assert_eq!((history.named.len(), history.tally.used), (1, 120));
+    assert_eq!(
+        history.tally.words("rows").unwrap(),
+        "4 of 124 rows: 1 with an unreadable field, 1 without an address, 1 without a position, 1 on the ground"
+    );
+    let place =
+        |found: &recordings::Encounters| found.named[0].recording.aircraft[1].samples[9].position_m;
+    assert!(place(&found).distance(place(&history)) < 0.1);
+}
+
+#[test]
 fn t1_odd_bytes_and_letters_hide_no_aircraft() {
     let plain = recordings::parse(meeting(|line| line).as_bytes(), Path::new("r.sbs")).unwrap();
     let odd = [

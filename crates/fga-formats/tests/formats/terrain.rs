@@ -22,11 +22,18 @@ use fga_formats::terrain::{
     Datum, Given, RequestedBlock, Taken, Terrain, TerrainFile, parse, read,
 };
 
-const FILES: [(&str, &[u8]); 11] = [
+const FILES: [(&str, &[u8]); 15] = [
     ("strips.tif", include_bytes!("terrain/strips.tif")),
     ("tiles.tif", include_bytes!("terrain/tiles.tif")),
     ("ellipsoid.tif", include_bytes!("terrain/ellipsoid.tif")),
     ("packed.tif", include_bytes!("terrain/packed.tif")),
+    ("masked.tif", include_bytes!("terrain/masked.tif")),
+    (
+        "masked-tiles.tif",
+        include_bytes!("terrain/masked-tiles.tif"),
+    ),
+    ("feet.tif", include_bytes!("terrain/feet.tif")),
+    ("scaled.tif", include_bytes!("terrain/scaled.tif")),
     ("utm.tif", include_bytes!("terrain/utm.tif")),
     ("west.tif", include_bytes!("terrain/west.tif")),
     ("east.tif", include_bytes!("terrain/east.tif")),
@@ -120,6 +127,85 @@ fn geotiff_of_gdal_is_read_in_strips_and_tiles_in_either_byte_order() {
         for (side, expected) in sides.iter().zip([46.5025, 9.2, 46.6, 9.3225]) {
             assert!((side - expected).abs() < 1e-9, "{name}: {area}");
         }
+    }
+}
+
+#[test]
+fn masked_pixels_are_holes() {
+    for name in ["masked.tif", "masked-tiles.tif"] {
+        let file = file(name);
+        let masked = |index: usize| (index / 50 + index % 50) % 9 == 0;
+        let holes = (0..40 * 50).filter(|index| masked(*index)).count();
+        assert_eq!(posts_follow(&file, 0.0, 0.5), holes, "{name}");
+        let field = &file.fields[0];
+        for index in 0..40 * 50 {
+            let known = field.post_m(index / 50, index % 50).is_some();
+            assert_eq!(known, !masked(index), "{name}, {index}");
+        }
+    }
+    // A file of its own beside the image holds the mask, too.
+    let folder = std::env::temp_dir().join(format!("fga-mask-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("a.tif");
+    std::fs::write(&path, bytes("strips.tif")).unwrap();
+    std::fs::write(folder.join("a.tif.msk"), bytes("strips.tif")).unwrap();
+    let told = read(&path, &Given::default()).unwrap_err().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(
+        told.contains("has a mask (.msk) in a file beside it"),
+        "{told}"
+    );
+}
+
+#[test]
+fn heights_in_feet_and_with_a_scale_are_metres() {
+    assert_eq!(posts_follow(&file("feet.tif"), 0.0, 0.16), 0);
+    assert_eq!(posts_follow(&file("scaled.tif"), 0.0, 0.051), 0);
+    let unknown = String::from_utf8_lossy(bytes("feet.tif")).into_owned();
+    assert!(unknown.contains(">ft<"));
+    let mut furlongs = bytes("feet.tif").to_vec();
+    let at = furlongs
+        .windows(4)
+        .position(|part| part == b">ft<")
+        .unwrap();
+    furlongs[at + 1..at + 3].copy_from_slice(b"fu");
+    let error = refusal(&furlongs, "feet.tif");
+    assert!(
+        error.contains("heights in \"fu\", expected metres or feet"),
+        "{error}"
+    );
+}
+
+#[test]
+fn dted_in_twos_complement_is_the_same_ground() {
+    let signed = unpacked(bytes("s30_w178.dt0.gz"));
+    let mut twos = signed.clone();
+    let mut changed = 0;
+    for column in 0..121 {
+        let record = &mut twos[3428 + column * 254..3428 + (column + 1) * 254];
+        for pair in record[8..250].chunks_exact_mut(2) {
+            let raw = u16::from_be_bytes([pair[0], pair[1]]);
+            let height = match raw {
+                0xFFFF => -32_767,
+                raw if raw & 0x8000 != 0 => -(raw.cast_signed() & i16::MAX),
+                raw => raw.cast_signed(),
+            };
+            changed += i32::from(height.cast_unsigned() != raw);
+            pair.copy_from_slice(&height.to_be_bytes());
+        }
+        let sum: u32 = record[..250].iter().map(|byte| u32::from(*byte)).sum();
+        record[250..].copy_from_slice(&sum.to_be_bytes());
+    }
+    assert!(changed > 1_000, "{changed}");
+    let read = |bytes: &[u8]| parse(bytes, Path::new("a.dt0"), &Given::default()).unwrap();
+    // All bits set are a hole in the one and a metre below the sea in the other: a hole.
+    let (twos, signed) = (&read(&twos).fields[0], &read(&signed).fields[0]);
+    for index in 0..121 * 121 {
+        let (row, column) = (index / 121, index % 121);
+        let expected = signed
+            .post_m(row, column)
+            .filter(|height_m| *height_m != -1.0);
+        assert_eq!(twos.post_m(row, column), expected, "{index}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
-use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, Reference};
+use fga_formats::areas::{self, AreaLimit, AreaOutline, NamedArea, PlaneArea, Reference};
 use fga_formats::geodesy::LocalFrame;
 use fga_formats::terrain::Terrain;
 use fga_formats::words::counted;
@@ -40,6 +40,7 @@ pub(super) fn all(
             terrain,
             keep_in: entry.get_ref().kind == ZoneKindName::KeepIn,
             zones: Vec::new(),
+            levels: 0,
             open: 0,
         };
         notes.extend(file.take(number, (start_m, BEYOND * flies_m))?);
@@ -56,6 +57,8 @@ struct AreaFile<'a> {
     terrain: Option<&'a Terrain>,
     keep_in: bool,
     zones: Vec<WorldZone>,
+    /// How many limits are flight levels.
+    levels: usize,
     /// How many count without a ceiling, because nothing can place theirs.
     open: usize,
 }
@@ -78,20 +81,36 @@ impl AreaFile<'_> {
             return Err(text.error_at(above, message));
         }
         let folder = text.path().parent().unwrap_or(Path::new(""));
-        let mut areas = areas::read(&folder.join(self.path.get_ref()))?;
-        let count = areas.len();
-        areas.retain(|area| self.keep_in || !area.is_free);
-        let free = count - areas.len();
+        let mut file = areas::read(&folder.join(self.path.get_ref()))?;
+        let file_notes = core::mem::take(&mut file.notes);
+        let count = file.areas.len();
+        file.areas.retain(|area| self.keep_in || !area.is_free);
+        let free = count - file.areas.len();
         let otherwise = table.name.clone();
         let otherwise = otherwise.unwrap_or_else(|| format!("zone {number}"));
+        let alone = count == 1;
         let mut all = Vec::new();
-        for mut area in areas {
-            let name = area.name.take().unwrap_or_else(|| otherwise.clone());
-            let (outline, holes) = self.outline(&name, &area.outline)?;
-            let whole = WorldZone::new(name, false, outline, ALL_HEIGHTS_M);
-            let whole = whole.map_err(|error| text.error_at(self.path, error.to_string()))?;
-            let is_near = self.keeps_in(&area) || whole.margin_m(start_m) <= beyond_m;
-            all.push((area, whole, holes, is_near));
+        for (mut area, number) in file.areas.into_iter().zip(1..) {
+            let otherwise = || match alone {
+                true => otherwise.clone(),
+                false => format!("{otherwise}, area {number}"),
+            };
+            let name = area.name.take().unwrap_or_else(otherwise);
+            let whole = |outline| {
+                let whole = WorldZone::new(name.clone(), false, outline, ALL_HEIGHTS_M);
+                whole.map_err(|error| text.error_at(self.path, error.to_string()))
+            };
+            let found = self.outlines(&name, &area).and_then(|(outlines, by_m)| {
+                let parts = outlines.into_iter();
+                let parts = parts.map(|(outline, holes)| Ok((whole(outline)?, holes)));
+                Ok((parts.collect::<Result<Vec<_>, InputError>>()?, by_m))
+            });
+            let is_beside = |(parts, _): &(Vec<(WorldZone, _)>, f64)| {
+                let mut margins_m = parts.iter().map(|(whole, _)| whole.margin_m(start_m));
+                margins_m.any(|margin_m| margin_m <= beyond_m)
+            };
+            let is_near = self.keeps_in(&area) || found.as_ref().is_ok_and(is_beside);
+            all.push((area, found, is_near));
         }
         // A file whose zones are all far away is for another place: it is read as a whole, and a warning says so.
         let count = all.len();
@@ -100,10 +119,23 @@ impl AreaFile<'_> {
         }
         let far = count - all.len();
         let timed = all.iter().filter(|(area, ..)| area.is_timed).count();
-        for (area, whole, holes, _) in all {
-            self.add(&area, &whole, holes)?;
+        let (mut grown, mut grown_m) = (0, 0.0_f64);
+        for (area, found, _) in all {
+            let (parts, by_m) = found?;
+            grown += usize::from(by_m > 0.0);
+            grown_m = grown_m.max(by_m);
+            for (whole, holes) in parts {
+                self.add(&area, &whole, holes)?;
+            }
         }
+        let with_levels = format!(
+            "with a flight level, which the weather moves: counted {} larger",
+            "550 m and 12 % of its height"
+        );
+        let grown_by = format!("with too many corners: outlines moved by at most {grown_m} m");
         let notes = [
+            (grown, grown_by.as_str()),
+            (self.levels, &with_levels),
             (free, "that restricts nothing (NO_RESTRICTION): left out"),
             (far, "beyond all that the aircraft flies to: left out"),
             (timed, "with times of its own: counted at all times"),
@@ -114,7 +146,12 @@ impl AreaFile<'_> {
         ];
         let file = self.path.get_ref().display().to_string();
         let notes = notes.into_iter().filter(|(count, _)| *count > 0);
-        Ok(notes.map(move |(count, what)| format!("{file}: {} {what}", counted(count, "zone"))))
+        let notes = notes.map(|(count, what)| format!("{} {what}", counted(count, "zone")));
+        let notes: Vec<String> = notes.collect();
+        Ok(file_notes
+            .into_iter()
+            .chain(notes)
+            .map(move |note| format!("{file}: {note}")))
     }
 
     /// Whether an area is to stay in: what its file says counts before its table.
@@ -123,9 +160,22 @@ impl AreaFile<'_> {
     }
 
     /// The limits of an area; those above the ground as altitudes, if the ground is known in all of the box around it.
-    fn over_ground(&self, area: &NamedArea) -> [Option<AreaLimit>; 2] {
+    fn over_ground(&mut self, area: &NamedArea) -> [Option<AreaLimit>; 2] {
         let is_above = |limit: &AreaLimit| limit.above == Reference::Ground;
         let mut limits = area.limits;
+        let outwards = if self.keeps_in(area) { -1.0 } else { 1.0 };
+        let mut is_level = false;
+        for (limit, sign) in limits.iter_mut().zip([-outwards, outwards]) {
+            if let Some(level) = limit
+                .as_mut()
+                .filter(|limit| limit.above == Reference::Pressure)
+            {
+                level.height_m += sign * level.off_m();
+                level.above = Reference::Sea;
+                is_level = true;
+            }
+        }
+        self.levels += usize::from(is_level);
         if limits.iter().flatten().any(is_above)
             && let Some(grounds_m) = grounds_m(self.terrain, &area.outline, self.keeps_in(area))
         {
@@ -143,30 +193,44 @@ impl AreaFile<'_> {
         limits
     }
 
-    /// The outline of an area and its holes.
-    fn outline(
+    /// The outlines of an area on the plane, each with its holes, and how far they were moved so that they have few corners, metres.
+    fn outlines(
         &self,
         name: &str,
-        outline: &AreaOutline,
-    ) -> Result<(WorldOutline, Vec<Vec<Vec2>>), InputError> {
+        area: &NamedArea,
+    ) -> Result<(Vec<(WorldOutline, Vec<Vec<Vec2>>)>, f64), InputError> {
         let what = format!("a corner of {name}");
         let local = |at: &[f64; 2]| level(self.places, self.path, &what, at);
-        let rings = match outline {
+        let rings = match &area.outline {
             AreaOutline::Circle {
                 center_deg,
                 radius_m,
             } => {
                 let center_m = local(center_deg)?;
                 let radius_m = *radius_m;
-                return Ok((WorldOutline::Circle { center_m, radius_m }, Vec::new()));
+                let circle = WorldOutline::Circle { center_m, radius_m };
+                return Ok((vec![(circle, Vec::new())], 0.0));
             }
             AreaOutline::Polygon(rings) => rings,
         };
-        let rings = rings.iter().map(|ring| ring.iter().map(local).collect());
-        let rings: Vec<Vec<Vec2>> = rings.collect::<Result<_, InputError>>()?;
-        let mut rings = rings.into_iter();
-        let outline = rings.next().unwrap_or_default();
-        Ok((WorldOutline::Polygon(outline), rings.collect()))
+        let plane = match &self.places.frame {
+            Some(frame) => area.on_plane(frame, self.keeps_in(area)),
+            None => PlaneArea::default(),
+        };
+        let split = |mut rings: Vec<Vec<Vec2>>| {
+            let holes = rings.split_off(1.min(rings.len()));
+            (
+                WorldOutline::Polygon(rings.pop().unwrap_or_default()),
+                holes,
+            )
+        };
+        let mut outlines: Vec<_> = plane.polygons.into_iter().map(split).collect();
+        // Far from the origin, or without one, a zone is where its corners are, or they have no place.
+        if outlines.is_empty() {
+            let rings = rings.iter().map(|ring| ring.iter().map(local).collect());
+            outlines.push(split(rings.collect::<Result<_, InputError>>()?));
+        }
+        Ok((outlines, plane.grown_m))
     }
 
     /// Adds the zone of an area; its holes are free, or, within a zone to stay in, zones to keep out of.
@@ -240,7 +304,7 @@ fn heights_m(
         let above = match limit.above {
             Reference::Ground => "ground",
             Reference::Ellipsoid => "ellipsoid",
-            Reference::Sea => "sea",
+            Reference::Sea | Reference::Pressure => "sea",
         };
         let message = format!(
             "{name} {does} {} m above the {above}, whose height is not known here, expected an altitude above the sea (AMSL), or {key} in its [[zone]]",

@@ -155,7 +155,7 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
         polygon("", [8.004, 47.01]),
     ];
     let (names, warnings) = with_areas(&file(&near)).unwrap();
-    assert_eq!(names, ["yard", "zone 1"]);
+    assert_eq!(names, ["yard", "zone 1, area 2"]);
     assert!(
         warnings.iter().all(|words| !words.contains("yard")),
         "{warnings:?}"

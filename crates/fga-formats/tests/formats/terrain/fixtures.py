@@ -27,15 +27,21 @@ def grid(south, west, step_north, step_east, rows, columns):
     return formula(latitudes[:, None], longitudes[None, :])
 
 
-def tif(name, heights, west, north, step, crs="EPSG:4326+5773", point=False, **options):
+def tif(name, heights, west, north, step, crs="EPSG:4326+5773", point=False, mask=None, unit=None, line=None, **options):
     half = 0.5 * step
     path = os.path.join(HERE, name)
     profile = dict(driver="GTiff", height=heights.shape[0], width=heights.shape[1], count=1,
                    dtype=str(heights.dtype), crs=crs,
                    transform=from_origin(west - half, north + half, step, step), **options)
-    with rasterio.open(path, "w", **profile) as file:
+    with rasterio.Env(GDAL_TIFF_INTERNAL_MASK=True), rasterio.open(path, "w", **profile) as file:
         file.update_tags(AREA_OR_POINT="Point" if point else "Area")
+        if unit:
+            file.set_band_unit(1, unit)
+        if line:
+            file.scales, file.offsets = [[number] for number in line]
         file.write(heights, 1)
+        if mask is not None:
+            file.write_mask(mask)
 
 
 def hgt():
@@ -114,6 +120,14 @@ tif("utm.tif", whole[:4, :4], 500000, 5100000, 30.0, crs="EPSG:32632")
 tif("west.tif", whole[:, :20], west, north, step)
 tif("east.tif", whole[:, 20:], west + 20 * step, north, step)
 tif("south.tif", np.round(grid(north - 59 * step, west, step, step, 20, 50)).astype("int16"), west, north - 40 * step, step)
+# Pixels without a value under a mask; feet; pixels with a scale and an offset.
+known = (np.arange(40)[:, None] + np.arange(50)[None, :]) % 9 != 0
+masked = np.where(known, whole, 0).astype("int16")
+tif("masked.tif", masked, west, north, step, mask=known, compress="deflate")
+tif("masked-tiles.tif", masked, west, north, step, mask=known, tiled=True, blockxsize=16, blockysize=16, compress="deflate",
+    BIGTIFF="YES", ENDIANNESS="BIG")
+tif("feet.tif", np.round(heights / 0.3048).astype("int16"), west, north, step, unit="ft")
+tif("scaled.tif", np.round((heights - 500) / 0.1).astype("int16"), west, north, step, line=(0.1, 500))
 hgt()
 dted()
 dat()
