@@ -1,13 +1,14 @@
-//! What the other aircraft may do: reports in, a belief out.
+//! What the other aircraft may do: reports in, a belief out, and from it weighted futures.
 //!
 //! A [`Belief`] is what is known of one aircraft: some modes of its motion, each with a weight and a Gaussian. Every report
-//! updates all of them; between reports they spread.
+//! updates all of them; between reports they spread. A [`Future`] is one of the motions that the belief allows.
 //!
 //! | module | question |
 //! |---|---|
 //! | [`report`] | what was reported, and how wrong may it be? |
 //! | [`belief`] | where is the aircraft, and how well is that known? |
-//! | [`prior`] | what do aircraft do, before any report? |
+//! | [`future`] | what may it do from now on? |
+//! | `prior` | what do aircraft do, before any report? |
 //!
 //! The filter is an interacting multiple model filter (Blom and Bar-Shalom, 1988, *The interacting multiple model algorithm
 //! for systems with Markovian switching coefficients*, IEEE Trans. Automatic Control 33(8)): the modes are mixed by their
@@ -31,9 +32,12 @@ extern crate std;
 pub mod belief;
 mod climb;
 mod complex;
-pub mod prior;
+pub mod future;
+mod prior;
 pub mod report;
+mod table;
 mod turn;
 
 pub use belief::{Belief, Estimate};
+pub use future::{FUTURES, Future, Futures};
 pub use report::{Errors, Report, Sigma, Source};

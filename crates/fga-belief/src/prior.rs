@@ -5,25 +5,37 @@
 //! [`MovementBounds`](fga_proof::situation::MovementBounds).
 
 /// Turns that begin in straight flight, per second, half of them to either side.
-pub const TURN_BEGINS_PER_S: f32 = 0.007;
+pub(crate) const TURN_BEGINS_PER_S: f32 = 0.007;
 
 /// Turns that end, per second: they last half a minute.
-pub const TURN_ENDS_PER_S: f32 = 0.037;
+pub(crate) const TURN_ENDS_PER_S: f32 = 0.037;
 
 /// Turns that change their side at once, per second.
-pub const TURN_CHANGES_SIDE_PER_S: f32 = 0.002;
+pub(crate) const TURN_CHANGES_SIDE_PER_S: f32 = 0.002;
 
 /// Steady flight that begins to waver, per second: small turns, gusts, another speed.
-pub const WAVERING_BEGINS_PER_S: f32 = 0.015;
+pub(crate) const WAVERING_BEGINS_PER_S: f32 = 0.015;
 
 /// Wavering that ends, per second.
-pub const WAVERING_ENDS_PER_S: f32 = 0.1;
+pub(crate) const WAVERING_ENDS_PER_S: f32 = 0.1;
 
-/// Climbs and descents that begin or end, per second: climb rates that change.
-pub const CLIMB_CHANGES_PER_S: f32 = 0.02;
+/// Climbs and descents that begin in level flight, per second.
+pub(crate) const CLIMB_BEGINS_PER_S: f32 = 0.009;
+
+/// Climbs and descents that end in level flight, per second.
+pub(crate) const LEVELS_OFF_PER_S: f32 = 0.03;
+
+/// Speed changes that begin, per second.
+pub(crate) const SPEED_CHANGES_PER_S: f32 = 0.01;
+
+/// Speed change of an aircraft that changes its speed, σ, share of it.
+pub(crate) const SPEED_CHANGE: f32 = 0.1;
+
+/// Climb rates that begin to change, per second, as the filter sees them.
+pub(crate) const CLIMB_CHANGES_PER_S: f32 = 0.02;
 
 /// Changes of the climb rate that end, per second: they take some seconds.
-pub const CLIMB_SETTLES_PER_S: f32 = 0.2;
+pub(crate) const CLIMB_SETTLES_PER_S: f32 = 0.2;
 
 /// Shares of a new aircraft: steady, wavering, turning left, turning right.
 pub(crate) const MODES: [f32; 4] = [0.75, 0.1, 0.075, 0.075];
