@@ -1,0 +1,77 @@
+//! What aircraft do, before any report: one table, from which filter and futures follow.
+//!
+//! Source of the rates: about those of the uncorrelated encounter model of low altitudes (MIT Lincoln Laboratory,
+//! ATC-344), rounded: a decision must not hang on them. Turns, climbs and accelerations are those of
+//! [`MovementBounds`](fga_proof::situation::MovementBounds).
+
+/// Turns that begin in straight flight, per second, half of them to either side.
+pub(crate) const TURN_BEGINS_PER_S: f32 = 0.007;
+
+/// Turns that end, per second: they last half a minute.
+pub(crate) const TURN_ENDS_PER_S: f32 = 0.037;
+
+/// Turns that change their side at once, per second.
+pub(crate) const TURN_CHANGES_SIDE_PER_S: f32 = 0.002;
+
+/// Steady flight that begins to waver, per second: small turns, gusts, another speed.
+pub(crate) const WAVERING_BEGINS_PER_S: f32 = 0.015;
+
+/// Wavering that ends, per second.
+pub(crate) const WAVERING_ENDS_PER_S: f32 = 0.1;
+
+/// Climbs and descents that begin in level flight, per second.
+pub(crate) const CLIMB_BEGINS_PER_S: f32 = 0.009;
+
+/// Climbs and descents that end in level flight, per second.
+pub(crate) const LEVELS_OFF_PER_S: f32 = 0.03;
+
+/// Speed changes that begin, per second.
+pub(crate) const SPEED_CHANGES_PER_S: f32 = 0.01;
+
+/// Speed change of an aircraft that changes its speed, σ, share of it.
+pub(crate) const SPEED_CHANGE: f32 = 0.1;
+
+/// Climb rates that begin to change, per second, as the filter sees them.
+pub(crate) const CLIMB_CHANGES_PER_S: f32 = 0.02;
+
+/// Changes of the climb rate that end, per second: they take some seconds.
+pub(crate) const CLIMB_SETTLES_PER_S: f32 = 0.2;
+
+/// Shares of a new aircraft: steady, wavering, turning left, turning right.
+pub(crate) const MODES: [f32; 4] = [0.75, 0.1, 0.075, 0.075];
+
+/// Share of steady climb rates among new aircraft.
+pub(crate) const STEADY_CLIMBS: f32 = 0.9;
+
+/// Speed of an aircraft of which no velocity is known, σ along an axis, metres per second.
+pub(crate) const SPEED_MPS: f32 = 60.0;
+
+/// Climb rate of an aircraft of which no velocity is known, σ, metres per second.
+pub(crate) const CLIMB_MPS: f32 = 3.0;
+
+/// Turn rate of a turn that begins, as a share of the sustained one: mean and σ.
+pub(crate) const TURN_SHARE: (f32, f32) = (0.8, 0.4);
+
+/// White acceleration in steady flight, m²/s³: 0.4 m/s after ten seconds, as in the recorded flights of the NRC.
+pub(crate) const STEADY: f32 = 0.015;
+
+/// The same while it wavers: 0.7 m/s after a second.
+pub(crate) const WAVERING: f32 = 0.5;
+
+/// White jerk in a turn, m²/s⁵, for each (m/s²)² of a usual turn: the turn rate drifts by a sixth in ten seconds.
+pub(crate) const TURN_DRIFT: f32 = 0.003;
+
+/// White acceleration of a steady climb rate, m²/s³: 0.5 m/s after ten seconds, as in the same flights.
+pub(crate) const STEADY_CLIMB: f32 = 0.03;
+
+/// The same while the climb rate changes, for each (m/s)² of a usual change.
+pub(crate) const CLIMB_CHANGE: f32 = 0.12;
+
+/// Reports that are false, one in this many: a wrong address, a bit error that passed.
+pub(crate) const FALSE_REPORTS: f32 = 1e-3;
+
+/// Chance for each report that from now on the belief is about nothing: the aircraft jumped, or another one took its name.
+pub(crate) const LOST: f32 = 1e-5;
+
+/// Where a false report may lie: within this distance, metres; velocity, metres per second; the same up and down.
+pub(crate) const ANYWHERE: [f32; 4] = [5000.0, 100.0, 500.0, 10.0];

@@ -1,0 +1,79 @@
+//! The quasi-random numbers of the futures: one fixed table, the same for all aircraft, steps and candidates, so that a
+//! difference is one of candidates, not of luck.
+
+/// Futures that are drawn.
+pub(crate) const DRAWN: usize = 28;
+
+/// A Latin hypercube: each column is an order of the 28 strata, and no two columns correlate by more than 0.03, nor with the
+/// order of the rows.
+pub(crate) const TABLE: [[u8; 14]; DRAWN] = [
+    [25, 3, 27, 4, 14, 18, 15, 5, 15, 8, 4, 15, 23, 23],
+    [9, 1, 25, 16, 12, 10, 21, 14, 2, 5, 12, 22, 15, 15],
+    [8, 25, 13, 9, 26, 8, 14, 3, 20, 27, 20, 1, 20, 8],
+    [18, 12, 0, 11, 4, 19, 27, 19, 7, 26, 24, 12, 2, 11],
+    [0, 5, 8, 18, 7, 3, 0, 23, 11, 12, 10, 8, 3, 14],
+    [17, 17, 7, 12, 10, 2, 20, 25, 18, 17, 6, 27, 22, 16],
+    [20, 21, 5, 14, 22, 5, 5, 0, 1, 23, 5, 14, 17, 22],
+    [2, 27, 18, 10, 9, 17, 10, 21, 25, 6, 0, 6, 0, 20],
+    [21, 20, 2, 20, 16, 27, 18, 18, 8, 0, 15, 0, 26, 2],
+    [13, 0, 19, 19, 5, 6, 2, 11, 16, 11, 22, 2, 21, 10],
+    [10, 19, 1, 3, 21, 12, 6, 15, 19, 3, 26, 24, 6, 24],
+    [11, 2, 16, 27, 19, 23, 19, 2, 24, 25, 23, 16, 1, 17],
+    [16, 8, 15, 13, 8, 25, 17, 10, 17, 14, 1, 11, 7, 5],
+    [5, 15, 20, 8, 20, 13, 26, 27, 23, 20, 17, 26, 25, 3],
+    [1, 18, 22, 15, 27, 22, 12, 12, 0, 7, 19, 17, 8, 7],
+    [27, 26, 26, 22, 3, 26, 1, 22, 10, 24, 21, 23, 10, 19],
+    [22, 24, 12, 21, 11, 15, 24, 8, 13, 4, 8, 13, 12, 26],
+    [15, 22, 21, 24, 15, 9, 4, 7, 27, 9, 14, 21, 19, 4],
+    [23, 14, 23, 1, 13, 7, 11, 26, 4, 10, 27, 4, 13, 13],
+    [7, 11, 6, 6, 6, 24, 13, 4, 14, 2, 13, 20, 14, 6],
+    [4, 16, 9, 26, 1, 14, 9, 17, 12, 21, 11, 9, 27, 12],
+    [24, 6, 4, 23, 25, 4, 8, 16, 6, 13, 3, 25, 5, 0],
+    [14, 7, 3, 5, 0, 11, 16, 6, 21, 15, 18, 18, 18, 18],
+    [26, 4, 11, 0, 24, 20, 3, 20, 26, 19, 7, 5, 11, 9],
+    [12, 23, 24, 2, 2, 1, 22, 1, 5, 18, 9, 10, 4, 1],
+    [19, 13, 14, 25, 18, 0, 25, 13, 22, 1, 25, 7, 9, 21],
+    [3, 10, 10, 7, 17, 21, 7, 9, 3, 16, 16, 19, 24, 25],
+    [6, 9, 17, 17, 23, 16, 23, 24, 9, 22, 2, 3, 16, 27],
+];
+
+/// The middle of a stratum, in (0, 1).
+pub(crate) fn unit(stratum: u8) -> f32 {
+    (f32::from(stratum) + 0.5) / DRAWN as f32
+}
+
+/// A normal number of a stratum (Winitzki's approximation of the inverse error function, within 0.01).
+pub(crate) fn normal(stratum: u8) -> f32 {
+    let x = 2.0 * unit(stratum) - 1.0;
+    let log = libm::logf(1.0 - x * x);
+    let half = 4.3307 + 0.5 * log;
+    let root = libm::sqrtf(libm::sqrtf(half * half - log / 0.147) - half);
+    libm::copysignf(core::f32::consts::SQRT_2 * root, x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_column_has_each_stratum_once() {
+        for column in 0..14 {
+            let strata = TABLE
+                .iter()
+                .fold(0_u32, |seen, row| seen | 1 << row[column]);
+            assert_eq!(strata, (1 << DRAWN) - 1, "{column}");
+        }
+    }
+
+    /// Quantiles by a table of the normal distribution.
+    #[test]
+    fn normal_numbers_are_quantiles() {
+        for (stratum, quantile) in [(0, -2.1), (3, -1.15), (13, -0.0448), (27, 2.1)] {
+            assert!(
+                (normal(stratum) - quantile).abs() < 0.01,
+                "{}",
+                normal(stratum)
+            );
+        }
+    }
+}
