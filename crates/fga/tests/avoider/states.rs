@@ -124,7 +124,7 @@ fn the_aircraft_is_back_by_its_position_and_course() {
             let decision = flight.cycle(&mut obstacles);
             flight.own.position_m.y += drift_mps * PERIOD_S;
             let is_away = matches!(decision.state, State::Avoiding | State::Recovering);
-            if decision.record.reason == Reason::RejoinKept && decision.record.certified.is_none() {
+            if decision.record.reason == Reason::RejoinKept && decision.command.proof().is_none() {
                 // On the way back without a plan any more.
                 planned_s = planned_s.min(time_s);
             }
