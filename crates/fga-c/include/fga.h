@@ -100,7 +100,7 @@
 #define FGA_HAS_LEAVING 64
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 40512
+#define FGA_PROVER_BYTES 40960
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

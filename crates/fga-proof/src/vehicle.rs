@@ -159,16 +159,16 @@ impl Vehicle {
             ),
             ("dead_time_s", response.dead_time_s, (0.0, 10.0), "0 to 10"),
             (
-                "bank_time_constant_s",
-                lag_s,
-                (lag, most_lag_s),
-                "0, or 0.01 to 10, and no turn of more than 1.5 rad (86 degrees) in it",
-            ),
-            (
                 "turn_rate_factor",
                 response.turn_rate_factor,
                 (0.05, 2.0),
                 "0.05 to 2",
+            ),
+            (
+                "bank_time_constant_s",
+                lag_s,
+                (lag, most_lag_s),
+                "0, or 0.01 to 10, and no turn of more than 1.5 rad (86 degrees) in it",
             ),
         ];
         for (name, value, (low, high), expected) in rows {

@@ -37,7 +37,7 @@ impl Random {
         };
         let tightest_m = (airspeed_mps * airspeed_mps / 98.0).max(1.0);
         let tight = if wide { 1e6 / tightest_m } else { 20.0 };
-        Vehicle {
+        let mut vehicle = Vehicle {
             airspeed_mps,
             turn_radius_m: tightest_m * self.magnitude(1.001, tight),
             climb_min_rad: if self.chance(0.3) {
@@ -70,7 +70,12 @@ impl Random {
                     self.within(0.6, 1.0)
                 },
             },
-        }
+        };
+        // No turn of more than 1.5 rad within the time constant.
+        let most_s = f64::max(1.49 / vehicle.course_rate_radps(), 0.01);
+        let lag_s = &mut vehicle.response.bank_time_constant_s;
+        *lag_s = lag_s.min(most_s);
+        vehicle
     }
 
     fn settings(&mut self) -> Settings {

@@ -64,8 +64,10 @@ static fga_vehicle draw_vehicle(void) {
     vehicle.climb_rate_radps = one_in(6) ? 0.0 : between(0.05, 0.5);
   }
   if (!one_in(3)) {
-    vehicle.bank_time_constant_s = between(0.05, 2.0);
     vehicle.turn_rate_factor = between(0.7, 1.2);
+    // No turn of more than 1.5 rad within the time constant.
+    double most_s = 1.5 * vehicle.turn_radius_m / (vehicle.turn_rate_factor * vehicle.airspeed_mps);
+    vehicle.bank_time_constant_s = between(0.05, most_s < 2.0 ? most_s : 2.0);
   }
   return vehicle;
 }

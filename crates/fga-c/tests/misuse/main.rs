@@ -442,9 +442,9 @@ fn a_proof_covers_every_obstacle_or_is_refused() {
         (certificate.obstacle_id, certificate.obstacle_count),
         (7, 2)
     );
-    assert!(
-        (certificate.margin_m + 30.0).abs() < 1e-6 && (certificate.at_s - 200.0 / 15.0).abs() < 0.1
-    );
+    // A lower bound, less what rounding takes.
+    assert!((-1e-4..=0.0).contains(&(certificate.margin_m + 30.0)));
+    assert!((certificate.at_s - 200.0 / 15.0).abs() < 0.1);
     let (status, certificate, _) = certify(&masts, &question, -1.0);
     assert_eq!(
         (status, certificate.verdict),
