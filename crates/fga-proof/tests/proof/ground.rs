@@ -239,7 +239,7 @@ fn no_ground_is_nearer_than_certified() {
         let is_fine = asked_m < grid.spacing.min_element();
         // Its height above the ground falls no faster.
         let falls_mps = speed_mps * (1.0 + 1.5 * steepest);
-        let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
+        let mut flown = Flown::new(&vehicle, &maneuver, wind);
         // A flight keeps a certified margin. The certificate splits no piece shorter than a centimetre, so it certifies a margin that a
         // flight keeps by more than that.
         let beside_m = [(bound_m - INTEGRATED_M).max(0.0), asked_m];

@@ -5,6 +5,7 @@
     reason = "small counts drawn from floats"
 )]
 
+mod checker;
 mod flown;
 mod ground;
 #[path = "../common/random.rs"]

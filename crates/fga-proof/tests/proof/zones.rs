@@ -226,7 +226,7 @@ fn no_zone_is_nearer_than_certified() {
         );
         let proven_m = proven.map_or(f64::MIN, |proven| proven.bound().margin_m);
         let bound_m = found.margin_m.max(proven_m) - spare_m;
-        let mut flown = Flown::new(&flyer, &vehicle, &maneuver, wind);
+        let mut flown = Flown::new(&vehicle, &maneuver, wind);
         let speed_mps = vehicle.airspeed_mps + wind.length();
         let (mut places, mut least_m, mut nearest) = (Vec::new(), f64::INFINITY, Vec3::ZERO);
         while flown.time_s <= horizon_s && least_m >= -INTEGRATED_M {
