@@ -15,7 +15,7 @@ mod zones;
 pub use around::{Around, MAX_HAZARDS, each};
 pub use hazard::{ALWAYS, Hazard, Line, NO_DEPTH, Obstruction};
 
-pub use zones::{Fixed, MAX_ZONES, Zones};
+pub use zones::{Fixed, MAX_ZONES, STEEPEST, Zones};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
