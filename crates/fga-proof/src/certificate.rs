@@ -13,7 +13,7 @@ mod zones;
 
 pub use hazard::{ALWAYS, Extent, Hazard, Line, NO_DEPTH, Obstruction};
 
-pub use zones::{Fixed, MAX_ZONES, Zones};
+pub use zones::{Fixed, MAX_ZONES, STEEPEST, Zones};
 
 use crate::Vec3;
 use crate::assumptions::{Assumptions, each};

@@ -5,6 +5,7 @@
 //! less than the best manoeuvre so far.
 
 use fga_proof::angle::Side;
+use fga_proof::certificate::STEEPEST;
 use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
@@ -326,8 +327,12 @@ impl Search<'_> {
             row.close();
         } else {
             row.least_step_rad = (2.0 * row.least_step_rad).min(0.5 * STEP_RAD);
-            // The certificate measures chords, whose bow is not part of what the turn lacks.
-            self.rule_out(row, target_m - margin_m - 2.0 * CHORD_BOW_M, left_s);
+            // The certificate measures chords, whose bow is not part of what the turn lacks, and how deep the ground is entered.
+            let mut short_m = target_m - margin_m - 2.0 * CHORD_BOW_M;
+            if certificate.id.is_none() {
+                short_m /= STEEPEST;
+            }
+            self.rule_out(row, short_m, left_s);
             row.cost = row.cost.max(self.least_cost(prefix, row));
         }
         None

@@ -21,6 +21,9 @@ const ROUNDED_M: f64 = 1e-6;
 /// A flight that enters a zone counts as no deeper than this, metres.
 const DEEPEST_M: f64 = 1e3;
 
+/// Ground is hardly steeper, metres up in each metre aside: so far from a line is the nearest one that clears what it enters.
+pub const STEEPEST: f64 = 10.0;
+
 /// Farther up or down than any flight, metres.
 const HIGHEST_M: f64 = 1e6;
 
@@ -104,7 +107,8 @@ impl Fixed<'_> {
         self.zones.until_s
     }
 
-    /// Least margin on a line and its time, if lower than another one; of the ground how deep it is entered, or anything below a floor.
+    /// Least margin on a line and its time, if lower than another one, or anything below a floor: no flight that is nearer to the line than the
+    /// margin is negative clears what the line enters.
     pub fn lower(
         &self,
         line: &Line,
@@ -126,7 +130,8 @@ impl Fixed<'_> {
             if near.0 < 0.0 {
                 let entered = if beside_m > 0.0 { lowest(0.0) } else { near };
                 let below = (floor_m - ROUNDED_M, near.1);
-                let (below_m, after_s) = if entered.0 < 0.0 { entered } else { below };
+                let aside = (entered.0 / STEEPEST, entered.1);
+                let (below_m, after_s) = if entered.0 < 0.0 { aside } else { below };
                 least = (least.0.min(below_m), line.at_s + after_s);
             }
         }

@@ -216,24 +216,25 @@ impl Avoider<dyn Places + '_> {
         threat: (Threat, Against),
         decision: &mut Decision,
     ) {
-        // What may turn is avoided once it cannot wait.
-        let start = if self.tracks.has_aircraft() {
-            Start::AtDetection
-        } else {
-            self.settings.start
+        // What may turn is avoided once it cannot wait, between walls perhaps by two turns.
+        let (start, entry_s) = match (self.tracks.has_aircraft(), self.has_walls(now)) {
+            (true, true) => (Start::Free, 0.0),
+            (true, false) => (Start::AtDetection, 0.0),
+            (false, _) => (self.settings.start, threat.0.entry_s),
         };
-        let moments = (threat.0.entry_s, self.settings.decision_period_s);
+        let moments = (entry_s, self.settings.decision_period_s);
         let mut latest_s = None;
         let Decision {
             command, record, ..
         } = decision;
         let (nominal, other) = (&*command, &mut record.alternative);
-        let inside = self.highest_inside(threat.0.closest_s, now);
-        let answer = inside.or_else(|| {
-            self.highest(0..RUNGS, nominal, now, &mut |search| {
-                choice::choose(search, start, moments, (&mut latest_s, other))
-            })
-        });
+        let look = &mut |search: &mut Search<'_>| {
+            choice::choose(search, start, moments, (&mut latest_s, other))
+        };
+        let answer = (self.inside(threat.0.closest_s, now, |avoider| {
+            avoider.highest([0], nominal, now, look)
+        }))
+        .or_else(|| self.highest(0..RUNGS, nominal, now, look));
         let Some(answer) = answer.or_else(|| self.best(None, nominal, now)) else {
             *other = None;
             return self.say(decision, Reason::BestAvailable);
@@ -328,9 +329,14 @@ impl Avoider<dyn Places + '_> {
         let answer = match kept {
             _ if is_waiting => None,
             Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
-            None if is_due || self.grids < GRIDS_A_SEARCH => (self.highest_inside(passes_s, now))
+            None if is_due || self.grids < GRIDS_A_SEARCH => {
+                (self.inside(passes_s, now, |avoider| {
+                    let look = &mut |search: &mut Search<'_>| search.least_departure(0.0)[0];
+                    avoider.highest([0, WANTED + 2], hold, now, look)
+                }))
                 .or_else(|| self.highest_beside(0..RUNGS, now))
-                .or_else(|| self.best(Some((&mut plan, flown)), hold, now)),
+                .or_else(|| self.best(Some((&mut plan, flown)), hold, now))
+            }
             None => None,
         };
         if let Some(answer) = &answer {

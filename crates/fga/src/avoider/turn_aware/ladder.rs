@@ -109,28 +109,28 @@ impl Avoider<dyn Places + '_> {
         })
     }
 
-    /// Between walls, the certified manoeuvre on the highest rung that stays between them until the encounter has passed, seconds, and can
-    /// still turn away then.
-    #[inline(never)]
-    pub(super) fn highest_inside(&mut self, passes_s: f64, now: &Now<'_>) -> Option<Answer> {
-        if self.tracks.around(now.mission).fixed.is_empty() || !self.tracks.has_aircraft() {
-            return None;
-        }
+    /// Between walls, looks for what stays between them until the encounter has passed, seconds, and can still turn away then.
+    pub(super) fn inside(
+        &mut self,
+        passes_s: f64,
+        now: &Now<'_>,
+        look: impl FnOnce(&mut Self) -> Option<Answer>,
+    ) -> Option<Answer> {
         let circle_s = self.tracks.walls_s();
         let until_s = circle_s.max(passes_s + KEEP_SHARE * circle_s);
-        self.within_walls(until_s, |avoider| {
-            avoider.highest(0..RUNGS, &Maneuver::HOLD, now, &mut |search| {
-                let [least, other] = search.least_departure(0.0);
-                least.or(other)
-            })
-        })
+        (self.has_walls(now)).then(|| self.within_walls(until_s, look))?
+    }
+
+    /// Whether zones or ground bound manoeuvres.
+    pub(super) fn has_walls(&self, now: &Now<'_>) -> bool {
+        !self.tracks.around(now.mission).fixed.is_empty()
     }
 
     /// The certified manoeuvre on the highest of some rungs that has one.
     #[inline(never)]
     pub(super) fn highest(
         &mut self,
-        rungs: Range<usize>,
+        rungs: impl IntoIterator<Item = usize>,
         nominal: &Maneuver,
         now: &Now<'_>,
         look: &mut dyn FnMut(&mut Search<'_>) -> Option<Found>,

@@ -61,7 +61,7 @@ impl Avoider<dyn Places + '_> {
                 return;
             }
             // Off the mission between walls only another way back is known to be clear of them.
-            if !is_back && !self.tracks.around(now.mission).fixed.is_empty() {
+            if !is_back && self.has_walls(now) {
                 self.state = State::Avoiding;
                 return self.avoid(situation, now, decision);
             }

@@ -207,10 +207,9 @@ impl Avoider<dyn Places + '_> {
         let back_s = self.progress.back_s(joined);
         let walls_s = back_s.min(known_s);
         self.predict(maneuver, now, far.horizon_s.max(walls_s));
-        let around = self.tracks.around(now.mission);
         // Straight to a waypoint only where all that stands on the way is known.
         let is_unknown = back_s > joined.joined_s.max(known_s);
-        if !around.fixed.is_empty() && is_unknown {
+        if self.has_walls(now) && is_unknown {
             return false;
         }
         let ahead = self.way_ahead(plan, joined, (situation, now), &far);
