@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use crate::TomlText;
 use crate::sensors::SensorSource;
+use crate::vehicle::PlantTable;
 
 /// A campaign file.
 #[derive(Debug, Clone, Deserialize)]
@@ -48,6 +49,9 @@ pub struct CampaignFile {
     /// Sources instead of the vehicle's sensor.
     #[serde(default)]
     pub sensor: Vec<Spanned<SensorSource>>,
+    /// What the simulated aircraft does otherwise than decisions believe.
+    #[serde(default)]
+    pub plant: PlantTable,
 }
 
 impl CampaignFile {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::TomlText;
-use crate::vehicle::{LimitsTable, NoiseTable, SensorTable, WindTable};
+use crate::vehicle::{LimitsTable, NoiseTable, PlantTable, SensorTable, WindTable};
 
 /// A scenario file.
 #[derive(Debug, Clone, Deserialize)]
@@ -41,6 +41,9 @@ pub struct ScenarioFile {
     pub noise: Option<NoiseTable>,
     /// The sensor.
     pub sensor: Option<SensorTable>,
+    /// What the simulated aircraft does otherwise than decisions believe.
+    #[serde(default)]
+    pub plant: PlantTable,
     /// Obstacles.
     #[serde(default)]
     pub obstacle: Vec<Spanned<ObstacleTable>>,

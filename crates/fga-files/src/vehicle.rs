@@ -57,6 +57,9 @@ pub struct VehicleFile {
     /// The autopilot of the simulated aircraft.
     #[serde(default)]
     pub autopilot: AutopilotTable,
+    /// What the simulated aircraft does otherwise than decisions believe.
+    #[serde(default)]
+    pub plant: PlantTable,
 }
 
 impl VehicleFile {
@@ -191,6 +194,24 @@ pub struct SensorTable {
     pub detection_probability: Option<Spanned<f64>>,
     /// Age of a look, seconds.
     pub delay_s: Option<Spanned<f64>>,
+}
+
+/// `[plant]`: what the simulated aircraft does otherwise than decisions believe.
+#[derive(Debug, Clone, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub struct PlantTable {
+    /// True airspeed, metres per second.
+    pub airspeed_mps: Option<Spanned<f64>>,
+    /// Rate of change of the climb angle, radians per second.
+    pub climb_rate_radps: Option<Spanned<f64>>,
+    /// Time before anything happens, seconds.
+    pub dead_time_s: Option<Spanned<f64>>,
+    /// Time constant of the bank, seconds.
+    pub bank_time_constant_s: Option<Spanned<f64>>,
+    /// Turn rate that comes, over the one of the bank, without unit.
+    pub turn_rate_factor: Option<Spanned<f64>>,
+    /// Velocity of the air beyond the wind: east, north, up, metres per second.
+    pub wind_error_mps: Option<Spanned<[f64; 3]>>,
 }
 
 /// `[autopilot]` of the simulated aircraft.

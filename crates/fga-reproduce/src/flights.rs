@@ -70,6 +70,7 @@ pub(crate) fn fly(
         damaged: Vec::new(),
         tally: fga_formats::tally::Tally::default(),
         sensors: Vec::new(),
+        plant: fga_sim::plant::PlantDifference::NONE,
         vehicle: planar.then(|| PLANAR_VEHICLE.into()),
         vehicle_sha256: String::new(),
         events: Vec::new(),

@@ -9,6 +9,7 @@
 
 mod arc;
 mod autopilot;
+mod difference;
 mod lagged;
 mod pi_controller;
 
@@ -21,6 +22,7 @@ use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 pub use arc::{Arc, unwrap_near};
 pub use autopilot::Autopilot;
+pub use difference::PlantDifference;
 
 use pi_controller::PiController;
 

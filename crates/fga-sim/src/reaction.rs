@@ -68,7 +68,7 @@ pub fn react(
         let mut its = plan.world;
         (its.seed, its.stream) = (world.seed ^ (u64::from(id) << 32), world.stream);
         // The wind is the ownship's; what the recording says of it is the same air.
-        its.wind_mps = world.wind_mps;
+        its.wind_mps = world.blows_mps();
         let pilot = intruders
             .pilot(&its.settings, &its.vehicle)
             .map_err(|error| error.to_string())?;
@@ -117,7 +117,7 @@ fn intruder_of(model: &VehicleModel) -> Result<VehicleModel, String> {
     light.protection = model.protection;
     light.sensor = model.sensor;
     light.more_sensors.clone_from(&model.more_sensors);
-    light.wind_mps = model.wind_mps;
+    light.wind_mps = model.blows_mps();
     light.settings.avoider.decision_period_s = model.settings.avoider.decision_period_s;
     Ok(light)
 }
@@ -197,7 +197,7 @@ impl Party {
         };
         self.flight.fly(&decision, &mut flown);
         let Ownship { position_m, .. } = *self.flight.ownship();
-        let velocity_mps = self.flight.ownship().velocity_mps() + self.flight.world().wind_mps;
+        let velocity_mps = self.flight.ground_velocity_mps();
         Some(Moved {
             left_s: self.left_s?,
             points: flown.points,

@@ -57,7 +57,7 @@ pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Plan, InputErr
 /// As [`read`].
 pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, InputError> {
     let file = ScenarioFile::read(&text)?;
-    let model = match (vehicle, &file.vehicle) {
+    let mut model = match (vehicle, &file.vehicle) {
         (Some(model), _) => model,
         (None, Some(named)) => {
             let folder = text.path().parent().unwrap_or(Path::new(""));
@@ -65,6 +65,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         }
         (None, None) => VehicleModel::built_in()?,
     };
+    model.plant = checks::plant(&file.plant, text)?.or(&model.plant);
     let frame = frame(&file, &text)?;
     let places = FilePlaces { text, frame };
     let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;

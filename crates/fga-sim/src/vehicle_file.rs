@@ -21,7 +21,7 @@ use fga_formats::InputError;
 use fga_formats::error::read_text;
 
 use crate::fingerprint::fingerprint;
-use crate::plant::Autopilot;
+use crate::plant::{Autopilot, PlantDifference};
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 
@@ -56,6 +56,8 @@ pub struct VehicleModel {
     pub more_sensors: Vec<SensorSettings>,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
+    /// What the simulated aircraft does otherwise than its pilot believes.
+    pub plant: PlantDifference,
 }
 
 impl VehicleModel {
@@ -74,6 +76,16 @@ impl VehicleModel {
     pub fn recorded() -> Result<Self, InputError> {
         let path = Path::new("vehicles/general-aviation.toml");
         Self::parse(TomlText::new(path, RECORDED))
+    }
+
+    /// The limits of the aircraft that flies.
+    pub fn flies(&self) -> Vehicle {
+        self.plant.vehicle(&self.vehicle)
+    }
+
+    /// The wind that blows, metres per second.
+    pub fn blows_mps(&self) -> Vec3 {
+        self.plant.wind_mps(self.wind_mps)
     }
 
     /// Reads a vehicle file.
@@ -136,6 +148,7 @@ impl VehicleModel {
             sensor: checks::sensor(&file.sensor, &file.noise, text, SensorSettings::default())?,
             more_sensors: Vec::new(),
             autopilot: checks::autopilot(&file.autopilot, text)?,
+            plant: checks::plant(&file.plant, text)?,
             name: file.name,
             sha256: fingerprint(text.text().as_bytes()),
         })

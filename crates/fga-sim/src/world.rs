@@ -10,7 +10,7 @@ use fga::Vec3;
 use fga::situation::Passing;
 use fga::vehicle::Vehicle;
 
-use crate::plant::{Autopilot, Gust};
+use crate::plant::{Autopilot, Gust, PlantDifference};
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 use crate::track::Track;
@@ -59,13 +59,15 @@ pub struct World {
     pub ground: Option<Arc<WorldGround>>,
     /// The aircraft at the start.
     pub start: StartState,
-    /// The aircraft's limits.
+    /// The aircraft's limits, as its pilot knows them.
     pub vehicle: Vehicle,
+    /// What the aircraft and the air do otherwise, of which the pilot knows nothing.
+    pub plant: PlantDifference,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
     /// The decision settings; the policy is chosen with the pilot.
     pub settings: PolicySettings,
-    /// Velocity of the air over the ground, metres per second.
+    /// Velocity of the air over the ground, as the pilot knows it, metres per second.
     pub wind_mps: Vec3,
     /// A gust, of which the policy knows nothing.
     pub gust: Option<Gust>,
@@ -88,6 +90,16 @@ pub struct World {
 }
 
 impl World {
+    /// The limits of the aircraft that flies.
+    pub fn flies(&self) -> Vehicle {
+        self.plant.vehicle(&self.vehicle)
+    }
+
+    /// The wind that blows, metres per second.
+    pub fn blows_mps(&self) -> Vec3 {
+        self.plant.wind_mps(self.wind_mps)
+    }
+
     /// The world of an aircraft alone, with its own settings, limits and sensors.
     pub fn of(
         model: &VehicleModel,
@@ -103,6 +115,7 @@ impl World {
             ground: None,
             start,
             vehicle: model.vehicle,
+            plant: model.plant,
             autopilot: model.autopilot,
             settings: model.settings,
             wind_mps: model.wind_mps,

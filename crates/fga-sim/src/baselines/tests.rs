@@ -8,7 +8,7 @@ use fga::vehicle::{Response, Vehicle};
 
 use super::*;
 use crate::engine::{Engine, Observer, Sample};
-use crate::plant::Autopilot;
+use crate::plant::{Autopilot, PlantDifference};
 use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
 use crate::track::Track;
@@ -48,6 +48,7 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
             climb_rad: 0.0,
         },
         vehicle: vehicle(),
+        plant: PlantDifference::NONE,
         autopilot: Autopilot::default(),
         settings: PolicySettings {
             avoider: settings(),

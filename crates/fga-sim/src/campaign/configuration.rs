@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 use super::sources::ModelFile;
 use crate::fingerprint::fingerprint;
 use crate::own::{OwnPolicy, piped};
+use crate::plant::PlantDifference;
 use crate::policy::PolicyChoice;
 use crate::recorded::RecordingSource;
 
@@ -70,12 +71,20 @@ pub struct CampaignConfiguration {
     /// Sources that take the place of the vehicle file's sensor.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<SensorSource>,
+    /// What the simulated aircraft does otherwise than the vehicle file says.
+    #[serde(default, skip_serializing_if = "is_exact")]
+    pub plant: PlantDifference,
     /// Text of the vehicle file; without it the built-in vehicle.
     pub vehicle: Option<String>,
     /// Fingerprint of the aircraft in it.
     pub vehicle_sha256: String,
     /// Encounters with logged events.
     pub events: Vec<u64>,
+}
+
+/// Whether there is no difference.
+fn is_exact(plant: &PlantDifference) -> bool {
+    *plant == PlantDifference::NONE
 }
 
 /// Whether nothing was left out of the recordings.

@@ -22,7 +22,7 @@ use crate::encounters::parse;
 use crate::own::OwnPolicy;
 use crate::policy::PolicyChoice;
 use crate::recorded;
-use crate::vehicle_file::VehicleModel;
+use crate::vehicle_file::{VehicleModel, checks};
 
 /// Families with a count, a distance and a speed.
 const GRID_FAMILIES: [&str; 6] = [
@@ -162,6 +162,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration,
         damaged: found.damaged,
         tally: found.tally,
         sensors: sensors(&text, file.sensor)?,
+        plant: checks::plant(&file.plant, text)?,
         vehicle_sha256: model.sha256,
         vehicle,
         events: events(&text, &file.events, encounters)?,

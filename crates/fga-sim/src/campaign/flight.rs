@@ -187,7 +187,7 @@ impl<'a> CampaignFlyer<'a> {
                         velocity_mps: obstacle.velocity_mps,
                         volume: real.volume,
                     }
-                    .in_wind(self.campaign.model.wind_mps)
+                    .in_wind(self.campaign.model.blows_mps())
                 })
                 .collect();
             let airspace = OracleAirspace::of(&self.world);

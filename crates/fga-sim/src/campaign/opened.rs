@@ -118,6 +118,7 @@ impl Campaign {
             model.sensor = first.into();
             model.more_sensors = more.iter().map(SensorSettings::from).collect();
         }
+        model.plant = configuration.plant.or(&model.plant);
         let policies = configuration
             .policies
             .iter()
@@ -428,7 +429,7 @@ impl Campaign {
     /// The oracle's search: vehicle, start, settings.
     pub(super) fn oracle(&self, world: &World) -> (OracleVehicle, OracleStart, OracleSettings) {
         (
-            OracleVehicle::from(&self.model.vehicle),
+            OracleVehicle::from(&self.model.flies()),
             OracleStart {
                 course_rad: world.start.course_rad,
                 climb_rad: world.start.climb_rad,

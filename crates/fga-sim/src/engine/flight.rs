@@ -84,8 +84,8 @@ impl Engine {
     pub(super) fn begin(&mut self, world: &World) -> FlightState {
         let plant = self
             .plant
-            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
-        plant.refit(world.vehicle, world.autopilot, world.wind_mps);
+            .get_or_insert_with(|| Plant::new(world.flies(), world.autopilot, world.blows_mps()));
+        plant.refit(world.flies(), world.autopilot, world.blows_mps());
         world.gust.into_iter().for_each(|gust| plant.meet(gust));
         let start = &world.start;
         plant.place(0.0, start.position_m, start.course_rad, start.climb_rad);
@@ -115,7 +115,7 @@ impl Engine {
     ) -> EngineFlight<'a> {
         let plant = self
             .plant
-            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
+            .get_or_insert_with(|| Plant::new(world.flies(), world.autopilot, world.blows_mps()));
         EngineFlight {
             world,
             plant,
@@ -258,10 +258,12 @@ impl<'a> EngineFlight<'a> {
     /// Updates the aircraft's state, looks, and retunes a pilot with limits of another airspeed.
     pub(super) fn look(&mut self, time_s: f64, mut retune: impl FnMut(&Vehicle)) {
         self.follow_recording(time_s);
-        let airspeed_mps = self.plant.vehicle().airspeed_mps;
+        let world = self.world;
+        let vehicle = world.plant.shown(self.plant.vehicle(), &world.vehicle);
+        let airspeed_mps = vehicle.airspeed_mps;
         // A recording's speed changes from row to row in its last digits.
         if (airspeed_mps - self.state.tuned_mps).abs() > 1e-3 * self.state.tuned_mps {
-            retune(self.plant.vehicle());
+            retune(&vehicle);
             self.state.tuned_mps = airspeed_mps;
         }
         let ownship = self.plant.ownship();
@@ -361,7 +363,7 @@ impl<'a> EngineFlight<'a> {
         };
         let (first_s, last_s) = recorded.presence_s();
         if let Some((position_m, velocity_mps)) = recorded.at(time_s.clamp(first_s, last_s)) {
-            let air_mps = velocity_mps - self.world.wind_mps;
+            let air_mps = velocity_mps - self.world.blows_mps();
             let course_rad = unwrap_near(course_of(air_mps), self.plant.ownship().course_rad);
             self.plant
                 .place(time_s, position_m, course_rad, climb_of(air_mps));
@@ -402,7 +404,7 @@ impl<'a> EngineFlight<'a> {
         self.state.progress.settle();
         let is_over = self.state.milestones.says_flown;
         if is_over {
-            let dead_time_s = self.world.vehicle.response.dead_time_s;
+            let dead_time_s = self.world.flies().response.dead_time_s;
             let step_m = self.plant.ground_velocity_mps() * dead_time_s;
             self.state.progress.coast(step_m);
         }
@@ -422,7 +424,7 @@ pub(super) fn situation<'a>(
 ) -> Situation<'a> {
     Situation {
         time_s,
-        ownship,
+        ownship: world.plant.shown_state(ownship, &world.vehicle),
         obstacles: Obstacles::Rows(sensor.known()),
         mission: Mission {
             waypoints_m: &world.mission_m,

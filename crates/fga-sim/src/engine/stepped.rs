@@ -83,6 +83,12 @@ impl SteppedFlight {
         self.ended_s.unwrap_or(due_s)
     }
 
+    /// Its velocity over the ground now, metres per second.
+    pub(crate) fn ground_velocity_mps(&mut self) -> fga::Vec3 {
+        let flight = self.engine.flight(&self.world, &mut self.state);
+        flight.plant.ground_velocity_mps()
+    }
+
     /// The aircraft now; angles through the air.
     pub const fn ownship(&self) -> &Ownship {
         &self.ownship

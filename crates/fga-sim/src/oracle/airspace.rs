@@ -37,7 +37,7 @@ impl OracleAirspace {
             ground: world.ground.clone(),
             zones: world.zones.clone(),
         };
-        Self::among(&scenery, world.limits_m, world.wind_mps)
+        Self::among(&scenery, world.limits_m, world.blows_mps())
     }
 
     /// Ground and zones, and a lowest and a highest altitude, metres, in air that moves; `None` where nothing bounds it.

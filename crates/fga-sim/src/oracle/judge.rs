@@ -38,7 +38,7 @@ impl Judge {
                 )
             })?;
         Ok(Self {
-            vehicle: OracleVehicle::from(&model.vehicle),
+            vehicle: OracleVehicle::from(&model.flies()),
             start: OracleStart {
                 course_rad,
                 climb_rad,
@@ -49,7 +49,7 @@ impl Judge {
                 ..OracleSettings::default()
             },
             protection: model.protection,
-            wind_mps: model.wind_mps,
+            wind_mps: model.blows_mps(),
             limits_m: model.limits_m,
         })
     }

@@ -35,8 +35,8 @@ pub fn best_margin_of_tracks(world: &World, settings: &OracleSettings) -> Option
     let own = world.recorded.as_ref()?;
     let start_s = start_of(world, own, settings.horizon_s);
     let (position_m, velocity_mps) = own.at(start_s)?;
-    let air_mps = velocity_mps - world.wind_mps;
-    let vehicle = at_airspeed(&world.vehicle, air_mps.length());
+    let air_mps = velocity_mps - world.blows_mps();
+    let vehicle = at_airspeed(&world.flies(), air_mps.length());
     let start = OracleStart {
         position_m,
         course_rad: course_of(air_mps),
@@ -48,7 +48,7 @@ pub fn best_margin_of_tracks(world: &World, settings: &OracleSettings) -> Option
         .obstacles
         .iter()
         .map(|obstacle| OracleTrack {
-            points_m: points(&obstacle.track, start_s, until_s, world.wind_mps),
+            points_m: points(&obstacle.track, start_s, until_s, world.blows_mps()),
             volume: obstacle.volume,
         })
         .filter(|track| track.points_m.len() > 1)

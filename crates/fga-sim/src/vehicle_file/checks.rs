@@ -5,14 +5,14 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Response;
 use fga_files::TomlText;
 use fga_files::vehicle::{
-    AutopilotKind, AutopilotTable, GridSettings, NoiseTable, Protection, ResponseTable,
+    AutopilotKind, AutopilotTable, GridSettings, NoiseTable, PlantTable, Protection, ResponseTable,
     SensorTable, WindTable,
 };
 use fga_formats::InputError;
 use fga_paper::pilot::GridSteps;
 use toml::Spanned;
 
-use crate::plant::Autopilot;
+use crate::plant::{Autopilot, PlantDifference};
 use crate::sensor::SensorSettings;
 
 /// Standard deviation of the velocity by which an aircraft that is not ideal is carried off its prediction,
@@ -85,24 +85,66 @@ pub(crate) fn limits(
     }
 }
 
+/// Limits of the keys that a response and a plant both have.
+const DEAD_TIME_S: (f64, f64) = (0.0, 5.0);
+const TURN_RATE_FACTOR: (f64, f64) = (0.05, 2.0);
+const WIND_MPS: (f64, f64) = (-200.0, 200.0);
+
 pub(super) fn response(table: &ResponseTable, text: TomlText<'_>) -> Result<Response, InputError> {
-    let lag = table.bank_time_constant_s.as_ref();
     Ok(Response {
-        dead_time_s: given!(text, table.dead_time_s within (0.0, 5.0); 0.0),
-        bank_time_constant_s: match lag.filter(|lag| *lag.get_ref() != 0.0) {
-            Some(lag) => text.within("bank_time_constant_s", lag, (0.01, 10.0))?,
+        dead_time_s: given!(text, table.dead_time_s within DEAD_TIME_S; 0.0),
+        bank_time_constant_s: match &table.bank_time_constant_s {
+            Some(lag) => bank_time_constant_s(lag, text)?,
             None => 0.0,
         },
-        turn_rate_factor: given!(text, table.turn_rate_factor within (0.05, 2.0); 1.0),
+        turn_rate_factor: given!(text, table.turn_rate_factor within TURN_RATE_FACTOR; 1.0),
+    })
+}
+
+/// None, or not too short to compute with.
+fn bank_time_constant_s(lag: &Spanned<f64>, text: TomlText<'_>) -> Result<f64, InputError> {
+    if *lag.get_ref() == 0.0 {
+        return Ok(0.0);
+    }
+    text.within("bank_time_constant_s", lag, (0.01, 10.0))
+}
+
+pub(crate) fn plant(table: &PlantTable, text: TomlText<'_>) -> Result<PlantDifference, InputError> {
+    let within = |key, value: &Option<Spanned<f64>>, limits| {
+        let value = value.as_ref().map(|value| text.within(key, value, limits));
+        value.transpose()
+    };
+    let lag = table.bank_time_constant_s.as_ref();
+    if let Some(error) = &table.wind_error_mps
+        && !(error.get_ref().iter()).all(|value| (WIND_MPS.0..=WIND_MPS.1).contains(value))
+    {
+        let message = format!(
+            "wind_error_mps is {:?}, expected east, north and up from {} to {}",
+            error.get_ref(),
+            WIND_MPS.0,
+            WIND_MPS.1
+        );
+        return Err(text.error_at(error, message));
+    }
+    Ok(PlantDifference {
+        airspeed_mps: within("airspeed_mps", &table.airspeed_mps, (1.0, 1e3))?,
+        climb_rate_radps: within("climb_rate_radps", &table.climb_rate_radps, (0.0, 10.0))?,
+        dead_time_s: within("dead_time_s", &table.dead_time_s, DEAD_TIME_S)?,
+        bank_time_constant_s: lag.map(|lag| bank_time_constant_s(lag, text)).transpose()?,
+        turn_rate_factor: within(
+            "turn_rate_factor",
+            &table.turn_rate_factor,
+            TURN_RATE_FACTOR,
+        )?,
+        wind_error_mps: table.wind_error_mps.as_ref().map(|error| *error.get_ref()),
     })
 }
 
 pub(crate) fn wind(table: &WindTable, text: TomlText<'_>) -> Result<Vec3, InputError> {
-    let most = (-200.0, 200.0);
     Ok(Vec3::new(
-        given!(text, table.east_mps within most; 0.0),
-        given!(text, table.north_mps within most; 0.0),
-        given!(text, table.up_mps within most; 0.0),
+        given!(text, table.east_mps within WIND_MPS; 0.0),
+        given!(text, table.north_mps within WIND_MPS; 0.0),
+        given!(text, table.up_mps within WIND_MPS; 0.0),
     ))
 }
 

@@ -9,6 +9,7 @@ mod charted;
 mod data;
 mod dead_time;
 mod departures;
+mod difference;
 mod drawn;
 mod encounters;
 mod ground;
