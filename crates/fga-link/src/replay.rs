@@ -8,12 +8,14 @@ use alloc::collections::VecDeque;
 use std::io::{self, Read};
 
 use fga_formats::clock::Elapsed;
-use mavlink::dialects::ardupilotmega::MavMessage;
+use mavlink::dialects::ardupilotmega::{HEARTBEAT_DATA, MavCmd, MavMessage};
 use serde_json::Value;
 
 use crate::Companion;
+use crate::authority::Authority;
 use crate::ground::GroundOrder;
-use crate::outgoing::OWN_COMPONENT;
+use crate::number::to_u32;
+use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::steps::Step;
 use crate::tlog::{Logged, TlogReader};
 
@@ -21,6 +23,8 @@ use crate::tlog::{Logged, TlogReader};
 const TICK_S: f64 = 0.02;
 /// A longer pause in a log is a new flight, seconds: no ticks in it.
 const LONGEST_PAUSE_S: f64 = 60.0;
+/// A decision of the replay comes this much later than the flight's at most, seconds.
+const LATER_S: f64 = 2.0;
 /// Frames among which the flight's clock is looked for.
 const EARLY_FRAMES: usize = 20_000;
 
@@ -163,6 +167,10 @@ struct Frames {
     /// The flight's clock at the first frame, seconds: the vehicle's answers name times of that clock.
     first_s: f64,
     now_s: f64,
+    /// The mode that the flight asked for last, and when, seconds.
+    asked: Option<(u32, f64)>,
+    /// The mode of the vehicle as the companion knows it.
+    mode: u32,
 }
 
 impl Frames {
@@ -197,7 +205,24 @@ impl Frames {
             elapsed: Elapsed::default(),
             first_s,
             now_s: first_s,
+            asked: None,
+            mode: 0,
         })
+    }
+
+    /// A heartbeat that reports the mode which the flight asked for, with the mode before while the companion may be about to ask for
+    /// it too: its decision is a little later than the flight's, and would find the mode changed by others.
+    fn wait_for_request(&mut self, data: &HEARTBEAT_DATA, companion: &Companion) -> HEARTBEAT_DATA {
+        let is_asked = self.asked.is_some_and(|(mode, asked_s)| {
+            mode == data.custom_mode && self.now_s - asked_s < LATER_S
+        });
+        if !(is_asked && companion.authority() == Authority::Ready) {
+            self.mode = data.custom_mode;
+        }
+        HEARTBEAT_DATA {
+            custom_mode: self.mode,
+            ..data.clone()
+        }
     }
 
     /// Takes a frame, after the ticks before it; whether it is one of the vehicle's or another system's.
@@ -213,11 +238,23 @@ impl Frames {
             drop(companion.outbox());
         }
         self.now_s = at_s.max(self.now_s);
-        let is_others = logged.frame.header.component_id != OWN_COMPONENT;
-        if is_others {
-            companion.receive(&logged.frame.header, &logged.frame.message, self.now_s);
-            companion.make_ground(self.now_s);
+        let (header, message) = (&logged.frame.header, &logged.frame.message);
+        if header.component_id == OWN_COMPONENT {
+            if let MavMessage::COMMAND_LONG(data) = message
+                && data.command == MavCmd::MAV_CMD_DO_SET_MODE
+            {
+                self.asked = Some((to_u32(data.param2), self.now_s));
+            }
+            return false;
         }
-        is_others
+        match message {
+            MavMessage::HEARTBEAT(data) if header.component_id == AUTOPILOT => {
+                let heard = self.wait_for_request(data, companion);
+                companion.receive(header, &MavMessage::HEARTBEAT(heard), self.now_s);
+            }
+            _ => companion.receive(header, message, self.now_s),
+        }
+        companion.make_ground(self.now_s);
+        true
     }
 }
