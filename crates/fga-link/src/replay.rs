@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::Companion;
 use crate::authority::Authority;
 use crate::ground::GroundOrder;
-use crate::number::to_u32;
+use crate::number::to_u16;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::steps::Step;
 use crate::tlog::{Logged, TlogReader};
@@ -243,7 +243,8 @@ impl Frames {
             if let MavMessage::COMMAND_LONG(data) = message
                 && data.command == MavCmd::MAV_CMD_DO_SET_MODE
             {
-                self.asked = Some((to_u32(data.param2), self.now_s));
+                let mode = u32::from(to_u16(f64::from(data.param2)));
+                self.asked = Some((mode, self.now_s));
             }
             return false;
         }
