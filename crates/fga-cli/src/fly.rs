@@ -196,7 +196,15 @@ fn run_replay(
     });
     match (done, failed) {
         (Ok(done), _) => {
-            eprintln!("{} frames, {} not understood", done.frames, done.skipped);
+            let how = if done.repeats {
+                "; the decisions are the flight's"
+            } else {
+                ""
+            };
+            eprintln!(
+                "{} frames, {} not understood{how}",
+                done.frames, done.skipped
+            );
             Ok(ExitCode::SUCCESS)
         }
         (Err(error), Some(_)) => Err(Failure::of_stdout(error)),

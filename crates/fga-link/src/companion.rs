@@ -199,6 +199,16 @@ impl Companion {
         self.session.set_recorded();
     }
 
+    /// Whether it only reports, as the flight that is repeated did.
+    pub const fn set_dry_run(&mut self, dry_run: bool) {
+        self.session.set_dry_run(dry_run);
+    }
+
+    /// A number that differs between configurations.
+    pub fn fingerprint(&self) -> u64 {
+        crate::steps::fingerprint(&self.config)
+    }
+
     /// The messages to send, oldest first.
     pub fn outbox(&mut self) -> Vec<Outgoing> {
         self.voice.take_messages()
@@ -444,8 +454,7 @@ impl Companion {
         self.lead.begin(self.ownship.bank_rad(), now_s);
         self.handover.begin(resumed, now_s);
         self.told.begin();
-        let own_m = self.ownship.position_m(now_s);
-        self.others.begin(own_m.filter(|_| !resumed));
+        self.others = OtherOrders::default();
         self.due.command_s = f64::NEG_INFINITY;
     }
 

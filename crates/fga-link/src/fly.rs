@@ -41,6 +41,7 @@ use crate::endpoint::{Endpoint, open};
 use crate::ground::{GroundOrder, MadeGround};
 use crate::outgoing::{OWN_COMPONENT, Outgoing, RECEIVER_COMPONENT, RECEIVER_SYSTEM};
 use crate::player::{PlayedState, adsb_data};
+use crate::steps::Step;
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
 use crate::traffic::{AltitudeReference, PlaceReport};
 use crate::wire::{Signing, WireFrame, encode};
@@ -160,12 +161,18 @@ pub fn fly(
     threads.push(spawn(&shared, "fga-ground", move |shared| {
         make_ground(shared, &to_make, &made_to);
     })?);
+    let mut recorder = Recorder::begin(&shared, &options.out)?;
+    let begin = Step::Begin {
+        configuration: companion.fingerprint(),
+        dry_run: options.dry_run,
+    };
+    recorder.step(&shared, 0.0, &begin);
     let mut pilot = DecidingThread {
         companion: &mut companion,
         shared: &shared,
         parcels: &parcels,
         signing: signing.as_ref(),
-        recorder: Recorder::begin(&shared, &options.out)?,
+        recorder,
         notebook: Notebook::begin(&shared, &options.out, signing.clone(), left)?,
         status: StatusLine::begin(&shared, options.status)?,
         sequences: Sequences::default(),
@@ -331,20 +338,27 @@ impl DecidingThread<'_> {
                 .show(|| companion.status_line(now_s) + &companion.feeds_in_words());
         }
         let (now_s, mut since) = (self.shared.now_s(), Instant::now());
-        if locked(&self.shared.failed).is_some() {
-            self.companion.shut_down_at_once(now_s);
-        } else {
-            self.companion.shut_down(now_s);
-        }
+        self.end(locked(&self.shared.failed).is_some(), now_s);
         while self.turn(events) && self.companion.owed().is_some() && since.elapsed() < LAST_WORDS {
             watch(self.companion);
             if self.companion.flies() {
                 since = Instant::now();
                 let is_urgent = signals() > 1 || locked(&self.shared.failed).is_some();
                 if is_urgent {
-                    self.companion.shut_down_at_once(self.shared.now_s());
+                    self.end(true, self.shared.now_s());
                 }
             }
+        }
+    }
+
+    /// The flight is to end; at once, or when nothing threatens.
+    fn end(&mut self, at_once: bool, now_s: f64) {
+        self.recorder
+            .step(self.shared, now_s, &Step::End { at_once });
+        if at_once {
+            self.companion.shut_down_at_once(now_s);
+        } else {
+            self.companion.shut_down(now_s);
         }
     }
 
@@ -370,8 +384,10 @@ impl DecidingThread<'_> {
         }
         if let Ok(made) = self.ground.1.try_recv() {
             self.makes_ground = false;
+            self.recorder.step(self.shared, now_s, &Step::Ground);
             self.companion.take_ground(made, now_s);
         }
+        self.recorder.step(self.shared, now_s, &Step::Tick);
         self.companion.tick(now_s);
         if !self.makes_ground
             && let Some(order) = self.companion.ground_order()
@@ -393,8 +409,8 @@ impl DecidingThread<'_> {
         let now_s = self.shared.now_s();
         match event {
             InboxEvent::Frame(frame, heard_s) => {
-                self.recorder.frame(self.shared, heard_s, frame.bytes());
                 if now_s - heard_s <= HISTORY_S {
+                    self.recorder.frame(self.shared, now_s, frame.bytes());
                     self.companion.receive(&frame.header, &frame.message, now_s);
                 }
             }
@@ -402,13 +418,18 @@ impl DecidingThread<'_> {
                 self.record_report(&report, now_s);
                 self.companion.take_report(&report, now_s);
             }
-            InboxEvent::Feed(status) => self.companion.take_feed(*status, now_s),
+            InboxEvent::Feed(status) => {
+                self.recorder.step(self.shared, now_s, &Step::Feed(*status));
+                self.companion.take_feed(*status, now_s);
+            }
         }
     }
 
-    /// Adds a receiver's report to the telemetry log, as the message with the same content, so that
-    /// the recording holds the whole input of the decisions.
+    /// Adds a receiver's report to the telemetry log, so that the recording holds the whole input of the decisions; and the message with
+    /// the same content, for other readers.
     fn record_report(&mut self, report: &PlaceReport, now_s: f64) {
+        let step = Step::Report(report.clone());
+        self.recorder.step(self.shared, now_s, &step);
         let message = message_of(report, now_s);
         let header = MavHeader {
             system_id: u32::from(RECEIVER_SYSTEM),

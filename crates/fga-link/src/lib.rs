@@ -57,6 +57,7 @@ pub mod replay;
 pub mod response;
 pub mod restart;
 pub mod signing;
+pub mod steps;
 pub mod telling;
 pub mod tlog;
 pub mod traffic;

@@ -286,11 +286,12 @@ mod tests {
     fn a_right_bank_bends_the_path_to_the_right() {
         let mut estimate = OwnshipEstimate::default();
         estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
-        // 25 m/s, 45°: g/V = 0.392 rad/s; the yaw gyro sees cos φ of it.
+        // 25 m/s, 45°: g/V = 0.392 rad/s; the yaw gyro sees cos φ of it, the pitch gyro sin φ.
         let rate = 9.806_65_f64 / 25.0;
         let attitude = ATTITUDE_DATA {
             time_boot_ms: 1000,
             roll: core::f32::consts::FRAC_PI_4,
+            pitchspeed: crate::number::single(rate * libm::sin(core::f64::consts::FRAC_PI_4)),
             yawspeed: crate::number::single(rate * libm::cos(core::f64::consts::FRAC_PI_4)),
             ..ATTITUDE_DATA::DEFAULT
         };

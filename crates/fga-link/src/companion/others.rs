@@ -11,51 +11,51 @@ use crate::authority::{Authority, Fault};
 use crate::mode::Mode;
 use crate::number::place_from_e7;
 
-/// The vehicle's target is the one of GUIDED from this long after the change of mode, seconds.
-const SETTLES_S: f64 = 0.7;
+/// The vehicle's target is the one of GUIDED from this long after the change of mode, milliseconds of its clock.
+const SETTLES_MS: u32 = 700;
 /// The target of GUIDED stays within this, metres.
 const STAYS_M: f64 = 15.0;
-/// The target of GUIDED begins within this of the aircraft, metres: the way in the time in which the change is confirmed.
-const BEGINS_M: f64 = 200.0;
 
-/// The vehicle's target in the manoeuvre.
+/// The vehicle's targets in the manoeuvre, metres, local frame.
 #[derive(Debug, Default)]
 pub(super) struct OtherOrders {
-    /// Where the companion took over, metres, local frame.
-    began_m: Option<Vec3>,
-    /// The first target of the manoeuvre, metres.
+    /// The vehicle's clock when the mode was confirmed, milliseconds.
+    confirmed_ms: Option<u32>,
     first_m: Option<Vec3>,
+    last_m: Vec3,
 }
 
 impl OtherOrders {
-    /// A manoeuvre begins at a place, metres; `None` where it goes on from before.
-    pub(super) const fn begin(&mut self, began_m: Option<Vec3>) {
-        self.began_m = began_m;
-        self.first_m = None;
-    }
-
-    /// Takes the vehicle's target, metres; whether somebody else has set it.
-    fn is_set_by_others(&mut self, target_m: Vec3) -> bool {
-        let off_m = |from_m: &Vec3| (target_m - from_m).truncate().length();
+    /// Takes a target, and when the vehicle reported it, milliseconds of its clock; `boot_ms` is the newest time of that clock. Whether
+    /// somebody else has set it: twice in a row it is another one than at first.
+    fn is_set_by_others(&mut self, target_m: Vec3, at_ms: u32, boot_ms: u32) -> bool {
+        let confirmed_ms = *self.confirmed_ms.get_or_insert(boot_ms);
+        if at_ms < confirmed_ms.saturating_add(SETTLES_MS) {
+            return false;
+        }
+        let off_m = |from_m: Vec3| (target_m - from_m).truncate().length();
         let first_m = *self.first_m.get_or_insert(target_m);
-        off_m(&first_m) > STAYS_M || self.began_m.as_ref().map_or(0.0, off_m) > BEGINS_M
+        let stays_m = off_m(core::mem::replace(&mut self.last_m, target_m));
+        off_m(first_m) > STAYS_M && stays_m <= STAYS_M
     }
 }
 
 impl Companion {
     /// Takes the vehicle's target: one that moves while the companion commands is somebody else's order.
     pub(super) fn watch_target(&mut self, data: &POSITION_TARGET_GLOBAL_INT_DATA, now_s: f64) {
-        let Authority::InCommand { since_s, .. } = self.keeper.state() else {
+        let in_command = matches!(self.keeper.state(), Authority::InCommand { .. });
+        if !in_command || self.keeper.target() != Mode::GUIDED {
+            self.others = OtherOrders::default();
             return;
-        };
+        }
         let place = place_from_e7(data.lat_int, data.lon_int, 0.0);
         let Some((place, frame)) = place.zip(self.ownship.frame()) else {
             return;
         };
-        let target_m = frame.to_local_m(place);
-        if self.keeper.target() == Mode::GUIDED
-            && now_s - since_s >= SETTLES_S
-            && self.others.is_set_by_others(target_m)
+        let (target_m, boot_ms) = (frame.to_local_m(place), self.session.boot_ms());
+        if self
+            .others
+            .is_set_by_others(target_m, data.time_boot_ms, boot_ms)
         {
             self.fault(Fault::OthersCommand, now_s);
         }
@@ -91,15 +91,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_target_that_moves_or_begins_far_away_is_somebody_elses() {
+    fn a_target_that_moves_and_stays_there_is_somebody_elses() {
         let mut others = OtherOrders::default();
-        others.begin(Some(Vec3::ZERO));
-        assert!(!others.is_set_by_others(Vec3::X * 40.0));
-        assert!(!others.is_set_by_others(Vec3::new(54.0, 0.0, 90.0)));
-        assert!(others.is_set_by_others(Vec3::X * 56.0));
-        others.begin(Some(Vec3::ZERO));
-        assert!(others.is_set_by_others(Vec3::X * 201.0));
-        others.begin(None);
-        assert!(!others.is_set_by_others(Vec3::X * 201.0));
+        let mut takes =
+            |x_m: f64, at_ms| others.is_set_by_others(Vec3::new(x_m, 0.0, 90.0), at_ms, 1000);
+        // Of the mode before, reported before the change or soon after it.
+        assert!(!takes(900.0, 990) && !takes(900.0, 1600));
+        assert!(!takes(40.0, 1700) && !takes(54.0, 2200));
+        assert!(!takes(900.0, 2700), "one may be late");
+        assert!(!takes(40.0, 3200) && !takes(900.0, 3700) && takes(905.0, 4200));
     }
 }

@@ -109,6 +109,11 @@ impl Session {
         self.dry_run
     }
 
+    /// Whether the companion only reports, from now on.
+    pub(super) const fn set_dry_run(&mut self, dry_run: bool) {
+        self.dry_run = dry_run;
+    }
+
     /// Marks the vehicle as recorded.
     pub(super) const fn set_recorded(&mut self) {
         self.recorded = true;

@@ -13,8 +13,13 @@ use std::thread::JoinHandle;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use super::shared::{FlightShared, await_end, spawn};
+use mavlink::MavHeader;
+
 use crate::number::to_u64;
+use crate::outgoing::OWN_COMPONENT;
+use crate::steps::Step;
 use crate::tlog::TlogWriter;
+use crate::wire::encode;
 
 /// Most entries in the queue: more than ten seconds of a busy link.
 const WAITING: usize = 4096;
@@ -76,8 +81,21 @@ impl Recorder {
 
     /// Logs a frame, received or sent at a time of the flight, seconds.
     pub(super) fn frame(&mut self, shared: &FlightShared, at_s: f64, bytes: &[u8]) {
-        let unix_us = self.begin_us + to_u64(at_s * 1e6);
+        let unix_us = self.begin_us + to_u64((at_s * 1e6).round());
         self.put(shared, LogEntry::Frame(unix_us, bytes.into()));
+    }
+
+    /// Logs a step of the flight, at a time of the flight, seconds.
+    pub(super) fn step(&mut self, shared: &FlightShared, at_s: f64, step: &Step) {
+        let header = MavHeader {
+            system_id: 0,
+            component_id: OWN_COMPONENT,
+            sequence: 0,
+        };
+        if let Some(message) = step.message() {
+            let raw = encode(header, &message, None);
+            self.frame(shared, at_s, raw.raw_bytes());
+        }
     }
 
     /// Logs a line about a decision.

@@ -70,9 +70,14 @@ impl FlightShared {
         }
     }
 
-    /// Time since the start of the flight, seconds.
+    /// Time since the start of the flight, seconds, in whole microseconds: as the log has it.
     pub(super) fn now_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "microseconds of a flight are exact for 285 years"
+        )]
+        let micros = self.start.elapsed().as_micros() as f64;
+        micros * 1e-6
     }
 
     pub(super) fn is_over(&self) -> bool {

@@ -61,6 +61,10 @@ const BETTER_HEIGHT_S: f64 = 3.0;
 /// A height is unknown after this long without a report of it, seconds; until then its error grows by this, metres per second.
 const HEIGHT_LIFETIME_S: f64 = 15.0;
 const HEIGHT_CLIMB_MPS: f64 = 8.0;
+/// After a silence of this or three usual intervals, seconds, a report may have waited in a queue: the places before it and the times of
+/// those that come with it, within this of each other, seconds, show no motion.
+const STALLED_S: f64 = 2.5;
+const AT_ONCE_S: f64 = 0.1;
 /// Longest usual time between reports, seconds.
 const LONGEST_INTERVAL_S: f64 = 5.0;
 
@@ -120,6 +124,8 @@ pub struct AircraftTrack {
     last: LocalReport,
     reported: VecDeque<ReportedPlace>,
     repeated_since_s: Option<f64>,
+    /// Whether the last report broke a silence, or came at once after one that did.
+    after_stall: bool,
 }
 
 impl AircraftTrack {
@@ -154,6 +160,7 @@ impl AircraftTrack {
             last: seen,
             reported: VecDeque::new(),
             repeated_since_s: None,
+            after_stall: false,
         };
         track.remember(&seen);
         track
@@ -380,6 +387,15 @@ impl AircraftTrack {
         }
         let since_s = seen.valid_s - self.last.valid_s;
         let off = seen.position_m - self.position_m(seen.valid_s);
+        let quiet_s = now_s - self.heard_s;
+        if quiet_s > self.silence_s(STALLED_S) {
+            self.reported.clear();
+            self.after_stall = true;
+        } else if self.after_stall && quiet_s < AT_ONCE_S {
+            self.reported.pop_back();
+        } else {
+            self.after_stall = false;
+        }
         self.take_velocity(seen);
         let new_height = seen.quality.altitude != self.quality.altitude;
         let better_height = self.has_better_height(seen);

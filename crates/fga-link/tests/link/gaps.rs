@@ -4,6 +4,8 @@ use crate::common::{GOOD, Intruder, World};
 use fga::avoider::State;
 use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
+use fga_link::traffic::{PlaceReport, ReportSender, ReportSource};
+use mavlink::dialects::ardupilotmega::MavMessage;
 
 const GAPS_S: [f64; 5] = [0.5, 1.0, 2.0, 3.0, 5.0];
 
@@ -170,5 +172,47 @@ fn reports_that_waited_in_a_stalled_link_show_no_false_velocity() {
         assert_eq!(false_velocity, None, "{begins_s}");
         assert_eq!(world.emulator.mode_changes().len(), 2);
         assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
+    }
+}
+
+/// A receiver stands still, and what it has missed comes at once, with the time of its arrival.
+#[test]
+fn reports_that_waited_in_a_stalled_feed_show_no_false_velocity() {
+    for (stall_s, every_s) in [(10.0, 1.0), (10.0, 0.5), (4.0, 1.0)] {
+        let mut world = World::new("", GOOD, 3);
+        let sender = ReportSender::receiver(ReportSource::Sbs, "feed");
+        let flights = [
+            Intruder::straight(0x00AB_0001, [800.0, 2000.0, 160.0], [0.0, -60.0, 0.0]),
+            Intruder::straight(0x00AB_0002, [-900.0, 200.0, 170.0], [30.0, 40.0, 0.0]),
+        ];
+        let (mut next_s, mut waiting) = (20.0, Vec::new());
+        let open_s = 30.0 + stall_s;
+        while world.time_s < 60.0 {
+            world.step();
+            if world.time_s >= next_s {
+                next_s += every_s;
+                for flight in &flights {
+                    let mut here = *flight;
+                    for (at, rate) in here.position_m.iter_mut().zip(flight.velocity_mps) {
+                        *at += rate * (world.time_s - 20.0);
+                    }
+                    waiting.push(world.report_of(&here));
+                }
+            }
+            if (30.0..open_s).contains(&world.time_s) {
+                continue;
+            }
+            for message in waiting.drain(..) {
+                let MavMessage::ADSB_VEHICLE(data) = message else {
+                    panic!("no report");
+                };
+                let now_s = world.time_s;
+                let report = PlaceReport::from_adsb(&data, sender, now_s, 15.0).expect("a place");
+                world.companion.take_report(&report, now_s);
+            }
+        }
+        let texts = world.emulator.texts();
+        let false_velocity = texts.iter().find(|text| text.contains("false velocity"));
+        assert_eq!(false_velocity, None, "{stall_s} {every_s}");
     }
 }

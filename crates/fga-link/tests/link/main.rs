@@ -34,6 +34,7 @@ mod pymavlink;
 mod rally;
 mod rates;
 mod receivers;
+mod repeats;
 mod robust;
 mod safety;
 mod safety_case;
