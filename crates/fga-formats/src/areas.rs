@@ -1,4 +1,4 @@
-//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them;
+//! Areas of a map and of authorities: GeoJSON (RFC 7946), KML 2.2 and KMZ, `OpenAir`, AIXM 5.1, and UAS geographical zones as EUROCAE ED-269 and ED-318 write them;
 //! fences of [`missions`].
 //!
 //! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. What of a file is no
@@ -7,25 +7,32 @@
 //! | file | an edge is |
 //! |---|---|
 //! | GeoJSON, ED-318, fences of missions | straight in longitude and latitude (RFC 7946, 3.1.1; flat coordinates of ArduPilot) |
-//! | KML, ED-269 | the shortest way on the ellipsoid |
+//! | KML, ED-269, `OpenAir`, AIXM | the shortest way on the ellipsoid |
 
+mod aixm;
+mod arcs;
 mod ed269;
 mod fences;
 mod geojson;
 mod kml;
 mod limits;
+mod openair;
 mod plane;
 #[cfg(test)]
 mod tests;
 
 use alloc::collections::BTreeMap;
 use core::fmt::Display;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
+use roxmltree::Document;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use zip::ZipArchive;
+use zip::result::ZipError;
 
-use crate::error::{InputError, json_sentence, read_text};
+use crate::error::{InputError, json_sentence, read_bytes, shown, text_of};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::missions;
 use crate::terrain::Area;
@@ -201,7 +208,56 @@ impl AreaLimit {
 /// An unreadable file, one of no kind that is read here, no polygon or circle at all, a ring that is not closed, a corner out of
 /// range, in ED-269 and ED-318 a limit without a known unit and reference.
 pub fn read(path: &Path) -> Result<AreaFile, InputError> {
-    parse(&read_text(path)?, path)
+    let bytes = read_bytes(path)?;
+    if !bytes.starts_with(b"PK\x03\x04") {
+        return parse(&text_of(&bytes), path);
+    }
+    let wrong = |error: ZipError| {
+        let message = format!("is no usable archive ({error}), expected a KMZ file")
+            .replace(char::is_control, " ");
+        InputError::in_file(path, message)
+    };
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
+    let names = archive.file_names().filter_map(Result::ok);
+    let is_map = |name: &String| name.to_ascii_lowercase().ends_with(".kml");
+    let names = names.map(|name| name.into_owned()).filter(is_map);
+    let mut names: Vec<String> = names.collect();
+    names.sort_by_key(|name| (name != "doc.kml", name.matches('/').count()));
+    let Some(first) = names.first() else {
+        let message = "is an archive without a .kml file, expected a KMZ file";
+        return Err(InputError::in_file(path, message));
+    };
+    let mut text = Vec::new();
+    let part = archive.by_name(first).map_err(wrong)?;
+    let read = part.take(MOST_BYTES).read_to_end(&mut text);
+    read.map_err(|error| wrong(error.into()))?;
+    let mut file = parse(&text_of(&text), path)?;
+    let more = names.len() - 1;
+    if more > 0 {
+        let words = counted(more, "other .kml file");
+        file.notes
+            .push(format!("{words} of the archive left out: {first} is read"));
+    }
+    Ok(file)
+}
+
+/// A file of an archive is read up to here, bytes.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// Whether a text is one of areas, by its beginning.
+pub fn is_areas(text: &str) -> bool {
+    let begin = text.trim_start_matches('\u{feff}').trim_start();
+    let words = [
+        "\"FeatureCollection\"",
+        "\"Feature\"",
+        "\"horizontalProjection\"",
+    ];
+    let roots = ["<kml", ":kml", "AIXMBasicMessage"];
+    let has = |all: &[&str]| all.iter().any(|word| begin.contains(word));
+    (begin.starts_with('{') && has(&words))
+        || (begin.starts_with('<') && has(&roots))
+        || openair::is_openair(begin)
+        || fences::fence_points(begin).is_some()
 }
 
 /// The same of a file's text; its content decides its kind.
@@ -217,7 +273,26 @@ pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
         others: BTreeMap::new(),
     };
     if text.trim_start().starts_with('<') {
-        areas.take_kml(text)?;
+        let document = Document::parse(text).map_err(|error| {
+            let line = u64::from(error.pos().row);
+            areas.unreadable(line, "KML", error.to_string().split(" at ").next())
+        })?;
+        let root = document.root_element().tag_name().name();
+        match root {
+            "kml" => areas.take_kml(&document)?,
+            "AIXMBasicMessage" => areas.take_aixm(&document)?,
+            _ => {
+                let root = shown(root);
+                let message = format!(
+                    "is XML of the kind {root}, expected KML or AIXM 5.1 (AIXMBasicMessage)"
+                );
+                return Err(InputError::in_file(path, message));
+            }
+        }
+    } else if openair::is_openair(text) {
+        areas.take_openair(text)?;
+    } else if fences::fence_points(text).is_some() {
+        areas.take_fence_points(text)?;
     } else if missions::is_mission(text) {
         areas.take_fences(text)?;
     } else if text.contains("\"horizontalProjection\"") {

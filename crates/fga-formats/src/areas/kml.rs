@@ -8,11 +8,7 @@ use super::{Areas, EdgeLine, NamedArea};
 use crate::error::{InputError, shown};
 
 impl Areas<'_> {
-    pub(super) fn take_kml(&mut self, text: &str) -> Result<(), InputError> {
-        let document = Document::parse(text).map_err(|error| {
-            let line = u64::from(error.pos().row);
-            self.unreadable(line, "KML", error.to_string().split(" at ").next())
-        })?;
+    pub(super) fn take_kml(&mut self, document: &Document<'_>) -> Result<(), InputError> {
         let is = |node: &Node<'_, '_>, name: &str| node.tag_name().name() == name;
         for node in document.descendants() {
             let what = match node.tag_name().name() {

@@ -115,7 +115,7 @@ impl SaidLimit {
         }
     }
 
-    fn take_reference(&mut self, value: &Value) {
+    pub(super) fn take_reference(&mut self, value: &Value) {
         // What a height counts from is no height.
         let height = self.height;
         match value.as_u64() {
@@ -238,6 +238,16 @@ fn side(words: &[String]) -> Option<usize> {
 }
 
 impl Areas<'_> {
+    /// A limit, or a note that says why there is none.
+    pub(super) fn named(&mut self, said: &SaidLimit, what: &str) -> Option<AreaLimit> {
+        said.limit().unwrap_or_else(|message| {
+            self.note(&format!(
+                "has the {what} limit {message}: it counts without one"
+            ));
+            None
+        })
+    }
+
     /// Takes the limits that properties state by names of their own, and names those that cannot be read.
     pub(super) fn take_limits(&mut self, properties: &Map<String, Value>) {
         let mut said = [SaidLimit::default(), SaidLimit::default()];
@@ -288,14 +298,9 @@ impl Areas<'_> {
                 continue;
             }
             said.unit_m = said.unit_m.or(shared.unit_m);
-            match (said.limit(), self.like.limits.get_mut(limit)) {
-                (Ok(found), Some(limit)) => *limit = found,
-                (Ok(_), None) => (),
-                (Err(message), _) => {
-                    self.note(&format!(
-                        "has the {what} limit {message}: it counts without one"
-                    ));
-                }
+            let found = self.named(&said, what);
+            if let Some(limit) = self.like.limits.get_mut(limit) {
+                *limit = found;
             }
         }
     }

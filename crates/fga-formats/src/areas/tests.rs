@@ -258,6 +258,175 @@ fn what_is_no_area_is_named_beside_areas() {
     assert_eq!(found.notes, named);
 }
 
+#[test]
+fn airspace_of_openair_is_read() {
+    let text = "* made\nAC R\nAN TEST R1\nAH 2000ft MSL\nAL GND\nV X=45:00:00 N 005:01:48 E\nDC 0.3\n\nAC D\nAN Arc\nAL 1500ft AGL\nAH FL65\n\
+        DP 45:00:00 N 005:00:00 E\nV X=45:00:00 N 005:06:00 E\nV D=+\nDB 45:06:00 N 005:06:00 E, 45:00:00 N 005:12:00 E\n\nAC Q\nAN Odd\n\
+        AL by NOTAM\nAH UNL\nDP 45:00:00 N 005:00:00 E\nDP 45:01:00 N 005:00:00 E\nDP 45:00:00 N 005:01:00 E\n";
+    let found = file(text).unwrap();
+    let [circle, arc, odd] = &found.areas[..] else {
+        panic!("{found:?}");
+    };
+    assert_eq!(circle.name.as_deref(), Some("TEST R1"));
+    let AreaOutline::Circle {
+        center_deg,
+        radius_m,
+    } = circle.outline
+    else {
+        panic!("{circle:?}");
+    };
+    assert!((radius_m - 555.6).abs() < 1e-3 && (center_deg[1] - 5.03).abs() < 1e-9);
+    assert_eq!(circle.limits[0], Some(above(Reference::Ground, 0.0)));
+    let [feet, level] = arc.limits.map(Option::unwrap);
+    assert_eq!(
+        (feet.above, level.above),
+        (Reference::Ground, Reference::Pressure)
+    );
+    assert!((level.height_m - 1981.2).abs() < 1e-9);
+    // A quarter of a circle to the right from north to east, 11.1 km round its centre shrinking to 7.9 km.
+    let AreaOutline::Polygon(rings) = &arc.outline else {
+        panic!("{arc:?}");
+    };
+    let north_east = rings[0]
+        .iter()
+        .filter(|at| at[0] > 45.01 && at[1] > 5.11)
+        .count();
+    assert!(north_east > 10 && rings[0].iter().all(|at| at[0] < 45.11 && at[1] < 5.21));
+    assert_eq!(arc.check(), Ok(()));
+    assert_eq!(odd.limits, [None; 2]);
+    assert_eq!(found.notes.len(), 1);
+    assert!(
+        found.notes[0].contains("area 3 (Odd) has the lower limit"),
+        "{:?}",
+        found.notes
+    );
+}
+
+#[test]
+fn airspace_of_aixm_is_read() {
+    let part = |limits: &str, ring: &str| {
+        format!(
+        "<aixm:geometryComponent><aixm:AirspaceGeometryComponent><aixm:operation>BASE</aixm:operation><aixm:theAirspaceVolume>
+        <aixm:AirspaceVolume>{limits}<aixm:horizontalProjection><aixm:Surface srsName=\"urn:ogc:def:crs:EPSG::4326\"><gml:patches>
+        <gml:PolygonPatch><gml:exterior>{ring}</gml:exterior></gml:PolygonPatch></gml:patches></aixm:Surface></aixm:horizontalProjection>
+        </aixm:AirspaceVolume></aixm:theAirspaceVolume></aixm:AirspaceGeometryComponent></aixm:geometryComponent>"
+    )
+    };
+    let limits = "<aixm:upperLimit uom=\"FL\">65</aixm:upperLimit><aixm:upperLimitReference>STD</aixm:upperLimitReference>
+        <aixm:lowerLimit uom=\"FT\">0</aixm:lowerLimit><aixm:lowerLimitReference>SFC</aixm:lowerLimitReference>";
+    let string = "<gml:Ring><gml:curveMember><gml:Curve><gml:segments><gml:GeodesicString><gml:posList>47.3 8.5 47.3 8.6 47.4 8.6 47.3 8.5
+        </gml:posList></gml:GeodesicString></gml:segments></gml:Curve></gml:curveMember></gml:Ring>";
+    let circle = "<gml:Ring><gml:curveMember><gml:Curve><gml:segments><gml:CircleByCenterPoint numArc=\"1\"><gml:pos>47.3 8.5</gml:pos>
+        <gml:radius uom=\"[nmi_i]\">2</gml:radius></gml:CircleByCenterPoint></gml:segments></gml:Curve></gml:curveMember></gml:Ring>";
+    let arc = "<gml:Ring><gml:curveMember><gml:Curve><gml:segments><gml:ArcByCenterPoint><gml:pos>47.3 8.5</gml:pos>
+        <gml:radius uom=\"km\">10</gml:radius><gml:startAngle uom=\"deg\">0</gml:startAngle><gml:endAngle uom=\"deg\">90</gml:endAngle>
+        </gml:ArcByCenterPoint><gml:GeodesicString><gml:pos>47.3 8.63</gml:pos><gml:pos>47.3 8.5</gml:pos></gml:GeodesicString></gml:segments>
+        </gml:Curve></gml:curveMember></gml:Ring>";
+    let border = "<gml:Ring><gml:curveMember xlink:href=\"#border\"/></gml:Ring>";
+    let parts = [
+        part(limits, string),
+        part("", circle),
+        part("", arc),
+        part("", border),
+    ]
+    .concat();
+    let text = format!(
+        "<?xml version=\"1.0\"?><message:AIXMBasicMessage xmlns:message=\"m\" xmlns:aixm=\"a\" xmlns:gml=\"g\" xmlns:xlink=\"x\">
+        <aixm:Airspace><aixm:timeSlice><aixm:AirspaceTimeSlice><aixm:type>R</aixm:type><aixm:designator>R1</aixm:designator>
+        <aixm:name>yard</aixm:name>{parts}</aixm:AirspaceTimeSlice></aixm:timeSlice></aixm:Airspace></message:AIXMBasicMessage>"
+    );
+    let found = file(&text).unwrap();
+    let [plain, round, quarter] = &found.areas[..] else {
+        panic!("{found:?}");
+    };
+    let limits = [
+        Some(above(Reference::Ground, 0.0)),
+        Some(above(Reference::Pressure, 65.0 * 100.0 * FOOT_M)),
+    ];
+    let near = |one: Option<AreaLimit>, other: Option<AreaLimit>| {
+        (one.unwrap().height_m - other.unwrap().height_m).abs() < 1e-9
+            && one.unwrap().above == other.unwrap().above
+    };
+    assert!(
+        near(plain.limits[0], limits[0]) && near(plain.limits[1], limits[1]),
+        "{plain:?}"
+    );
+    assert_eq!(plain.outline, triangle(None).outline);
+    assert_eq!(round.outline, self::circle("", 3704.0).outline);
+    let AreaOutline::Polygon(rings) = &quarter.outline else {
+        panic!("{quarter:?}");
+    };
+    assert!(rings[0].iter().all(|at| at[0] >= 47.299 && at[1] >= 8.499) && rings[0].len() > 20);
+    assert_eq!(
+        found.notes,
+        ["1 volume with an outline elsewhere (xlink) left out"]
+    );
+    refused(&[
+        (
+            "<gpx/>".into(),
+            "is XML of the kind \"gpx\", expected KML or AIXM 5.1",
+        ),
+        ("<m:AIXMBasicMessage xmlns:m=\"m\"/>".into(), "has no area"),
+    ]);
+}
+
+#[test]
+fn fence_points_of_ardupilot_are_a_fence_to_stay_in() {
+    let found =
+        file("45.0 5.0\n45.01 5.01\n44.99 5.01\n44.99 4.99\n45.01 4.99\n45.01 5.01\n").unwrap();
+    let corners = vec![[45.01, 5.01], [44.99, 5.01], [44.99, 4.99], [45.01, 4.99]];
+    assert_eq!(found.areas[0].outline, AreaOutline::Polygon(vec![corners]));
+    assert_eq!(found.areas[0].keep_in, Some(true));
+    assert_eq!(found.notes, ["1 return point left out"]);
+    refused(&[(
+        "45.0 5.0\n45.01 5.01\n44.99 5.01\n44.99 4.99\n".into(),
+        "is not closed",
+    )]);
+}
+
+#[test]
+fn an_archive_of_kml_is_read() {
+    use std::io::Write as _;
+    let kml = |name: &str| {
+        format!(
+        "<kml><Placemark><name>{name}</name><Polygon><outerBoundaryIs><LinearRing><coordinates>8.5,47.3 8.6,47.3 8.6,47.4 8.5,47.3</coordinates>
+        </LinearRing></outerBoundaryIs></Polygon></Placemark></kml>"
+    )
+    };
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    for (name, content) in [
+        ("files/a.png", String::new()),
+        ("more/b.kml", kml("b")),
+        ("doc.kml", kml("yard")),
+    ] {
+        archive.start_file(name, options).unwrap();
+        archive.write_all(content.as_bytes()).unwrap();
+    }
+    let bytes = archive.finish().unwrap().into_inner();
+    let path = std::env::temp_dir().join(format!("fga-areas-{}.kmz", std::process::id()));
+    let read_all = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        let found = read(&path);
+        std::fs::remove_file(&path).unwrap();
+        found
+    };
+    let found = read_all(&bytes).unwrap();
+    assert_eq!(found.areas, [geodesic(triangle(Some("yard")))]);
+    assert_eq!(
+        found.notes,
+        ["1 other .kml file of the archive left out: doc.kml is read"]
+    );
+    for keep in [5, bytes.len() / 2, bytes.len() - 1] {
+        let told = read_all(&bytes[..keep]).unwrap_err().to_string();
+        assert!(
+            told.contains("is no usable archive") && !told.contains('\n'),
+            "{told}"
+        );
+    }
+}
+
 fn frame(latitude_deg: f64, longitude_deg: f64) -> LocalFrame {
     let origin = Geodetic::new(latitude_deg, longitude_deg, 0.0).unwrap();
     LocalFrame::new(origin, Earth::Wgs84)

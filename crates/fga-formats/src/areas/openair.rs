@@ -1,0 +1,113 @@
+//! Airspace in `OpenAir`: <https://github.com/naviter/seeyou_file_formats/blob/main/OpenAir_File_Format_Support.md>.
+
+use openair::{Airspace, Altitude, Coord, Direction, Geometry, PolygonSegment};
+
+use super::arcs::CircleArc;
+use super::limits::SaidLimit;
+use super::{AreaLimit, Areas, EdgeLine, NamedArea, Reference};
+use crate::error::InputError;
+use crate::units::{FOOT_M, NAUTICAL_MILE_M};
+
+/// Whether a text begins like such a file: with remarks and a class.
+pub(super) fn is_openair(text: &str) -> bool {
+    let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with(['*', '#']));
+    first.is_some_and(|first| {
+        ["AC ", "AN ", "AI ", "AY "]
+            .iter()
+            .any(|word| first.starts_with(word))
+    })
+}
+
+impl Areas<'_> {
+    pub(super) fn take_openair(&mut self, text: &str) -> Result<(), InputError> {
+        for airspace in openair::parse(text.as_bytes()) {
+            let airspace = airspace.map_err(|error| {
+                let told = format!(
+                    "after {} areas {error}, expected a whole airspace",
+                    self.all.len()
+                );
+                self.unreadable(0, "OpenAir", Some(&told))
+            })?;
+            let Airspace {
+                name,
+                lower_bound,
+                upper_bound,
+                geom,
+                activation_times,
+                ..
+            } = airspace;
+            self.like = NamedArea {
+                name: name.as_deref().and_then(Self::name),
+                edges: EdgeLine::Geodesic,
+                is_timed: activation_times.is_some(),
+                ..NamedArea::default()
+            };
+            self.like.limits = [
+                self.altitude(&lower_bound, "lower"),
+                self.altitude(&upper_bound, "upper"),
+            ];
+            match geom {
+                Geometry::Circle {
+                    centerpoint,
+                    radius,
+                } => {
+                    let radius_m = f64::from(radius) * NAUTICAL_MILE_M;
+                    self.take_circle(&place(&centerpoint), radius_m)?;
+                }
+                Geometry::Polygon { segments } => {
+                    let mut ring: Vec<Vec<f64>> = segments.iter().flat_map(places).collect();
+                    ring.extend(ring.first().cloned());
+                    self.take(&[ring])?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn altitude(&mut self, said: &Altitude, what: &str) -> Option<AreaLimit> {
+        let feet = |feet: f64, above| {
+            Some(AreaLimit {
+                height_m: feet * FOOT_M,
+                above,
+            })
+        };
+        match said {
+            Altitude::Gnd => feet(0.0, Reference::Ground),
+            Altitude::FeetAmsl(height) => feet(f64::from(*height), Reference::Sea),
+            Altitude::FeetAgl(height) => feet(f64::from(*height), Reference::Ground),
+            Altitude::FlightLevel(level) => feet(100.0 * f64::from(*level), Reference::Pressure),
+            Altitude::Unlimited => None,
+            Altitude::Other(text) => {
+                let mut said = SaidLimit::default();
+                said.take(text);
+                self.named(&said, what)
+            }
+        }
+    }
+}
+
+fn place(at: &Coord) -> [f64; 2] {
+    [at.lng, at.lat]
+}
+
+fn places(segment: &PolygonSegment) -> Vec<Vec<f64>> {
+    let arc = match segment {
+        PolygonSegment::Point(at) => return vec![place(at).to_vec()],
+        PolygonSegment::Arc(arc) => {
+            let ends = [place(&arc.start), place(&arc.end)];
+            CircleArc::between(
+                place(&arc.centerpoint),
+                ends,
+                arc.direction == Direction::Cw,
+            )
+        }
+        PolygonSegment::ArcSegment(arc) => CircleArc {
+            center_deg: place(&arc.centerpoint),
+            radius_m: [f64::from(arc.radius) * NAUTICAL_MILE_M; 2],
+            bearing_deg: [arc.angle_start, arc.angle_end].map(f64::from),
+            clockwise: arc.direction == Direction::Cw,
+        },
+    };
+    arc.places()
+}
