@@ -43,6 +43,7 @@ extern crate alloc;
 pub mod ahead;
 pub mod baselines;
 pub mod batch;
+pub mod belief_pilot;
 pub mod campaign;
 mod corrupt;
 pub mod drawn;

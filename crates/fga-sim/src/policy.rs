@@ -7,9 +7,11 @@ use fga_paper::pilot::{PaperPilot, Rule};
 
 use crate::ahead::Ahead;
 use crate::baselines::Baseline;
+use crate::belief_pilot::BeliefPilot;
 use crate::own::{OwnPolicy, piped};
 pub use crate::policy_pilot::PolicyPilot;
 pub use crate::settings::PolicySettings;
+use crate::world::World;
 
 /// A policy by its name on the command line.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +20,8 @@ pub enum PolicyChoice {
     Avoider(Start),
     /// The mission, whatever comes.
     Mission,
+    /// The choice among the futures of a belief, in shadow.
+    Belief,
     /// One of the paper's rules.
     Paper(Rule),
     /// A baseline or a peer.
@@ -30,8 +34,13 @@ pub enum PolicyChoice {
 pub fn policy_names() -> String {
     let baselines = Baseline::every().map(Baseline::name);
     let baselines = baselines.collect::<Vec<_>>().join(", ");
-    format!("turn-aware, published, published-literal, circle, none, {baselines}, pipe:PROGRAM")
+    format!(
+        "turn-aware, published, published-literal, circle, none, belief, {baselines}, pipe:PROGRAM"
+    )
 }
+
+/// The name of the choice among the futures of a belief.
+const BELIEF: &str = "belief";
 
 /// The beginning of the name of a policy that is an object in Python.
 pub const PYTHON: &str = "python:";
@@ -71,6 +80,7 @@ impl PolicyChoice {
             "published-literal" => without_start(Self::Paper(Rule::AsPrinted)),
             "circle" => without_start(Self::Paper(Rule::Circle)),
             "none" => without_start(Self::Mission),
+            BELIEF => without_start(Self::Belief),
             other => match (Baseline::parse(other), start) {
                 (Some(baseline), None) => Ok(Self::Baseline(baseline)),
                 (Some(_), Some(start)) => Err(no_start(other, start)),
@@ -92,6 +102,11 @@ impl PolicyChoice {
         matches!(self, Self::Avoider(_))
     }
 
+    /// The world as it must see it, where that differs: reports without a tracker, and their errors.
+    pub fn sees(&self, world: &World) -> Option<World> {
+        (*self == Self::Belief).then(|| world.as_reported())
+    }
+
     /// The policy's name on the command line.
     pub fn name(&self) -> String {
         let start_name = |start: Start| match start {
@@ -104,6 +119,7 @@ impl PolicyChoice {
             Self::Avoider(Start::Latest) => "turn-aware --start latest".into(),
             Self::Avoider(start) => format!("turn-aware{}", start_name(*start)),
             Self::Mission => "none".into(),
+            Self::Belief => BELIEF.into(),
             Self::Paper(Rule::Corrected(start)) => format!("published{}", start_name(*start)),
             Self::Paper(Rule::AsPrinted) => "published-literal".into(),
             Self::Paper(Rule::Circle) => "circle".into(),
@@ -157,6 +173,15 @@ impl PolicyChoice {
                         Box::new(paper)
                     },
                 )
+            }
+            Self::Belief => {
+                avoider.check()?;
+                let pilot = BeliefPilot::new(vehicle, &settings.errors)?;
+                Ok(if vehicle.response.dead_time_s > 0.0 {
+                    Box::new(Ahead::new(pilot, vehicle))
+                } else {
+                    Box::new(pilot)
+                })
             }
             Self::Baseline(baseline) => baseline.pilot(avoider, vehicle),
             Self::Own(own) => Ok(Box::new(own.pilot(settings, vehicle)?)),

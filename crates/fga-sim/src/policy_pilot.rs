@@ -5,6 +5,7 @@ use fga::pilot::Pilot;
 use fga_paper::pilot::PaperPilot;
 
 use crate::ahead::Ahead;
+use crate::belief_pilot::BeliefPilot;
 use crate::mission_pilot::MissionPilot;
 use crate::own::FailureKind;
 
@@ -17,6 +18,7 @@ pub trait PolicyPilot: Pilot {
 }
 
 impl PolicyPilot for Avoider {}
+impl PolicyPilot for BeliefPilot {}
 impl PolicyPilot for MissionPilot {}
 impl PolicyPilot for PaperPilot {}
 impl<P: Pilot> PolicyPilot for Ahead<P> {}

@@ -214,10 +214,13 @@ fn differs(before: &Decision, now: &Decision) -> bool {
 /// # Errors
 /// Settings or limits that the core refuses.
 pub fn fly(
-    plan: Plan,
+    mut plan: Plan,
     policy: &PolicyChoice,
     watch: &mut dyn FnMut(&DecisionLog),
 ) -> Result<RunLog, SettingsError> {
+    if let Some(seen) = policy.sees(&plan.world) {
+        plan.world = seen;
+    }
     let mut pilot = policy.pilot(&plan.world.settings, &plan.world.vehicle)?;
     let mut engine = Engine::new();
     let mut logger = Logger {

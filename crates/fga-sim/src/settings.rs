@@ -1,6 +1,7 @@
 //! The decision settings of a vehicle file.
 
 use fga::avoider::Settings;
+use fga_belief::Errors;
 use fga_paper::pilot::{GridSteps, PaperSettings, Rule};
 
 /// The decision settings of a vehicle file; every policy takes its part.
@@ -10,6 +11,8 @@ pub struct PolicySettings {
     pub avoider: Settings,
     /// The grid of the paper's Algorithm 2.
     pub grid: GridSteps,
+    /// Errors of the reports of other aircraft, for policies that take reports.
+    pub errors: Errors,
 }
 
 impl PolicySettings {

@@ -205,6 +205,7 @@ fn settings(file: &VehicleFile, text: TomlText<'_>) -> Result<PolicySettings, In
     Ok(PolicySettings {
         avoider,
         grid: checks::grid(&file.grid, text)?,
+        ..PolicySettings::default()
     })
 }
 

@@ -130,4 +130,15 @@ impl World {
             recorded: None,
         }
     }
+
+    /// The same with its reports as they come: no tracker between them and a policy, which knows their errors.
+    pub(crate) fn as_reported(&self) -> Self {
+        let mut reported = self.clone();
+        let sensors = core::iter::once(&mut reported.sensor).chain(&mut reported.more_sensors);
+        for sensor in sensors {
+            sensor.tracked = false;
+        }
+        reported.settings.errors = self.sensor.errors();
+        reported
+    }
 }

@@ -118,6 +118,7 @@ fn fly_one<E: Send>(
     settings: &BatchSettings,
 ) -> Result<BatchRow, BatchError<E>> {
     let world = tracks.plan(number, settings)?.world;
+    let world = settings.policy.sees(&world).unwrap_or(world);
     let mut pilot = settings.policy.pilot(&world.settings, &world.vehicle)?;
     let asked = (number as u64, settings.tracks);
     Ok(row_of(engine, &world, pilot.as_mut(), asked))

@@ -125,6 +125,8 @@ impl<'a> CampaignFlyer<'a> {
         for (index, policy) in (0..).zip(&campaign.policies) {
             let reacted = campaign.reacted(&recorded, recording, policy)?;
             let world = reacted.as_ref().map_or(&recorded, |reacted| &reacted.world);
+            let seen = policy.sees(world);
+            let world = seen.as_ref().unwrap_or(world);
             let begun = std::time::Instant::now();
             let mut pilot = policy.pilot(&world.settings, &world.vehicle)?;
             self.flown.clear();

@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
+use fga_belief::{Errors, Sigma, Source};
 use fga_files::sensors::SensorSource;
 
 use crate::tracker::LookNoise;
@@ -114,6 +115,20 @@ impl SensorSettings {
 
     pub(super) fn is_noisy(&self) -> bool {
         self.look_noise().position_m > 0.0 || self.velocity_sigma_mps > 0.0
+    }
+
+    /// The errors of its reports.
+    pub(crate) fn errors(&self) -> Errors {
+        #[expect(clippy::cast_possible_truncation, reason = "standard deviations")]
+        let sigma = |value: f64| Sigma::new(value as f32, Source::Sensor);
+        Errors {
+            position_m: sigma(self.position_sigma_m),
+            altitude_m: sigma(self.altitude_sigma_m()),
+            velocity_mps: sigma(self.velocity_sigma_mps),
+            climb_mps: sigma(self.velocity_sigma_mps),
+            lasting_position_m: sigma(self.position_bias_m),
+            lasting_altitude_m: sigma(self.altitude_bias_m),
+        }
     }
 
     /// The larger σ of the errors that an obstacle keeps, metres.

@@ -1,0 +1,30 @@
+//! Prices, in metres of departure from the mission: what a user may weigh.
+//!
+//! Chosen on seed 1 of `campaigns/low-altitude-adsb.toml`; `docs/belief.md` has the curve along the first one.
+
+/// A loss of the protected volume, metres.
+pub const LOSS_M: f64 = 60_000.0;
+
+/// The inner part of the volume, as a multiple of a loss.
+pub const INNER: f64 = 0.5;
+
+/// A near mid-air collision, as a multiple of a loss.
+pub const COLLISION: f64 = 5.0;
+
+/// A metre of extra path, metres.
+pub const EXTRA_PATH: f64 = 2.0;
+
+/// A second away from the mission, metres.
+pub const SECOND_M: f64 = 10.0;
+
+/// A manoeuvre that begins, metres, where a loss is not likely.
+pub const START_M: f64 = 300.0;
+
+/// Another manoeuvre than the present one, metres.
+pub const CHANGE_M: f64 = 300.0;
+
+/// A conflict that is waited for ends by itself within this time, seconds, in 63 of 100 cases that end.
+pub const DISSOLVES_S: f64 = 10.0;
+
+/// A smaller chance of a loss on the mission is none.
+pub const NO_CHANCE: f64 = 1e-4;
