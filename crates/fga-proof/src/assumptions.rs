@@ -5,6 +5,7 @@
 //! | an obstacle as it was reported, straight on | [`Hazard::new`], [`Hazard::exact`] |
 //! | the same, made smaller because the aircraft is already in it | [`Hazard::seen`] |
 //! | a turn and a change of climb that an aircraft may fly | [`Hazard::motion`] |
+//! | an extent of somebody else's model | [`Hazard::given`] |
 //! | anything, to compare manoeuvres by | [`Hazard::compared`] |
 
 mod leaving;
@@ -31,6 +32,8 @@ pub enum Assumption {
     Reported,
     /// One motion out of all that its aircraft may fly.
     Possible,
+    /// An extent that somebody else answers for.
+    Given,
     /// A volume that the aircraft is already in, made smaller so that a way out of it keeps clear of the rest.
     Leaving,
     /// A volume to compare manoeuvres by: nothing is proven against it.
@@ -81,6 +84,11 @@ impl Hazard {
     /// The same obstacle with another extent.
     fn with(&self, extent: Extent) -> Self {
         Self::of(self.id, extent, self.stands_for)
+    }
+
+    /// An extent of somebody else's model, who answers for it.
+    pub fn given(id: u32, extent: Extent) -> Self {
+        Self::of(id, extent, Assumption::Given)
     }
 
     /// An extent to compare manoeuvres by.

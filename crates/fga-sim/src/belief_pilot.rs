@@ -48,7 +48,7 @@ impl Pilot for BeliefPilot {
         }
         self.choice = self.chooser.step(situation, &self.errors);
         let mut decision = Decision {
-            command: self.choice.command,
+            command: self.choice.command.into(),
             ..Decision::default()
         };
         decision.record.reason = if self.choice.avoids {

@@ -11,7 +11,9 @@ use core::ops::{Add, Mul, Neg, Sub};
 use crate::flown::{Flown, INTEGRATED_M, drawn, number};
 use crate::random::Random;
 use fga_proof::Vec3;
-use fga_proof::certificate::{ALWAYS, Around, Hazard, NO_DEPTH, prove};
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::{ALWAYS, Extent, Hazard, NO_DEPTH};
+use fga_proof::command::{Command, Terms};
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, Flyer, MotionState};
@@ -91,7 +93,7 @@ impl Mul<f64> for Interval {
 }
 
 /// The signed distance from an obstacle of a place at a time, by intervals.
-fn distance(hazard: &Hazard, place: [Interval; 3], time: Interval) -> Interval {
+fn distance(hazard: &Extent, place: [Interval; 3], time: Interval) -> Interval {
     let exactly = |value: f64| Interval(value, value);
     let zero = exactly(0.0);
     let center: [f64; 3] = hazard.position_m.into();
@@ -124,7 +126,7 @@ fn distance(hazard: &Hazard, place: [Interval; 3], time: Interval) -> Interval {
 }
 
 /// The distance from an obstacle from a moment of a flight until another time, by its velocity now and its acceleration.
-fn distance_until(flown: &Flown<'_>, hazard: &Hazard, (from_s, to_s): (f64, f64)) -> Interval {
+fn distance_until(flown: &Flown<'_>, hazard: &Extent, (from_s, to_s): (f64, f64)) -> Interval {
     let exactly = |value: f64| Interval(value, value);
     let after = Interval::outwards(from_s - flown.time_s, to_s - flown.time_s);
     let bend_m = 0.5 * flown.acceleration() * after.1 * after.1;
@@ -135,7 +137,7 @@ fn distance_until(flown: &Flown<'_>, hazard: &Hazard, (from_s, to_s): (f64, f64)
 }
 
 /// Whether a flight keeps a margin between two times within its next step, as far as an enclosure of a nanosecond can say.
-fn keeps(flown: &Flown<'_>, hazard: &Hazard, margin_m: f64, (from_s, to_s): (f64, f64)) -> bool {
+fn keeps(flown: &Flown<'_>, hazard: &Extent, margin_m: f64, (from_s, to_s): (f64, f64)) -> bool {
     let Interval(low, high) = distance_until(flown, hazard, (from_s, to_s));
     let middle_s = 0.5 * (from_s + to_s);
     low >= margin_m
@@ -148,7 +150,7 @@ fn keeps(flown: &Flown<'_>, hazard: &Hazard, margin_m: f64, (from_s, to_s): (f64
 /// The same in shorter steps, in which the flight bends less.
 fn keeps_finely(
     flown: &Flown<'_>,
-    hazard: &Hazard,
+    hazard: &Extent,
     margin_m: f64,
     (from_s, to_s): (f64, f64),
 ) -> bool {
@@ -172,18 +174,27 @@ struct Case {
     vehicle: Vehicle,
     start: MotionState,
     maneuver: Maneuver,
-    hazards: Vec<Hazard>,
+    hazards: Vec<Extent>,
     horizon_s: f64,
 }
 
 /// The margin that is certified of a case, metres, and the bound of the prediction's error.
 fn claim(case: &Case, path: &mut FlightPath) -> Option<(f64, f64)> {
     let flyer = Flyer::new(&case.vehicle);
-    path.predict(&flyer, &case.start, &case.maneuver, case.horizon_s);
-    let scene = (case.horizon_s, 0.0, 1e3);
-    let around = Around::only(&case.hazards);
-    let proven = prove(&flyer, path, around, scene, &Meter::unlimited());
-    proven.map(|proven| (proven.margin_m(), path.remainder_m()))
+    let terms = Terms::new(case.horizon_s, 0.0, 1e3)?;
+    let hazards: Vec<Hazard> = (case.hazards.iter())
+        .map(|extent| Hazard::given(1, *extent))
+        .collect();
+    let proof = Command::from(case.maneuver).prove(
+        (&flyer, &mut *path),
+        &case.start,
+        &Assumptions::only(&hazards),
+        &terms,
+        &Meter::unlimited(),
+    );
+    proof
+        .ok()
+        .map(|proof| (proof.bound().margin_m, path.remainder_m()))
 }
 
 /// Whether the flight keeps a margin from the hazards.
@@ -267,7 +278,7 @@ impl Random {
         Vec3::from_array([0; 3].map(|_| self.within(-size, size)))
     }
 
-    fn hazard(&mut self, near: Vec3, at_s: f64, speed_mps: f64) -> Hazard {
+    fn hazard(&mut self, near: Vec3, at_s: f64, speed_mps: f64) -> Extent {
         let velocity_mps = if self.chance(0.3) {
             Vec3::ZERO
         } else {
@@ -287,8 +298,7 @@ impl Random {
         let away = self.vector(1.0).normalize_or(Vec3::X);
         // Just outside of it, or a little farther.
         let off_m = reach * self.within(0.9, 1.3) + self.scaled(1e-3, 30.0);
-        Hazard {
-            id: 1,
+        Extent {
             position_m: near - velocity_mps * at_s + away * off_m,
             velocity_mps,
             volume,
