@@ -15,6 +15,9 @@ pub const MOST_ANGLE_RAD: f64 = 1e4;
 /// Bound of what rounding adds to a distance, metres (proof.md §8).
 pub const ROUNDED_M: f64 = 2e-5;
 
+/// Bound of what rounding adds to a course, radians (proof.md §8).
+pub const ROUNDED_RAD: f64 = 2e-10;
+
 /// Numbers with limits.
 pub trait Limit {
     /// Within [low, high]. Unlike `f64::clamp` it never panics: limits in the wrong order give the

@@ -4,7 +4,7 @@ use super::hazard::{Extent, Line, Obstruction};
 use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
-use crate::meter::{LOOK, Meter};
+use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::ProtectedVolume;
 use crate::zone::{ALL_HEIGHTS_M, Outline, Span, Zone, meet, span_m};
 use crate::{Vec2, Vec3};
@@ -26,6 +26,9 @@ pub const STEEPEST: f64 = 10.0;
 
 /// Farther up or down than any flight, metres.
 const HIGHEST_M: f64 = 1e6;
+
+/// More work than a circle takes.
+const CIRCLE_WORK: u32 = 50 * LEAST_STEP as u32;
 
 /// Edges of a polygon that follow one another.
 #[derive(Debug, Clone, Copy)]
@@ -164,7 +167,8 @@ impl Fixed<'_> {
                 runs.flat_map(|run| zone.edges_from(run.first as usize).take(RUN))
             };
             let most_m = least.map_or(below_m, |(least_m, _)| least_m);
-            least = zone.least_on_line(edges, over, most_m).or(least);
+            let found = zone.least_on_line(&edges, over, most_m, meter);
+            least = found.or(least);
         }
         least
     }
@@ -286,115 +290,180 @@ impl Obstruction for Fixed<'_> {
     }
 }
 
+/// The least distance so far, metres, and its moment, seconds after the beginning of a line.
+struct Least(f64, f64);
+
+impl Least {
+    fn note(&mut self, distance_m: f64, after_s: f64) {
+        if distance_m - ROUNDED_M < self.0 {
+            *self = Self(distance_m - ROUNDED_M, after_s);
+        }
+    }
+}
+
+/// A line with the heights at which a zone counts as one height: heights above and below that are left.
+struct Flat<'a> {
+    line: &'a Line,
+    heights_m: (f64, f64),
+}
+
+impl Flat<'_> {
+    fn at_m(&self, after_s: f64) -> Vec3 {
+        let at_m = self.line.from_m + self.line.velocity_mps * after_s;
+        let (low_m, high_m) = self.heights_m;
+        at_m.with_z(at_m.z - at_m.z.limited(low_m, high_m))
+    }
+
+    /// Its parts above, within and below the heights, by their moments, seconds, and their ends, metres.
+    fn parts(&self) -> impl Iterator<Item = ((f64, Vec3), (f64, Vec3))> {
+        let (low_m, high_m) = self.heights_m;
+        let Line {
+            from_m,
+            velocity_mps,
+            duration_s,
+            ..
+        } = *self.line;
+        let [low_s, high_s] =
+            [low_m, high_m].map(|z_m| ((z_m - from_m.z) / velocity_mps.z).limited(0.0, duration_s));
+        let (first_s, second_s) = (low_s.min(high_s), low_s.max(high_s));
+        let parts_s = [(0.0, first_s), (first_s, second_s), (second_s, duration_s)];
+        parts_s
+            .into_iter()
+            .filter(move |(from_s, to_s)| from_s < to_s || duration_s == 0.0)
+            .map(|(from_s, to_s)| ((from_s, self.at_m(from_s)), (to_s, self.at_m(to_s))))
+    }
+}
+
 impl Zone<'_> {
-    /// The least distance of a line over the ground from it, metres, at most a given one; negative on the wrong side.
+    /// The least distance of a line over the ground from it, metres, at most a given one; negative on the wrong side. It takes
+    /// [`Self::work`].
     pub fn nearest_m(&self, line: &Line, most_m: f64) -> f64 {
         if self.is_entered(line.from_m) {
             return -ROUNDED_M;
         }
-        let least = self.least_on_line(|near_m| self.edges_near(near_m), line, most_m);
+        let meter = Meter::new(CIRCLE_WORK, CIRCLE_WORK);
+        let least = self.least_on_line(&|near_m| self.edges_near(near_m), line, most_m, &meter);
         least.map_or(most_m, |(least_m, _)| least_m)
     }
 
+    /// What a look at it takes, in units of work.
+    pub fn work(&self) -> usize {
+        match self.outline {
+            Outline::Polygon(corners_m) => corners_m.len(),
+            Outline::Circle(..) => CIRCLE_WORK as usize,
+        }
+    }
+
     /// The least distance of a line over the ground from it, metres, and the moment of that, seconds, if below one. It is negative if
-    /// the line, which begins on the right side, enters it: then as far as the line ends beyond its edges.
+    /// the line, which begins on the right side, enters it: then as far as the line ends beyond its edges. Minus infinity if the
+    /// meter refuses work.
     fn least_on_line<E: Iterator<Item = (Vec2, Vec2)>>(
         &self,
-        edges: impl Fn(Span) -> E,
+        edges: &impl Fn(Span) -> E,
         line: &Line,
         below_m: f64,
+        meter: &Meter,
     ) -> Option<(f64, f64)> {
-        let (floor_m, ceiling_m) = self.heights_m;
-        let (from_m, duration_s) = (line.from_m, line.duration_s);
-        let at_m = |after_s| from_m + line.velocity_mps * after_s;
-        let mut least = (below_m, 0.0);
-        let mut note = |distance_m: f64, after_s| {
-            if distance_m - ROUNDED_M < least.0 {
-                least = (distance_m - ROUNDED_M, after_s);
-            }
-            least.0
-        };
+        let mut least = Least(below_m, 0.0);
         match self.outline {
-            // What is inside of a convex volume is nearest to its surface at an end of a line.
-            _ if self.keep_in => {
-                for after_s in [0.0, duration_s] {
-                    let at_m = at_m(after_s);
-                    note((at_m.z - floor_m).min(ceiling_m - at_m.z), after_s);
-                    if let Outline::Circle(center_m, radius_m) = self.outline {
-                        note(radius_m - at_m.truncate().distance(center_m), after_s);
-                    }
+            Outline::Circle(center_m, radius_m) if !self.keep_in => {
+                let cylinder = self.cylinder(center_m, radius_m);
+                if let Some((distance_m, at_s)) = cylinder.least_on_line(line, below_m, meter) {
+                    least.note(distance_m, at_s - line.at_s);
                 }
             }
-            Outline::Circle(center_m, radius_m) => {
-                let (floor_m, ceiling_m) = (floor_m.max(-HIGHEST_M), ceiling_m.min(HIGHEST_M));
-                let volume = ProtectedVolume::Cylinder {
-                    radius_m,
-                    half_height_m: 0.5 * (ceiling_m - floor_m),
+            _ => {
+                let mut flat = Flat {
+                    line,
+                    heights_m: self.heights_m,
                 };
-                let center_m = center_m.extend(0.5 * (floor_m + ceiling_m));
-                let cylinder = Extent::exact(center_m, Vec3::ZERO, volume);
-                let found = cylinder.least_on_line(line, below_m, &Meter::unlimited());
-                found.map(|(distance_m, at_s)| note(distance_m, at_s - line.at_s));
-            }
-            Outline::Polygon(_) => {}
-        }
-        let (low_m, high_m) = if self.keep_in {
-            ALL_HEIGHTS_M
-        } else {
-            self.heights_m
-        };
-        // Its height above and below all that counts as one.
-        let flat_m = |after_s| {
-            let at_m = at_m(after_s);
-            at_m.with_z(at_m.z - at_m.z.limited(low_m, high_m))
-        };
-        let [low_s, high_s] = [low_m, high_m]
-            .map(|z_m| ((z_m - from_m.z) / line.velocity_mps.z).limited(0.0, duration_s));
-        let moments_s = [0.0, low_s.min(high_s), low_s.max(high_s), duration_s];
-        let mut from_s = 0.0;
-        for (index, to_s) in moments_s.into_iter().enumerate() {
-            if to_s == from_s && (1..3).contains(&index) {
-                continue;
-            }
-            let (from_m, to_m) = (flat_m(from_s), flat_m(to_s));
-            let is_over = |most_m| to_m.z.abs() < most_m && self.surrounds(&edges, to_m.truncate());
-            if (low_m, high_m) != ALL_HEIGHTS_M && is_over(note(f64::INFINITY, 0.0) + ROUNDED_M) {
-                note(to_m.z.abs(), to_s);
-            }
-            if from_s < to_s || duration_s == 0.0 {
-                let most_m = Vec2::splat(note(f64::INFINITY, 0.0).max(0.0) + ROUNDED_M);
-                let (low_m, high_m) = span_m([from_m, to_m].map(Vec3::truncate));
-                for edge_m in edges((low_m - most_m, high_m + most_m)) {
-                    let (distance_m, share) = to_edge((from_m, to_m), edge_m, most_m.x);
-                    note(distance_m, from_s + share * (to_s - from_s));
+                if self.keep_in {
+                    self.note_ends(line, &mut least);
+                    flat.heights_m = ALL_HEIGHTS_M;
                 }
-            }
-            from_s = to_s;
-        }
-        if least.0 < 0.0 && matches!(self.outline, Outline::Polygon(_)) {
-            // The farther from its edges the line ends on the other side, the deeper it enters.
-            let ends_m = [flat_m(0.0), flat_m(duration_s)];
-            let [from, to] = ends_m.map(Vec3::truncate);
-            let is_left = |a: Vec2, b: Vec2, at: Vec2| (b - a).perp_dot(at - a) > 0.0;
-            let (mut crosses, mut deep_m) = (false, DEEPEST_M);
-            for (a, b) in edges((Vec2::NEG_INFINITY, Vec2::INFINITY)) {
-                crosses ^= is_left(from, to, a) != is_left(from, to, b)
-                    && is_left(a, b, from) != is_left(a, b, to);
-                deep_m = to_edge((ends_m[1], ends_m[1]), (a, b), deep_m)
-                    .0
-                    .min(deep_m);
-            }
-            // Of a zone with a floor or a ceiling all edges are known.
-            let is_beyond = if (low_m, high_m) == ALL_HEIGHTS_M {
-                crosses
-            } else {
-                ends_m[1].z == 0.0 && self.surrounds(&edges, to)
-            };
-            if is_beyond {
-                least.0 = least.0.min(-deep_m);
+                self.note_edges(edges, &flat, &mut least);
+                if least.0 < 0.0 && matches!(self.outline, Outline::Polygon(_)) {
+                    let deep_m = self.deep_m(edges, &flat).unwrap_or(0.0);
+                    least.0 = least.0.min(-deep_m);
+                }
             }
         }
         (least.0 < below_m).then_some((least.0, line.at_s + least.1))
+    }
+
+    /// A circle that the aircraft keeps out of.
+    fn cylinder(&self, center_m: Vec2, radius_m: f64) -> Extent {
+        let (floor_m, ceiling_m) = self.heights_m;
+        let (floor_m, ceiling_m) = (floor_m.max(-HIGHEST_M), ceiling_m.min(HIGHEST_M));
+        let volume = ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m: 0.5 * (ceiling_m - floor_m),
+        };
+        let center_m = center_m.extend(0.5 * (floor_m + ceiling_m));
+        Extent::exact(center_m, Vec3::ZERO, volume)
+    }
+
+    /// What is inside of a convex volume is nearest to its surface at an end of a line: heights, and a circle.
+    fn note_ends(&self, line: &Line, least: &mut Least) {
+        let (floor_m, ceiling_m) = self.heights_m;
+        for after_s in [0.0, line.duration_s] {
+            let at_m = line.from_m + line.velocity_mps * after_s;
+            least.note((at_m.z - floor_m).min(ceiling_m - at_m.z), after_s);
+            if let Outline::Circle(center_m, radius_m) = self.outline {
+                least.note(radius_m - at_m.truncate().distance(center_m), after_s);
+            }
+        }
+    }
+
+    /// A line is nearest to a polygon at an edge, or where it begins, ends, or meets floor or ceiling over it.
+    fn note_edges<E: Iterator<Item = (Vec2, Vec2)>>(
+        &self,
+        edges: &impl Fn(Span) -> E,
+        flat: &Flat<'_>,
+        least: &mut Least,
+    ) {
+        let note_over = |at_m: Vec3, after_s: f64, least: &mut Least| {
+            if flat.heights_m != ALL_HEIGHTS_M
+                && at_m.z.abs() < least.0 + ROUNDED_M
+                && self.surrounds(edges, at_m.truncate())
+            {
+                least.note(at_m.z.abs(), after_s);
+            }
+        };
+        note_over(flat.at_m(0.0), 0.0, least);
+        for ((from_s, from_m), (to_s, to_m)) in flat.parts() {
+            note_over(to_m, to_s, least);
+            let most_m = Vec2::splat(least.0.max(0.0) + ROUNDED_M);
+            let (low_m, high_m) = span_m([from_m, to_m].map(Vec3::truncate));
+            for edge_m in edges((low_m - most_m, high_m + most_m)) {
+                let (distance_m, share) = to_edge((from_m, to_m), edge_m, most_m.x);
+                least.note(distance_m, from_s + share * (to_s - from_s));
+            }
+        }
+    }
+
+    /// How far a line ends beyond the edges of a polygon that it enters, metres: the farther, the deeper it enters.
+    fn deep_m<E: Iterator<Item = (Vec2, Vec2)>>(
+        &self,
+        edges: &impl Fn(Span) -> E,
+        flat: &Flat<'_>,
+    ) -> Option<f64> {
+        let (begin_m, end_m) = (flat.at_m(0.0), flat.at_m(flat.line.duration_s));
+        let (from, to) = (begin_m.truncate(), end_m.truncate());
+        let is_left = |a: Vec2, b: Vec2, at: Vec2| (b - a).perp_dot(at - a) > 0.0;
+        let (mut crosses, mut deep_m) = (false, DEEPEST_M);
+        for (a, b) in edges((Vec2::NEG_INFINITY, Vec2::INFINITY)) {
+            crosses ^= is_left(from, to, a) != is_left(from, to, b)
+                && is_left(a, b, from) != is_left(a, b, to);
+            deep_m = to_edge((end_m, end_m), (a, b), deep_m).0.min(deep_m);
+        }
+        // Of a zone with a floor or a ceiling all edges are known.
+        let is_beyond = if flat.heights_m == ALL_HEIGHTS_M {
+            crosses
+        } else {
+            end_m.z == 0.0 && self.surrounds(edges, to)
+        };
+        is_beyond.then_some(deep_m)
     }
 }
 

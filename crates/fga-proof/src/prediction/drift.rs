@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::limit::ROUNDED_M;
+use crate::limit::{ROUNDED_M, ROUNDED_RAD};
 use crate::maneuver::Stage;
 use crate::prediction::{Flyer, MotionState, Piece};
 
@@ -83,9 +83,12 @@ impl Drift {
         }
     }
 
-    /// Bound of the distance of the flight from the predicted one, metres, which goes straight on for some seconds.
-    pub(super) fn remainder_m(&self, flyer: &Flyer, straight_s: f64) -> f64 {
-        let rolls_m = self.per_bank * self.bank_rad * flyer.bank_time_constant_s();
-        self.place_m + flyer.airspeed_mps() * (self.course_rad * straight_s.max(0.0) + rolls_m)
+    /// Bound of the distance of the flight from the predicted one up to a horizon, seconds, metres; it goes straight on from a
+    /// moment, seconds.
+    pub(super) fn remainder_m(&self, flyer: &Flyer, horizon_s: f64, straight_s: f64) -> f64 {
+        let rolls_rad = self.per_bank * self.bank_rad * flyer.bank_time_constant_s();
+        let straight_rad = self.course_rad * (horizon_s - straight_s).max(0.0);
+        let rounded_rad = ROUNDED_RAD * horizon_s.max(straight_s);
+        self.place_m + flyer.airspeed_mps() * (straight_rad + rolls_rad + rounded_rad)
     }
 }

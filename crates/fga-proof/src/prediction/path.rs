@@ -271,7 +271,7 @@ impl FlightPath {
             }
             state = end;
         }
-        self.remainder_m = drift.remainder_m(flyer, horizon_s - state.time_s);
+        self.remainder_m = drift.remainder_m(flyer, horizon_s, state.time_s);
         self.end_velocity_mps = flyer.velocity_mps(&state);
         self.complete = self.nodes.push(Node::straight(state)).is_some();
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
