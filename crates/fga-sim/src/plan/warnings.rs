@@ -12,15 +12,37 @@ use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::words::counted;
 
 use super::Plan;
+use crate::engine::{Engine, Observer, Sample};
+use crate::policy::PolicyChoice;
 use crate::sensor::SensorSettings;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
-use crate::world::World;
+use crate::world::{Ending, World, WorldZone};
 
 /// A place nearer to the origin is not suspected of exchanged coordinates, metres.
 const NEAR_M: f64 = 100e3;
 /// Exchanged coordinates bring a place nearer to the origin by this factor at least.
 const MUCH_NEARER: f64 = 10.0;
+
+/// What is nearer to a limit or a zone is not known to be beyond it, metres.
+const KNOWN_M: f64 = 0.1;
+
+/// How far a flight comes to the wrong side of some zones: the least margin of each, metres, and its time, seconds.
+struct Overshoot<'a> {
+    zones: Vec<&'a WorldZone>,
+    worst: Vec<(f64, f64)>,
+}
+
+impl Observer for Overshoot<'_> {
+    fn sample(&mut self, sample: &Sample) {
+        for (zone, worst) in self.zones.iter().zip(&mut self.worst) {
+            let margin_m = zone.margin_m(sample.position_m);
+            if margin_m < worst.0 {
+                *worst = (margin_m, sample.time_s);
+            }
+        }
+    }
+}
 
 impl Plan {
     /// Warnings about the flight, the gravest first; empty for most files.
@@ -35,6 +57,8 @@ impl Plan {
             warnings.extend(self.covered());
             warnings.extend(self.absent());
             warnings.extend(self.crossed());
+            warnings.extend(self.beyond_limits());
+            warnings.extend(self.overshot());
             warnings.extend(self.distant());
             warnings.extend(self.low());
         }
@@ -102,11 +126,62 @@ impl Plan {
                     index + 1
                 )),
                 None if zone.is_entered(start_m) => {
-                    Some(format!("the aircraft starts {on} {name}: it takes the nearest way out"))
+                    Some(format!("the aircraft starts {on} {name}: it flies its mission as it is given"))
                 }
                 None => None,
             }
         })
+    }
+
+    /// The first leg of the mission beyond a limit of altitude.
+    fn beyond_limits(&self) -> Option<String> {
+        let (floor_m, ceiling_m) = self.world.limits_m;
+        let beyond = |at_m: &Vec3| !(floor_m - KNOWN_M..=ceiling_m + KNOWN_M).contains(&at_m.z);
+        let index = self.world.mission_m.iter().position(beyond)?;
+        let at_m = self.world.mission_m[index].z;
+        let (side, key, limit_m) = if at_m < floor_m {
+            ("below", "floor_m", floor_m)
+        } else {
+            ("above", "ceiling_m", ceiling_m)
+        };
+        Some(format!(
+            "waypoint {} at {at_m} m is {side} {key} of {limit_m} m: the mission is flown as it is given",
+            index + 1
+        ))
+    }
+
+    /// The zones that the flown mission is on the wrong side of where its legs are not: a turn overshoots.
+    fn overshot(&self) -> Vec<String> {
+        let is_clear = |zone: &&WorldZone| {
+            let mut legs = self.world.mission_m.windows(2);
+            legs.all(|leg| zone.zone().nearest_m(&Line::between(leg[0], leg[1]), 0.0) >= 0.0)
+        };
+        let zones: Vec<&WorldZone> = self.world.zones.iter().filter(is_clear).collect();
+        let alone = World {
+            obstacles: Vec::new(),
+            ending: Ending::MissionFlown,
+            ..self.world.clone()
+        };
+        let policy = PolicyChoice::Mission.pilot(&alone.settings, &alone.vehicle);
+        let Some(mut pilot) = policy.ok().filter(|_| !zones.is_empty()) else {
+            return Vec::new();
+        };
+        let mut flown = Overshoot {
+            worst: vec![(-KNOWN_M, 0.0); zones.len()],
+            zones,
+        };
+        Engine::new().fly(&alone, pilot.as_mut(), &mut flown);
+        let overshot = flown.zones.iter().zip(&flown.worst);
+        let overshot = overshot.filter(|(_, (margin_m, _))| *margin_m < -KNOWN_M);
+        let sentence = |(zone, (margin_m, at_s)): (&&WorldZone, &(f64, f64))| {
+            let enters = if zone.keep_in() { "leaves" } else { "enters" };
+            format!(
+                "a turn of the mission {enters} {} by {:.1} m at {at_s:.1} s, where its legs do not: it is flown as it is given",
+                zone.name(),
+                -margin_m
+            )
+        };
+        overshot.map(sentence).collect()
     }
 
     /// The lowest leg of the mission that is lower than it takes to clear the ground, and the first one over unknown ground; otherwise the
@@ -149,7 +224,7 @@ impl Plan {
             && warnings.is_empty()
         {
             warnings.push(format!(
-                "the aircraft starts {above_m:.1} m above the ground, {asked}: it climbs first"
+                "the aircraft starts {above_m:.1} m above the ground, {asked}: it flies its mission as it is given"
             ));
         }
         warnings
