@@ -124,8 +124,8 @@ pub struct AircraftTrack {
     last: LocalReport,
     reported: VecDeque<ReportedPlace>,
     repeated_since_s: Option<f64>,
-    /// Whether the last report broke a silence, or came at once after one that did.
-    after_stall: bool,
+    /// When a report last broke a silence, seconds.
+    stall_ended_s: f64,
 }
 
 impl AircraftTrack {
@@ -160,7 +160,7 @@ impl AircraftTrack {
             last: seen,
             reported: VecDeque::new(),
             repeated_since_s: None,
-            after_stall: false,
+            stall_ended_s: f64::NEG_INFINITY,
         };
         track.remember(&seen);
         track
@@ -390,11 +390,9 @@ impl AircraftTrack {
         let quiet_s = now_s - self.heard_s;
         if quiet_s > self.silence_s(STALLED_S) {
             self.reported.clear();
-            self.after_stall = true;
-        } else if self.after_stall && quiet_s < AT_ONCE_S {
+            self.stall_ended_s = now_s;
+        } else if now_s - self.stall_ended_s < AT_ONCE_S {
             self.reported.pop_back();
-        } else {
-            self.after_stall = false;
         }
         self.take_velocity(seen);
         let new_height = seen.quality.altitude != self.quality.altitude;

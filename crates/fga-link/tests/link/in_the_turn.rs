@@ -1,5 +1,6 @@
 //! What changes while a manoeuvre is flown: the traffic's reports, the airspeed, home, the fence, who commands, whether the vehicle is
 //! armed. Judged by what the vehicle did and where it was.
+#![allow(clippy::cast_possible_truncation, reason = "small numbers")]
 
 use fga_emulator::PlaneMode;
 use fga_link::authority::Authority;
