@@ -26,6 +26,8 @@
 #![deny(clippy::panic, clippy::indexing_slicing)]
 
 #[cfg(test)]
+extern crate alloc;
+#[cfg(test)]
 extern crate std;
 
 pub mod angle;

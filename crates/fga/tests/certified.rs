@@ -55,32 +55,10 @@ fn every_chosen_manoeuvre_has_a_proof() {
     assert!(certified > 1000 && open > 10, "{certified} and {open}");
 }
 
-/// A flight among one to three obstacles that keep their velocity, between altitudes near the leg: how many decisions said certified,
-/// and how many leaving.
-fn judge(random: &mut Random, lag_s: f64, drift_mps: f64) -> (u32, u32) {
-    let vehicle = if lag_s > 0.0 {
-        Vehicle::lagged(lag_s)
-    } else {
-        Vehicle::table_4()
-    };
-    let settings = Settings {
-        drift_mps,
-        ..Settings::default()
-    };
-    let mut avoider = Avoider::new(settings, vehicle).unwrap();
-    let flyer = Flyer::new(&vehicle);
-    let z_m = 100.0;
-    let limits_m = (
-        z_m - random.within(0.5, 12.0),
-        z_m + random.within(0.5, 12.0),
-    );
-    let waypoints_m = [Vec3::Z * z_m, Vec3::new(3000.0, 0.0, z_m)];
-    let mission = Mission {
-        limits_m,
-        ..Mission::new(&waypoints_m)
-    };
-    let count = 1 + (random.unit() * 3.0) as u32;
-    let obstacles: Vec<Obstacle> = (1..=count)
+/// One to three obstacles that keep their velocity and come near a leg at an altitude, metres.
+fn drawn_obstacles(random: &mut Random, z_m: f64) -> Vec<Obstacle> {
+    let count = 1 + u32::from(random.chance(0.6)) + u32::from(random.chance(0.4));
+    (1..=count)
         .map(|id| {
             let (met_s, (sin, cos)) = (random.within(3.0, 25.0), random.within(0.0, TAU).sin_cos());
             let speed_mps = random.within(0.0, 30.0);
@@ -111,7 +89,34 @@ fn judge(random: &mut Random, lag_s: f64, drift_mps: f64) -> (u32, u32) {
                 ..Obstacle::straight(id, from_m, velocity_mps, volume)
             }
         })
-        .collect();
+        .collect()
+}
+
+/// A flight among one to three obstacles that keep their velocity, between altitudes near the leg: how many decisions said certified,
+/// and how many leaving.
+fn judge(random: &mut Random, lag_s: f64, drift_mps: f64) -> (u32, u32) {
+    let vehicle = if lag_s > 0.0 {
+        Vehicle::lagged(lag_s)
+    } else {
+        Vehicle::table_4()
+    };
+    let settings = Settings {
+        drift_mps,
+        ..Settings::default()
+    };
+    let mut avoider = Avoider::new(settings, vehicle).unwrap();
+    let flyer = Flyer::new(&vehicle);
+    let z_m = 100.0;
+    let limits_m = (
+        z_m - random.within(0.5, 12.0),
+        z_m + random.within(0.5, 12.0),
+    );
+    let waypoints_m = [Vec3::Z * z_m, Vec3::new(3000.0, 0.0, z_m)];
+    let mission = Mission {
+        limits_m,
+        ..Mission::new(&waypoints_m)
+    };
+    let obstacles = drawn_obstacles(random, z_m);
     let mut state = MotionState {
         position_m: waypoints_m[0],
         ..MotionState::ahead(0.0)

@@ -379,7 +379,7 @@ mod tests {
             let x = (f64::from(kernel) + 0.5) / f64::from(kernels);
             let power = |s: f64, n: i32| (s - x).max(0.0).powi(n);
             let rates = nodes.as_flattened();
-            let rates: std::vec::Vec<_> = rates
+            let rates: alloc::vec::Vec<_> = rates
                 .iter()
                 .map(|(s, w)| (*s, *w, 0.5 * power(*s, 2)))
                 .collect();
