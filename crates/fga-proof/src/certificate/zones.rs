@@ -4,7 +4,7 @@ use super::hazard::{Hazard, Line, Obstruction};
 use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::list::List;
-use crate::meter::{LEAST_STEP, LOOK, Meter};
+use crate::meter::{LOOK, Meter};
 use crate::situation::ProtectedVolume;
 use crate::zone::{ALL_HEIGHTS_M, Outline, Span, Zone, meet, span_m};
 use crate::{Vec2, Vec3};
@@ -24,8 +24,8 @@ const DEEPEST_M: f64 = 1e3;
 /// Farther up or down than any flight, metres.
 const HIGHEST_M: f64 = 1e6;
 
-/// More work than a circle takes.
-const CIRCLE_WORK: u32 = 50 * LEAST_STEP as u32;
+/// More work than the steps to the least distance from a circle take.
+const CIRCLE_WORK: u32 = 100;
 
 /// Edges of a polygon that follow one another.
 #[derive(Debug, Clone, Copy)]
