@@ -336,9 +336,7 @@ impl<'a> Flown<'a> {
         let vehicle = self.vehicle;
         let climb_left = self.climbs_to(&stage) - self.climb;
         let climb_rate = reaches(climb_left, vehicle.climb_rate_radps, &mut lasts_s);
-        let step = if !is_ideal {
-            self.lagged(&stage, command, lasts_s)
-        } else {
+        let step = if is_ideal {
             let most = self.gain() * self.full_rad(stage.rate_share).tan();
             let rate = reaches(stage.course_rad - self.course, most, &mut lasts_s);
             let courses = [0.5, 1.0].map(|share| self.course + rate * share * lasts_s);
@@ -348,6 +346,8 @@ impl<'a> Flown<'a> {
                 courses,
                 rolled_out: courses[1],
             }
+        } else {
+            self.lagged(&stage, command, lasts_s)
         };
         let lasts_s = step.lasts_s;
         let climbs = [0.5, 1.0].map(|share| self.climb + climb_rate * share * lasts_s);
