@@ -27,7 +27,7 @@ pub const STEEPEST: f64 = 10.0;
 /// Farther up or down than any flight, metres.
 const HIGHEST_M: f64 = 1e6;
 
-/// More work than a circle takes: 40 steps towards its least margin, of two units each.
+/// More work than the steps to the least distance from a circle take.
 const CIRCLE_WORK: u32 = 100;
 
 /// Edges of a polygon that follow one another.

@@ -360,30 +360,24 @@ mod tests {
     /// By Peano's theorem: the largest integral of the absolute error for the third derivative's kernels (x − s)²/2.
     #[test]
     fn the_shares_of_bow_and_wave_are_those_of_peanos_kernel() {
-        let moments = |abscissa_and_rate: &[(f64, f64, f64)]| {
-            let sum = |f: &dyn Fn(f64) -> f64| -> f64 {
-                abscissa_and_rate
-                    .iter()
-                    .map(|(s, w, r)| w * r * f(*s))
-                    .sum()
-            };
-            (
-                3.0 * sum(&|s| 2.0 * s - 1.0),
-                5.0 * sum(&|s| 1.0 + 6.0 * s * (s - 1.0)),
-            )
-        };
-        let nodes = GAUSS.map(|(s, w)| [(s, w), (1.0 - s, w)]);
+        let [(first, outer), (second, inner)] = GAUSS;
+        let nodes = [
+            (first, outer),
+            (second, inner),
+            (1.0 - second, inner),
+            (1.0 - first, outer),
+        ];
         let (mut bow, mut wave) = ([0.0_f64; 101], [0.0_f64; 101]);
         let kernels = 2000;
         for kernel in 0..kernels {
             let x = (f64::from(kernel) + 0.5) / f64::from(kernels);
             let power = |s: f64, n: i32| (s - x).max(0.0).powi(n);
-            let rates = nodes.as_flattened();
-            let rates: alloc::vec::Vec<_> = rates
-                .iter()
-                .map(|(s, w)| (*s, *w, 0.5 * power(*s, 2)))
-                .collect();
-            let (linear, quadratic) = moments(&rates);
+            let moment = |polynomial: &dyn Fn(f64) -> f64| -> f64 {
+                let terms = nodes.map(|(s, w)| 0.5 * w * power(s, 2) * polynomial(s));
+                terms.iter().sum()
+            };
+            let linear = 3.0 * moment(&|s| 2.0 * s - 1.0);
+            let quadratic = 5.0 * moment(&|s| 1.0 + 6.0 * s * (s - 1.0));
             let mean = power(1.0, 3) / 6.0;
             for (k, (bow, wave)) in bow.iter_mut().zip(&mut wave).enumerate() {
                 let t = k as f64 / 100.0;
