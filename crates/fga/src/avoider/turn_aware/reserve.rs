@@ -94,7 +94,7 @@ impl Avoider<dyn Places + '_> {
         if !is_time || self.may_wait(nominal, now, SMALL_TURN_RAD) {
             return None;
         }
-        self.highest(0..WANTED + 1, &Maneuver::HOLD, now, &mut |search| {
+        self.highest(0..=WANTED, &Maneuver::HOLD, now, &mut |search| {
             search.cheapest(0.0)
         })
         .filter(|answer| answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD)
