@@ -93,3 +93,15 @@ fn no_margin_is_certified_that_another_program_does_not_fly() {
         "{rows:?}"
     );
 }
+
+#[test]
+fn in_corridors_no_fence_is_left_and_every_aircraft_comes_back() {
+    let rows = experiment(&["corridors", "25", "1"]);
+    let counts: Vec<&String> = rows.iter().filter(|row| !row.starts_with(' ')).collect();
+    assert_eq!(counts.len(), 3, "{rows:?}");
+    for row in counts {
+        let is_kept =
+            row.contains("fence left 0,") && row.contains("backwards for more than 30 s 0;");
+        assert!(is_kept && row.ends_with("not ended 0"), "{row}");
+    }
+}

@@ -231,8 +231,8 @@ pub struct Mission<'a> {
     pub waypoints_m: &'a [Vec3],
     /// The passing of each waypoint; fly-by beyond the end of this list.
     pub passing: &'a [Passing],
-    /// The lowest and the highest altitude that a manoeuvre may come to, metres; infinite without a limit. The waypoints lie
-    /// between them, by more than the distance kept beyond volumes.
+    /// The lowest and the highest altitude that a manoeuvre may come to, metres; infinite without a limit. It may come as low
+    /// and as high as the waypoints.
     pub limits_m: (f64, f64),
     /// The zones that a manoeuvre keeps out of or within. One that the present leg soon is on the wrong side of does
     /// not bind: the mission is flown as it is given.
