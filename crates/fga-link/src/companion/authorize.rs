@@ -68,7 +68,7 @@ impl Companion {
             if !on_leg {
                 let beside_m = self.route.beside_leg_m(state).unwrap_or(0.0);
                 self.voice
-                    .warn(&format!("fga: given back {beside_m:.0} m beside the leg"));
+                    .warn(&format!("fga: gives back {beside_m:.0} m beside the leg"));
             }
             self.fly_straight(now_s);
             self.keep(now_s, |keeper| keeper.hand_back(now_s));

@@ -136,6 +136,7 @@ impl Companion {
         let response = self.response();
         for (name, value) in [
             ("FGA_TURN", response.turn_rate_factor),
+            ("FGA_STEEP", self.lead.steep_response().turn_rate_factor),
             ("FGA_LAG", response.bank_time_constant_s),
             ("FGA_DEAD", response.dead_time_s),
         ] {

@@ -20,6 +20,8 @@ use fga_formats::geodesy::Geodetic;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::player::{PlayedState, sbs_lines};
 use fga_link::replay::{Replayed, replay};
+use fga_link::steps::Step;
+use fga_link::tlog::{TlogReader, TlogWriter};
 use fga_link::{Companion, Config};
 use serde_json::Value;
 
@@ -76,6 +78,18 @@ fn replayed(log: &Path, config: &str) -> (Replayed, Vec<Value>) {
     (done.expect("a replay"), lines)
 }
 
+/// Copies a log without the steps of its flight.
+fn write_without_steps(from: &Path, to: &Path) {
+    let mut reader = TlogReader::new(File::open(from).expect("a log"));
+    let mut writer = TlogWriter::new(File::create(to).expect("a file"));
+    while let Some(logged) = reader.next_frame().expect("a frame") {
+        if Step::of_message(&logged.frame.message).is_none() {
+            let written = writer.write(logged.unix_us, logged.frame.bytes());
+            written.expect("a written frame");
+        }
+    }
+}
+
 #[test]
 fn a_log_repeats_its_flight_to_the_step() {
     let live = Live::udp(None, None);
@@ -114,6 +128,23 @@ fn a_log_repeats_its_flight_to_the_step() {
         assert_eq!(flown, repeated, "line {number}");
     }
     assert_eq!(flown.len(), repeated.len());
+    // Without its steps, as an older log: the same take-over, at another moment.
+    let old = out.join("old.tlog");
+    write_without_steps(&log, &old);
+    let (done, repeated) = replayed(&old, &config);
+    let taken_s = |lines: &[Value]| {
+        let takes = |line: &&Value| line["kind"] == "set-mode" && line["mode"] == "GUIDED";
+        lines
+            .iter()
+            .find(takes)
+            .and_then(|line| line["t_s"].as_f64())
+    };
+    let (flown_s, again_s) = (taken_s(&flown), taken_s(&repeated));
+    let off_s = flown_s.zip(again_s).map(|(a, b)| (a - b).abs());
+    assert!(
+        !done.repeats && off_s.is_some_and(|s| s < 0.3),
+        "{flown_s:?} {again_s:?}"
+    );
     // Another configuration repeats nothing, and says so.
     let (done, _) = replayed(&log, &format!("{config}\n[command]\nrate_hz = 10.0\n"));
     assert!(!done.repeats);
