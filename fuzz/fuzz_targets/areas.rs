@@ -9,7 +9,7 @@ use std::path::Path;
 
 fuzz_target!(|text: &str| {
     let all = match areas::parse(text, Path::new("areas")) {
-        Ok(all) => all,
+        Ok(file) => file.areas,
         Err(error) => {
             assert!(!error.message.contains('\n'), "{error}");
             return;

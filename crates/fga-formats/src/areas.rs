@@ -21,6 +21,7 @@ mod plane;
 #[cfg(test)]
 mod tests;
 
+use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
 use core::fmt::Display;
 use std::io::{Cursor, Read};
@@ -220,7 +221,7 @@ pub fn read(path: &Path) -> Result<AreaFile, InputError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(wrong)?;
     let names = archive.file_names().filter_map(Result::ok);
     let is_map = |name: &String| name.to_ascii_lowercase().ends_with(".kml");
-    let names = names.map(|name| name.into_owned()).filter(is_map);
+    let names = names.map(Cow::into_owned).filter(is_map);
     let mut names: Vec<String> = names.collect();
     names.sort_by_key(|name| (name != "doc.kml", name.matches('/').count()));
     let Some(first) = names.first() else {

@@ -41,6 +41,33 @@ const FLOOR_BELOW_M: f64 = 30.0;
 /// A mission is flown so far inside of the limits of altitude, metres.
 const INSIDE_M: f64 = 1.0;
 
+/// Heights that are farther apart than this, where some count from the sea and others from the origin, are named, metres.
+const MIXED_M: f64 = 50.0;
+
+/// A sentence about an obstacle far above or below a mission, where the height of one of them counts from the sea, in degrees, and that
+/// of the other one from the origin, in metres.
+fn mixed(
+    [mission, obstacle]: [bool; 2],
+    origin_m: f64,
+    name: &str,
+    at_m: Vec3,
+    mission_m: &[Vec3],
+) -> Option<String> {
+    let apart_m = |waypoint: &Vec3| (waypoint.z - at_m.z).abs();
+    let apart_m = mission_m.iter().map(apart_m).fold(f64::INFINITY, f64::min);
+    if mission == obstacle || origin_m.abs() <= MIXED_M || apart_m <= MIXED_M {
+        return None;
+    }
+    let [sea, local] = if mission {
+        [name, "the mission"]
+    } else {
+        ["the mission", name]
+    };
+    Some(format!(
+        "{name} begins {apart_m:.0} m above or below all waypoints: heights of {sea} (degrees) count from the sea, those of {local} (metres) from the origin, which is {origin_m:.0} m above it"
+    ))
+}
+
 /// Reads a scenario; `vehicle` replaces the vehicle in the file.
 ///
 /// # Errors
@@ -86,7 +113,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let terrain = terrain.map(|table| terrain::read(table, &places, &flown_m));
     let (terrain, ground) = terrain.transpose()?.unzip();
     let reach_m = (start.position_m, flies_m);
-    let (zones, notes) = zones::all(&file.zone, &places, terrain.as_ref(), reach_m)?;
+    let (zones, mut notes) = zones::all(&file.zone, &places, terrain.as_ref(), reach_m)?;
     let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;
@@ -113,6 +140,18 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
                     ),
                 ));
             }
+        }
+        let table = entry.get_ref();
+        let is_local = [
+            file.mission.waypoints_m.is_some(),
+            table.position_m.is_some(),
+        ];
+        let origin_m = places
+            .frame
+            .as_ref()
+            .map_or(0.0, |frame| frame.origin().altitude_m);
+        if let Some((at_m, _)) = obstacle.track.at(0.0) {
+            notes.extend(mixed(is_local, origin_m, &name, at_m, &mission_m));
         }
         names.push(name);
         obstacles.push(obstacle);

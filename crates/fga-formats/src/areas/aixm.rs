@@ -75,7 +75,7 @@ impl Areas<'_> {
                     Err(message) => self.leave_out(&format!("volume with {message}")),
                     Ok(outlines) => match outlines.as_slice() {
                         [Outline::Circle(center, radius_m)] => {
-                            self.take_circle(center, *radius_m)?
+                            self.take_circle(center, *radius_m)?;
                         }
                         outlines => {
                             let rings = outlines.iter().filter_map(|outline| match outline {
@@ -117,7 +117,7 @@ impl Areas<'_> {
 /// The outline of a ring of GML.
 fn outline(ring: Element<'_>) -> Result<Outline, String> {
     let mut places: Vec<Vec<f64>> = Vec::new();
-    for node in ring.descendants().filter(|node| node.is_element()) {
+    for node in ring.descendants().filter(Node::is_element) {
         if node
             .attributes()
             .any(|attribute| attribute.name() == "href")
@@ -126,7 +126,7 @@ fn outline(ring: Element<'_>) -> Result<Outline, String> {
         }
         match node.tag_name().name() {
             "GeodesicString" | "Geodesic" | "LineStringSegment" | "LinearRing" => {
-                places.extend(positions(node)?)
+                places.extend(positions(node)?);
             }
             "CircleByCenterPoint" => {
                 let center = center(node)?;
@@ -185,7 +185,7 @@ fn positions(node: Element<'_>) -> Result<Vec<Vec<f64>>, String> {
         for pair in numbers.chunks(2) {
             match *pair {
                 [longitude, latitude] if is_longitude_first => {
-                    places.push(vec![longitude, latitude])
+                    places.push(vec![longitude, latitude]);
                 }
                 [latitude, longitude] => places.push(vec![longitude, latitude]),
                 _ => return Err("half a position".into()),

@@ -84,7 +84,7 @@ impl SaidLimit {
         self.height = Some(number);
     }
 
-    /// Takes a value, or an object of value, unit and reference, as OpenAIP writes it.
+    /// Takes a value, or an object of value, unit and reference, as `OpenAIP` writes it.
     fn take_value(&mut self, value: &Value) {
         match value {
             Value::Number(number) => {
@@ -105,7 +105,7 @@ impl SaidLimit {
         }
     }
 
-    /// A unit by its name, or by its number at OpenAIP.
+    /// A unit by its name, or by its number at `OpenAIP`.
     pub(super) fn take_unit(&mut self, value: &Value) {
         match value.as_u64() {
             Some(0) => self.word("M"),

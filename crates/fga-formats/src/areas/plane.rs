@@ -230,8 +230,9 @@ fn near(polygon: &Polygon<f64>, window: &Rect<f64>) -> Vec<Polygon<f64>> {
 }
 
 fn polygon_of(rings: &[Vec<Vec2>]) -> Polygon<f64> {
-    let line =
-        |ring: &Vec<Vec2>| LineString::from_iter(ring.iter().map(|at| Coord { x: at.x, y: at.y }));
+    let line = |ring: &Vec<Vec2>| -> LineString<f64> {
+        ring.iter().map(|at| Coord { x: at.x, y: at.y }).collect()
+    };
     let (outline, holes) = rings.split_first().unzip();
     Polygon::new(
         outline.map_or_else(|| LineString::new(Vec::new()), line),

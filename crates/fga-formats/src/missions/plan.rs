@@ -282,6 +282,10 @@ fn take(
             .try_for_each(|value| take(value, count, reader, false));
     }
     let Some(approach) = found.landing_approach_coordinate else {
+        if value.get("grid").is_some() || value.get("Grid").is_some() {
+            let message = "is a survey without its items, as old stations wrote it, expected one that a newer QGroundControl saved again";
+            return Err(reader.error(&item, message));
+        }
         let message = format!(
             "is a complex item of type {}, expected a survey, a scan or a landing pattern with its items",
             crate::error::shown(&found.kind)

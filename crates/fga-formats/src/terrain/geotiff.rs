@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
-use roxmltree::Document;
+use roxmltree::{Document, Node};
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -199,6 +199,7 @@ fn gray_mask(
 /// An error of the reader as words without its line breaks.
 fn sentence(error: &TiffError) -> String {
     let words = error.to_string().replace('\n', " ");
+    let words = words.replace("Unknown(34887)", "LERC");
     format!(
         "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW or PackBits"
     )
@@ -304,7 +305,7 @@ impl Metadata {
         let mut found = Self::default();
         let document = Document::parse(text)
             .map_err(|error| format!("has unreadable metadata of GDAL ({error}), expected XML"))?;
-        for item in document.descendants().filter(|node| node.is_element()) {
+        for item in document.descendants().filter(Node::is_element) {
             let value = item.text().unwrap_or_default().trim();
             let number = || {
                 let number = value.parse().ok().filter(|number: &f64| number.is_finite());

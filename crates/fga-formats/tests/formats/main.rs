@@ -15,6 +15,7 @@ mod encounters;
 mod export;
 mod flight_log;
 mod missions;
+mod mutated;
 mod recordings;
 mod sbs;
 mod terrain;

@@ -49,6 +49,9 @@ pub(super) fn all(
     Ok((zones, notes))
 }
 
+/// An outline on the plane, and its holes.
+type OutlineAndHoles = (WorldOutline, Vec<Vec<Vec2>>);
+
 /// The zones of a file of areas, each with what else its table says.
 struct AreaFile<'a> {
     entry: &'a Spanned<ZoneTable>,
@@ -91,9 +94,12 @@ impl AreaFile<'_> {
         let alone = count == 1;
         let mut all = Vec::new();
         for (mut area, number) in file.areas.into_iter().zip(1..) {
-            let otherwise = || match alone {
-                true => otherwise.clone(),
-                false => format!("{otherwise}, area {number}"),
+            let otherwise = || {
+                if alone {
+                    otherwise.clone()
+                } else {
+                    format!("{otherwise}, area {number}")
+                }
             };
             let name = area.name.take().unwrap_or_else(otherwise);
             let whole = |outline| {
@@ -198,7 +204,7 @@ impl AreaFile<'_> {
         &self,
         name: &str,
         area: &NamedArea,
-    ) -> Result<(Vec<(WorldOutline, Vec<Vec<Vec2>>)>, f64), InputError> {
+    ) -> Result<(Vec<OutlineAndHoles>, f64), InputError> {
         let what = format!("a corner of {name}");
         let local = |at: &[f64; 2]| level(self.places, self.path, &what, at);
         let rings = match &area.outline {
