@@ -16,6 +16,9 @@ const STEP_S: f64 = 1.0;
 /// Most steps from a report to the next: a longer gap has longer steps.
 const MOST_STEPS: usize = 8;
 
+/// A belief ends after this time without a report, seconds.
+const ENDS_AFTER_S: f64 = 8.0;
+
 /// Least σ of a report, metres and metres per second: a report is rounded, and flight is no model.
 const ROUNDED: f32 = 0.05;
 
@@ -143,6 +146,11 @@ impl Belief {
     /// The time of the last report, seconds.
     pub const fn time_s(&self) -> f64 {
         self.time_s
+    }
+
+    /// Whether its last report is too long ago.
+    pub fn has_ended(&self, time_s: f64) -> bool {
+        time_s - self.time_s > ENDS_AFTER_S
     }
 
     /// The bounds of the aircraft's manoeuvres.

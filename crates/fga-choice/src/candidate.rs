@@ -54,15 +54,15 @@ impl Scene<'_> {
     /// The stages of a way from a moment on, for an aircraft at an altitude.
     pub(crate) fn push(&self, way: &Way, from_s: f64, altitude_m: f64, command: &mut Maneuver) {
         let vehicle = self.vehicle;
+        let (floor_m, ceiling_m) = self.route.mission.limits_m;
+        let highest_m = (self.altitude_m + MOST_ASIDE_M).min(ceiling_m);
         let lowest_m = LOWEST_M
             .min(self.altitude_m)
-            .max(self.altitude_m - MOST_ASIDE_M);
+            .max(self.altitude_m - MOST_ASIDE_M)
+            .max(floor_m);
         let (climb_rad, left_m) = match way.up {
             Up::Level => (0.0, 0.0),
-            Up::Climb => (
-                vehicle.climb_max_rad,
-                self.altitude_m + MOST_ASIDE_M - altitude_m,
-            ),
+            Up::Climb => (vehicle.climb_max_rad, highest_m - altitude_m),
             Up::Descent => (vehicle.climb_min_rad, altitude_m - lowest_m),
         };
         let course_rad = self.leg_rad + way.turn_rad;

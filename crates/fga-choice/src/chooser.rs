@@ -22,9 +22,6 @@ const MOST_KNOWN: usize = 16;
 /// Most aircraft whose futures are weighed: the nearest ones.
 const MOST_WEIGHED: usize = 4;
 
-/// An aircraft is forgotten after this time without a report, seconds.
-const FORGOTTEN_S: f64 = 8.0;
-
 /// Shortest and longest time between two choices, seconds: at a report, or without one.
 const PERIOD_S: (f64, f64) = (0.45, 0.95);
 
@@ -41,7 +38,6 @@ const LATER_WAYS: usize = 12;
 #[derive(Debug, Clone, Copy)]
 struct Known {
     id: u32,
-    seen_s: f64,
     volume: ProtectedVolume,
     belief: Belief,
 }
@@ -195,7 +191,6 @@ impl Chooser {
                 // Between reports it is carried on alone.
                 if report.time_s > known.belief.time_s() + 1e-6 {
                     known.belief.update(&report);
-                    known.seen_s = situation.time_s;
                     has_news = true;
                 }
                 known.volume = obstacle.volume;
@@ -204,7 +199,6 @@ impl Chooser {
             let bounds = obstacle.movement.bounds();
             let known = Known {
                 id: obstacle.id,
-                seen_s: situation.time_s,
                 volume: obstacle.volume,
                 belief: Belief::new(&report, &bounds.unwrap_or(STILL)),
             };
@@ -216,7 +210,7 @@ impl Chooser {
             }
         }
         for slot in self.known.iter_mut() {
-            *slot = slot.filter(|known| situation.time_s - known.seen_s < FORGOTTEN_S);
+            *slot = slot.filter(|known| !known.belief.has_ended(situation.time_s));
         }
         has_news
     }

@@ -57,6 +57,9 @@ pub struct SensorSource {
     /// Whether noisy looks become tracks by a Kalman filter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracked: Option<bool>,
+    /// Whether a belief makes these tracks, in place of the Kalman filter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub belief: Option<bool>,
 }
 
 impl SensorSource {

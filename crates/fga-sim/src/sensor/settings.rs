@@ -22,6 +22,8 @@ pub struct SensorSettings {
     /// Whether noisy looks become tracks by a Kalman filter; without it each look passes
     /// unchanged.
     pub tracked: bool,
+    /// Whether a belief makes the tracks, in place of the Kalman filter.
+    pub by_belief: bool,
     /// Horizontal field of view, radians, half of it to either side of the course; a full turn
     /// sees all around.
     pub field_of_regard_rad: f64,
@@ -54,6 +56,7 @@ impl Default for SensorSettings {
             position_sigma_m: 0.0,
             velocity_sigma_mps: 0.0,
             tracked: true,
+            by_belief: false,
             field_of_regard_rad: core::f64::consts::TAU,
             detection_probability: 1.0,
             delay_s: 0.0,
@@ -78,6 +81,7 @@ impl From<&SensorSource> for SensorSettings {
             position_sigma_m: source.position_sigma_m.unwrap_or_default(),
             velocity_sigma_mps: source.velocity_sigma_mps.unwrap_or_default(),
             tracked: source.tracked.unwrap_or(false),
+            by_belief: source.belief.unwrap_or(false),
             field_of_regard_rad: source
                 .field_of_regard_deg
                 .map_or(perfect.field_of_regard_rad, f64::to_radians),

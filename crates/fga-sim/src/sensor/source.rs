@@ -1,7 +1,8 @@
 //! One source: what it sees, look by look.
 
 use fga::Vec3;
-use fga::situation::{Obstacle, Uncertainty};
+use fga::situation::{MovementBounds, Obstacle, Uncertainty};
+use fga_belief::{Belief, Report};
 
 use super::SensorSettings;
 use super::noise::{BIASES, CHART, DROPOUTS, EQUIPPED, MISSES, Noise};
@@ -13,6 +14,8 @@ use crate::tracker::TrackEstimate;
 struct KnownAircraft {
     /// Its track, where looks are noisy.
     track: Option<TrackEstimate>,
+    /// The belief about it, where beliefs make the tracks.
+    belief: Option<Belief>,
     /// The error that its position keeps, metres.
     bias_m: Vec3,
     /// The error of the chart, metres, once it is drawn.
@@ -254,6 +257,9 @@ fn with_noise(
         let sigma_m = settings.position_sigma_m;
         seen.position_m += noise.vector(Vec3::new(sigma_m, sigma_m, settings.altitude_sigma_m()));
         seen.velocity_mps += noise.vector(Vec3::splat(settings.velocity_sigma_mps));
+        if settings.tracked && settings.by_belief {
+            return believed(seen, time_s, settings, known);
+        }
         let sigmas = settings.look_noise();
         let (position_m, velocity_mps) = (seen.position_m, seen.velocity_mps);
         let first = TrackEstimate::new(time_s, position_m, velocity_mps, &sigmas);
@@ -275,6 +281,45 @@ fn with_noise(
         seen.position_m += known.bias_m;
         seen.uncertainty.position_m = libm::hypot(seen.uncertainty.position_m, bias_m);
     }
+    seen
+}
+
+/// A noisy sight as the belief about it has it: its means, and the larger σ of position and altitude.
+fn believed(
+    mut seen: Obstacle,
+    time_s: f64,
+    settings: &SensorSettings,
+    known: &mut KnownAircraft,
+) -> Obstacle {
+    #[expect(clippy::cast_possible_truncation, reason = "a delay of seconds")]
+    let carried_s = settings.delay_s as f32;
+    let report = Report {
+        time_s: time_s - settings.delay_s,
+        position_m: seen.position_m,
+        velocity_mps: Some(seen.velocity_mps),
+        carried_s,
+        errors: settings.errors(),
+    };
+    let bounds = seen.movement.bounds().unwrap_or(MovementBounds::CREWED);
+    let old = known.belief.filter(|belief| !belief.has_ended(time_s));
+    let belief = old.map_or_else(
+        || Belief::new(&report, &bounds),
+        |mut belief| {
+            belief.update(&report);
+            belief
+        },
+    );
+    known.belief = Some(belief);
+    let estimate = belief.at(time_s);
+    let [across, up] = [estimate.horizontal_variance, estimate.vertical_variance];
+    let sigma = Uncertainty {
+        position_m: libm::sqrt(across[0].max(up[0])),
+        velocity_mps: libm::sqrt(across[1].max(up[1])),
+    };
+    seen.position_m = estimate.position_m + known.bias_m;
+    seen.velocity_mps = estimate.velocity_mps;
+    seen.uncertainty = both(sigma, seen.uncertainty);
+    seen.uncertainty.position_m = libm::hypot(seen.uncertainty.position_m, settings.bias_m());
     seen
 }
 

@@ -165,6 +165,7 @@ pub(crate) fn sensor(
         position_sigma_m: given!(text, noise.position_m not_negative; usual.position_sigma_m),
         velocity_sigma_mps: given!(text, noise.velocity_mps not_negative; usual.velocity_sigma_mps),
         tracked: table.tracked.unwrap_or(usual.tracked),
+        by_belief: usual.by_belief,
         field_of_regard_rad: regard.map_or(Ok(usual.field_of_regard_rad), |degrees| {
             let degrees = text.within("field_of_regard_deg", degrees, (1.0, 360.0));
             degrees.map(f64::to_radians)

@@ -3,6 +3,7 @@
 
 extern crate alloc;
 
+mod belief;
 mod bounded;
 mod certificates;
 mod charted;
