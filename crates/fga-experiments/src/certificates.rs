@@ -88,7 +88,17 @@ impl Compared {
     }
 }
 
+/// A drawn vehicle for which a certificate may be made.
 fn vehicle(random: &mut Random) -> Vehicle {
+    loop {
+        let vehicle = any_vehicle(random);
+        if vehicle.check().is_ok() {
+            return vehicle;
+        }
+    }
+}
+
+fn any_vehicle(random: &mut Random) -> Vehicle {
     let airspeed_mps = random.within(Range(8.0, 60.0));
     let bank = random.within(Range(0.2, 1.05));
     let climb = random.within(Range(0.0, 0.4));

@@ -214,6 +214,22 @@ mod tests {
     }
 
     #[test]
+    fn a_bank_that_lags_behind_the_turn_is_refused() {
+        // 15 m/s on 15 m: a radian a second.
+        let slow = |lag_s: f64| Vehicle {
+            turn_radius_m: 15.0,
+            response: Response {
+                bank_time_constant_s: lag_s,
+                ..Response::IDEAL
+            },
+            ..Vehicle::table_4()
+        };
+        assert!(slow(1.49).check().is_ok());
+        let refused = slow(1.51).check().unwrap_err();
+        assert_eq!(refused.name, "bank_time_constant_s");
+    }
+
+    #[test]
     fn table_4_is_valid_and_turns_half_a_radian_a_second() {
         assert!(Vehicle::table_4().check().is_ok());
         assert!((Vehicle::table_4().course_rate_radps() - 0.5).abs() < 1e-12);
