@@ -4,6 +4,12 @@
 //! alone, and again with a fence, zones to keep out of, ground and limits that lie near the mission but not across it. A third of them meet
 //! an aircraft that passes far off.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "drawn numbers are small and not negative"
+)]
+
 use core::f64::consts::{PI, TAU};
 use std::sync::Arc;
 

@@ -1,6 +1,12 @@
 //! Drawn encounters in corridors in wind: is a fence left that an oracle with the same fence keeps, and is the aircraft on its way back once
 //! the intruder has passed?
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "drawn numbers are small and not negative"
+)]
+
 use clap::Args;
 use core::f64::consts::TAU;
 
