@@ -27,6 +27,7 @@ use core::fmt::Display;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+use fga::Vec2;
 use roxmltree::Document;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -39,7 +40,7 @@ use crate::missions;
 use crate::terrain::Area;
 use crate::units::FOOT_M;
 use crate::words::counted;
-use crate::zones::{ZoneError, heights_m, with_holes};
+use crate::zones::{MAX_CORNERS, ZoneError, heights_m, polygon, with_holes};
 
 pub use plane::PlaneArea;
 
@@ -147,6 +148,7 @@ impl NamedArea {
         let AreaOutline::Polygon(rings) = &self.outline else {
             return Ok(());
         };
+        self.check_rings()?;
         // A hole is nearer to a flight than an outline round a country.
         let place = |[latitude_deg, longitude_deg]: &[f64; 2]| {
             Geodetic::new(*latitude_deg, *longitude_deg, 0.0)
@@ -162,6 +164,40 @@ impl NamedArea {
         Ok(())
     }
 }
+
+impl NamedArea {
+    /// Whether its rings are polygons as they are given, on a map of longitude and latitude; those with many corners, and wide ones whose
+    /// edges are bent there, show it on the plane.
+    ///
+    /// # Errors
+    /// As [`polygon`].
+    pub fn check_rings(&self) -> Result<(), ZoneError> {
+        let AreaOutline::Polygon(rings) = &self.outline else {
+            return Ok(());
+        };
+        for ring in rings.iter().filter(|ring| ring.len() <= MAX_CORNERS) {
+            let [south, west] = ring.first().copied().unwrap_or_default();
+            let level = libm::cos(south.to_radians()).max(0.01);
+            let on_map = |[latitude_deg, longitude_deg]: &[f64; 2]| {
+                let (east_deg, north_deg) = (longitude_deg - west, latitude_deg - south);
+                DEGREE_M * Vec2::new(level * east_deg, north_deg)
+            };
+            let corners: Vec<Vec2> = ring.iter().map(on_map).collect();
+            let widest_m = if self.edges == EdgeLine::Degrees {
+                9e6
+            } else {
+                5e4
+            };
+            if corners.iter().all(|at| at.length() <= widest_m) {
+                polygon(corners)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A degree of latitude, metres.
+const DEGREE_M: f64 = 111_195.0;
 
 impl Default for AreaOutline {
     fn default() -> Self {

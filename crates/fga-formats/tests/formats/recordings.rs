@@ -556,9 +556,11 @@ fn traces_of_readsb_and_the_history_of_opensky_are_read() {
         ];
         for (icao, lon, track) in [("aa0001", a, 90.0), ("aa0002", b, 270.0)] {
             let time = 1_700_000_000 + second;
-            table += &format!(
-                "{time},{icao},45.0,{lon:.6},51.4,{track},0.0,T,False,914.4,950,{time}.0\n"
-            );
+            table += &[
+                format!("{time},{icao},45.0,{lon:.6},51.4,{track},0.0"),
+                format!(",T,False,914.4,950,{time}.0\n"),
+            ]
+            .concat();
         }
     }
     table += "1700000060,aa0003,45.0,5.0,0,0,0,,True,,,1700000060.0\n1700000060,,45.0,5.0,0,0,0,,False,914.4,,\n";

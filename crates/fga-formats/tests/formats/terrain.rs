@@ -134,7 +134,7 @@ fn geotiff_of_gdal_is_read_in_strips_and_tiles_in_either_byte_order() {
 fn masked_pixels_are_holes() {
     for name in ["masked.tif", "masked-tiles.tif"] {
         let file = file(name);
-        let masked = |index: usize| (index / 50 + index % 50) % 9 == 0;
+        let masked = |index: usize| (index / 50 + index % 50).is_multiple_of(9);
         let holes = (0..40 * 50).filter(|index| masked(*index)).count();
         assert_eq!(posts_follow(&file, 0.0, 0.5), holes, "{name}");
         let field = &file.fields[0];

@@ -102,6 +102,8 @@ impl AreaFile<'_> {
                 }
             };
             let name = area.name.take().unwrap_or_else(otherwise);
+            let rings = area.check_rings();
+            rings.map_err(|error| text.error_at(self.path, format!("{name}: {error}")))?;
             let whole = |outline| {
                 let whole = WorldZone::new(name.clone(), false, outline, ALL_HEIGHTS_M);
                 whole.map_err(|error| text.error_at(self.path, error.to_string()))
