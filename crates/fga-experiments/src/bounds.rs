@@ -10,8 +10,8 @@
     reason = "drawn numbers are small and not negative"
 )]
 
+use alloc::sync::Arc;
 use core::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 use fga::avoider::{Reason, Start, State};
 use fga::certificate::Line;
