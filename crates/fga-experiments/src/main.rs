@@ -24,6 +24,8 @@
 //! | [`returns::airspaces`] | do aircraft that all fly fga keep clear of each other, and end their missions? |
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
+extern crate alloc;
+
 mod baselines;
 mod bounds;
 mod certificates;
