@@ -1,7 +1,7 @@
 //! What aircraft do, before any report: one table, from which filter and futures follow.
 //!
-//! Source of the rates: about those of the uncorrelated encounter model of low altitudes (MIT Lincoln Laboratory,
-//! ATC-344), rounded: a decision must not hang on them. Turns, climbs and accelerations are those of
+//! The rates are about those of the uncorrelated encounter model of low altitudes (MIT Lincoln Laboratory), rounded and not yet checked
+//! against its tables: a decision must not hang on them. Turns, climbs and accelerations are those of
 //! [`MovementBounds`](fga_proof::situation::MovementBounds).
 
 /// Turns that begin in straight flight, per second, half of them to either side.

@@ -1,6 +1,6 @@
 //! Prices, in metres of departure from the mission: what a user may weigh.
 //!
-//! Chosen on seed 1 of `campaigns/low-altitude-adsb.toml`; `docs/belief.md` has the curve along the first one.
+//! Taken from an experiment on the campaign `campaigns/low-altitude-adsb.toml` (another filter, the same kind of choice) and not tuned since.
 
 /// A loss of the protected volume, metres.
 pub const LOSS_M: f64 = 60_000.0;

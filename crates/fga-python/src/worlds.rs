@@ -259,7 +259,7 @@ impl PyShield {
         let mut guard = self.shield()?;
         let shield = &mut *guard;
         let situation = situation.get();
-        let wish: Maneuver = wish.get().decision.command;
+        let wish: Maneuver = *wish.get().decision.command;
         let shielded = py.detach(|| situation.with(|situation| shield.step(situation, &wish)));
         Ok((
             PyDecision::of(&shielded.decision, situation.ownship),
