@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 
-use fga::avoider::{Decision, Reason};
+use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::ground::Ground;
 use fga::maneuver::Maneuver;
 use fga::{Vec2, Vec3};
@@ -351,6 +351,8 @@ impl OverGround {
         let threat = decision.record.threat;
         let name = threat.map_or_else(|| "traffic".to_owned(), |threat| around.name(threat.id));
         let bounds = self.bounds;
+        // A way back turns onto its leg: where it would lead straight on says nothing.
+        let is_led_there = decision.state == AvoiderState::Avoiding && !is_known;
         let told = &mut self.told;
         let reports = [
             (
@@ -359,7 +361,7 @@ impl OverGround {
                 format!("fga: the ground bounds the way round {name}"),
             ),
             (
-                !is_known,
+                is_led_there,
                 &mut told.unknown,
                 "fga: avoids over unknown ground".to_owned(),
             ),
