@@ -23,6 +23,9 @@ const ROUNDING_M: f64 = 1e-3;
 /// Accepted distance of a predicted position from the flown one, metres.
 const OFF_M: f64 = 0.01;
 
+/// Accepted share of flights whose prediction has no bound, of which nothing is proven.
+const MOST_UNBOUNDED: f64 = 0.01;
+
 /// Work that the certificate may take: more than any of these manoeuvres needs.
 const WORK: f64 = 1e6;
 
@@ -64,8 +67,10 @@ struct Compared {
     off_m: f64,
     /// The same beyond the prediction's own bound.
     off_beyond_m: f64,
-    /// Whether the certificate was not proven.
-    unproven: bool,
+    /// Flights whose prediction has no bound: nothing may be proven of them.
+    unbounded: u64,
+    /// Whether something is proven without a bound, or nothing with one.
+    wrong_status: bool,
 }
 
 impl Compared {
@@ -75,7 +80,8 @@ impl Compared {
             below_m: self.below_m.max(other.below_m),
             off_m: self.off_m.max(other.off_m),
             off_beyond_m: self.off_beyond_m.max(other.off_beyond_m),
-            unproven: self.unproven || other.unproven,
+            unbounded: self.unbounded + other.unbounded,
+            wrong_status: self.wrong_status || other.wrong_status,
         }
     }
 
@@ -84,7 +90,7 @@ impl Compared {
         self.above_m <= ROUNDING_M
             && self.off_beyond_m <= ROUNDING_M
             && self.off_m <= OFF_M
-            && !self.unproven
+            && !self.wrong_status
     }
 }
 
@@ -241,17 +247,20 @@ impl CertificateCase {
             (self.horizon_s, f64::MIN, WORK),
             &Meter::unlimited(),
         );
+        let is_proven = certificate.status == Status::Proven;
+        if !path.is_complete() {
+            return Compared {
+                unbounded: 1,
+                wrong_status: is_proven,
+                ..Compared::default()
+            };
+        }
         let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
         let (mut off_m, mut flown_m) = (0.0_f64, f64::INFINITY);
         for k in 1..=4 {
             let at_s = self.horizon_s * f64::from(k) / 4.0;
             flown_m = flown_m.min(flight.least_margin_m(core::slice::from_ref(body), at_s));
-            let Some(predicted) = path.state_at(&flyer, at_s) else {
-                return Compared {
-                    unproven: true,
-                    ..Compared::default()
-                };
-            };
+            let predicted = path.state_at(&flyer, at_s).expect("it has nodes");
             let over_ground_m = predicted.position_m + self.wind_mps * at_s;
             off_m = off_m.max(over_ground_m.distance(flight.state().position_m));
         }
@@ -260,7 +269,8 @@ impl CertificateCase {
             below_m: flown_m - certificate.margin_m,
             off_m,
             off_beyond_m: off_m - path.remainder_m(),
-            unproven: !path.is_complete() || certificate.status != Status::Proven,
+            unbounded: 0,
+            wrong_status: !is_proven,
         }
     }
 }
@@ -281,12 +291,12 @@ pub(crate) fn run(args: &CertificatesArgs) -> Result<(), String> {
                 } else {
                     Err(format!(
                         "flight {number} of seed {}: {:.4} m certified above the flown margin, {:.4} m off, \
-                         {:.4} m beyond the bound, unproven: {}",
+                         {:.4} m beyond the bound, wrong status: {}",
                         args.seed,
                         compared.above_m,
                         compared.off_m,
                         compared.off_beyond_m,
-                        compared.unproven
+                        compared.wrong_status
                     ))
                 }
             })
@@ -297,10 +307,16 @@ pub(crate) fn run(args: &CertificatesArgs) -> Result<(), String> {
             eprintln!("{from} flown; an interrupted run goes on with --from {from}");
         }
     }
+    if all.unbounded as f64 > MOST_UNBOUNDED * args.count as f64 + 3.0 {
+        return Err(format!(
+            "the prediction of {} of {} flights has no bound",
+            all.unbounded, args.count
+        ));
+    }
     println!(
         "0 of {} certified above what is flown by more than {ROUNDING_M} m: {:.4} m above, {:.4} m below at most; \
-         predicted positions {:.4} m off at most, none beyond the bound",
-        args.count, all.above_m, all.below_m, all.off_m
+         predicted positions {:.4} m off at most, none beyond the bound; {} without a bound, none of them certified",
+        args.count, all.above_m, all.below_m, all.off_m, all.unbounded
     );
     Ok(())
 }

@@ -164,6 +164,7 @@ static unsigned long long fly(int rounding) {
   if (one_in(3)) {
     in_need.turn_radius_m *= 0.8;
     in_need.turn_radius_m += vehicle.airspeed_mps * vehicle.airspeed_mps / 90.0;
+    in_need.bank_time_constant_s *= 0.8;  // It turns by no more in it than the vehicle.
     done("in need", fga_avoider_set_vehicle_in_need(avoider, &in_need, &why));
   }
   fga_waypoint waypoints[WAYPOINTS];

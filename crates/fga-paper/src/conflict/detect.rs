@@ -36,7 +36,7 @@ pub fn threatens(relative: &Relative, volume: &ProtectedVolume) -> bool {
 
 /// The obstacles within `radius_m` (R, infinity allowed) that threaten, in their order (Alg. 1).
 ///
-/// An obstacle with a number that is not finite does not count: check [`Hazard::is_valid`] where
+/// An obstacle with a number that is not finite does not count: check [`Obstacle::is_valid`](fga::situation::Obstacle::is_valid) where
 /// obstacles enter.
 pub fn detect<'a>(
     ownship: &'a Ownship,
