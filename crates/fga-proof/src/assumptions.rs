@@ -11,6 +11,7 @@
 mod leaving;
 mod motion;
 
+pub use crate::certificate::Assumption;
 pub use leaving::LEAVING_SHARE;
 pub use motion::{CLIMB_CHANGES_S, Changes, SPEED_CHANGES_S, Turn};
 
@@ -24,21 +25,6 @@ pub const MAX_HAZARDS: usize = 128;
 
 /// Obstructions that a unit of work looks at.
 const LOOKED_AT: usize = 4;
-
-/// What a hazard stands for, the strongest assumption first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Assumption {
-    /// An obstacle as it was reported, with its uncertainty, that keeps its velocity.
-    Reported,
-    /// One motion out of all that its aircraft may fly.
-    Possible,
-    /// An extent that somebody else answers for.
-    Given,
-    /// A volume that the aircraft is already in, made smaller so that a way out of it keeps clear of the rest.
-    Leaving,
-    /// A volume to compare manoeuvres by: nothing is proven against it.
-    Compared,
-}
 
 /// Where obstacles are seen from.
 #[derive(Debug, Clone, Copy, Default)]

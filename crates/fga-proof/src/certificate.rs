@@ -7,10 +7,12 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
 //! chord covers many nodes.
 
+mod assumption;
 mod ground;
 mod hazard;
 mod zones;
 
+pub use assumption::Assumption;
 pub use hazard::{ALWAYS, Extent, Hazard, Line, NO_DEPTH, Obstruction};
 
 pub use zones::{Fixed, MAX_ZONES, STEEPEST, Zones};

@@ -1,8 +1,7 @@
 //! A volume that the aircraft is in.
 
-use super::Assumption;
 use crate::Vec3;
-use crate::certificate::Hazard;
+use crate::certificate::{Assumption, Hazard};
 use crate::situation::{Obstacle, ProtectedVolume};
 
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.

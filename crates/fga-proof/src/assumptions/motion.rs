@@ -5,9 +5,8 @@
 //! heights between that of an aircraft that levels off at once and that of one that goes on. All of it may have begun when the
 //! aircraft was last reported.
 
-use super::Assumption;
 use crate::Vec3;
-use crate::certificate::{Extent, Hazard};
+use crate::certificate::{Assumption, Extent, Hazard};
 use crate::limit::whole;
 use crate::situation::ProtectedVolume;
 

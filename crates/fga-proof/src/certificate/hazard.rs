@@ -1,7 +1,7 @@
 //! An obstacle for the certificate: how close a line comes to it.
 
+use super::assumption::Assumption;
 use crate::Vec3;
-use crate::assumptions::Assumption;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::ProtectedVolume;
 
