@@ -217,7 +217,8 @@ impl Avoider<dyn Places + '_> {
         decision: &mut Decision,
     ) {
         // What may turn is avoided once it cannot wait, between walls perhaps by two turns.
-        let (start, entry_s) = match (self.tracks.has_aircraft(), self.has_walls(now)) {
+        let (start, entry_s) = match (self.tracks.has_aircraft(), self.has_room_between_walls(now))
+        {
             (true, true) => (Start::Free, 0.0),
             (true, false) => (Start::AtDetection, 0.0),
             (false, _) => (self.settings.start, threat.0.entry_s),

@@ -18,6 +18,9 @@ use super::{Answer, ENOUGH_M, LOOK_EVERY};
 /// Part of a step's work for the search on one rung, one in this many: the rest is for those below it.
 pub(super) const RUNG_SHARE: u32 = 4;
 
+/// With less of a step's work left a manoeuvre between walls is one turn, looked for once.
+const WALLS_WORK: u32 = 50_000;
+
 /// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
 
@@ -118,7 +121,12 @@ impl Avoider<dyn Places + '_> {
     ) -> Option<Answer> {
         let circle_s = self.tracks.walls_s();
         let until_s = circle_s.max(passes_s + KEEP_SHARE * circle_s);
-        (self.has_walls(now)).then(|| self.within_walls(until_s, look))?
+        (self.has_room_between_walls(now)).then(|| self.within_walls(until_s, look))?
+    }
+
+    /// Whether zones or ground bound manoeuvres, and the step has work for two turns between them beside the search for one.
+    pub(super) fn has_room_between_walls(&self, now: &Now<'_>) -> bool {
+        self.has_walls(now) && self.meter.left() >= WALLS_WORK
     }
 
     /// Whether zones or ground bound manoeuvres.
