@@ -9,7 +9,7 @@
 //! `fga-search` 6), and turning round between zones in wind 25.
 //!
 //! On 29 November 2026 commands that carry their proof, assumptions as the only makers of hazards (chains of motions moved there from `fga`)
-//! and derived bounds of lagged flights raised `fga-proof` from 4,146 to 5,034 lines; `fga` fell from 4,290 to 4,196, and `fga-mission` rose
+//! and derived bounds of lagged flights raised `fga-proof` from 4,146 to 5,034 lines; `fga` fell from 4,290 to 4,194, and `fga-mission` rose
 //! from 1,629 to 1,681. For `fga-proof` 4,500 were granted; it is 532 above that.
 #![cfg(target_pointer_width = "64")]
 
