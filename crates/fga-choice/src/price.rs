@@ -26,5 +26,5 @@ pub const CHANGE_M: f64 = 300.0;
 /// A conflict that is waited for ends by itself within this time, seconds, in 63 of 100 cases that end.
 pub const DISSOLVES_S: f64 = 10.0;
 
-/// A smaller chance of a loss on the mission is none.
+/// A smaller chance of a loss on the mission counts as 0.
 pub const NO_CHANCE: f64 = 1e-4;
