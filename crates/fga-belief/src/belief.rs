@@ -148,6 +148,11 @@ impl Belief {
         self.time_s
     }
 
+    /// Where its last report was, metres.
+    pub const fn reported_m(&self) -> Vec3 {
+        self.origin_m
+    }
+
     /// Whether its last report is too long ago.
     pub fn has_ended(&self, time_s: f64) -> bool {
         time_s - self.time_s > ENDS_AFTER_S

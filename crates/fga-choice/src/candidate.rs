@@ -3,8 +3,7 @@
 use fga_mission::{Progress, Route};
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{FlightPath, Flyer, MotionState, flown};
-use fga_proof::vehicle::Vehicle;
+use fga_proof::prediction::{FlightPath, MotionState, flown};
 
 use crate::chance::{Path, SECONDS};
 
@@ -22,38 +21,91 @@ const LOWEST_M: f64 = 60.0;
 
 /// A climb, level flight or a descent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Up {
+pub enum Up {
+    /// Level flight.
     Level,
+    /// As steep as the vehicle climbs, up to the height that is granted.
     Climb,
+    /// The same downwards.
     Descent,
 }
 
 /// A way off the mission: a course and a climb, held until the others have passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Way {
+pub struct Way {
     /// Course off the leg's course through the air, radians.
-    pub(crate) turn_rad: f64,
+    pub turn_rad: f64,
     /// Its climb.
-    pub(crate) up: Up,
+    pub up: Up,
+}
+
+/// What may be flown from now on; moments on the situation's clock, seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Plan {
+    /// The mission, or the way back to it.
+    #[default]
+    Mission,
+    /// The mission up to a moment, then a way off it.
+    Off(Way, f64),
+    /// A way up to a moment, then back.
+    Back(Way, f64),
+}
+
+impl Plan {
+    /// The way that is flown at a moment, seconds; `None` on the mission.
+    pub fn way_at(&self, time_s: f64) -> Option<Way> {
+        match *self {
+            Self::Off(way, from_s) if from_s <= time_s => Some(way),
+            Self::Back(way, until_s) if until_s > time_s => Some(way),
+            _ => None,
+        }
+    }
 }
 
 /// What all candidates of a step share.
-pub(crate) struct Scene<'a> {
-    pub(crate) route: &'a Route<'a>,
-    pub(crate) flyer: &'a Flyer,
-    pub(crate) vehicle: &'a Vehicle,
-    pub(crate) progress: &'a Progress,
-    pub(crate) now: MotionState,
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The mission and who flies it.
+    pub route: &'a Route<'a>,
+    /// The guidance along the mission from now on.
+    pub mission: &'a Maneuver,
+    /// Where it is on the mission.
+    pub progress: &'a Progress,
+    /// The clock, seconds.
+    pub time_s: f64,
+    /// The aircraft.
+    pub now: MotionState,
+    /// Steepest descent and climb of a manoeuvre, radians.
+    pub climbs_rad: (f64, f64),
     /// The leg's course through the air, as an unwrapped course of the aircraft, radians.
-    pub(crate) leg_rad: f64,
+    pub leg_rad: f64,
     /// Altitude of the mission here, metres.
-    pub(crate) altitude_m: f64,
+    pub altitude_m: f64,
 }
 
 impl Scene<'_> {
-    /// The stages of a way from a moment on, for an aircraft at an altitude.
-    pub(crate) fn push(&self, way: &Way, from_s: f64, altitude_m: f64, command: &mut Maneuver) {
-        let vehicle = self.vehicle;
+    /// Sets a command to a plan.
+    pub fn set(&self, plan: &Plan, command: &mut Maneuver) {
+        let own_m = self.now.position_m.z;
+        command.set([]);
+        match *plan {
+            Plan::Off(way, from_s) => {
+                let after_s = from_s - self.time_s;
+                if after_s > 0.0 {
+                    command.set(before(self.mission, after_s));
+                }
+                self.push(&way, after_s.max(0.0), own_m, command);
+            }
+            Plan::Back(way, until_s) if until_s > self.time_s => {
+                self.push(&way, 0.0, own_m, command);
+                self.then_back(until_s - self.time_s, command);
+            }
+            Plan::Mission | Plan::Back(..) => command.set(self.mission.stages().iter().copied()),
+        }
+    }
+
+    /// Appends the stages of a way from a moment on, for an aircraft at an altitude.
+    fn push(&self, way: &Way, from_s: f64, altitude_m: f64, command: &mut Maneuver) {
         let (floor_m, ceiling_m) = self.route.mission.limits_m;
         let highest_m = (self.altitude_m + MOST_ASIDE_M).min(ceiling_m);
         let lowest_m = LOWEST_M
@@ -62,84 +114,61 @@ impl Scene<'_> {
             .max(floor_m);
         let (climb_rad, left_m) = match way.up {
             Up::Level => (0.0, 0.0),
-            Up::Climb => (vehicle.climb_max_rad, highest_m - altitude_m),
-            Up::Descent => (vehicle.climb_min_rad, altitude_m - lowest_m),
+            Up::Climb => (self.climbs_rad.1, highest_m - altitude_m),
+            Up::Descent => (self.climbs_rad.0, altitude_m - lowest_m),
         };
-        let course_rad = self.leg_rad + way.turn_rad;
-        let climb_mps = vehicle.airspeed_mps * libm::sin(climb_rad.abs());
+        let climb_mps = self.route.flyer.airspeed_mps() * libm::sin(climb_rad.abs());
         let levels_s = left_m / climb_mps.max(0.1);
-        let stage = |start_s, climb_rad| Stage {
-            start_s,
-            course_rad,
-            climb_rad,
-            rate_share: 1.0,
-        };
+        let course_rad = self.leg_rad + way.turn_rad;
         if levels_s > 0.5 {
-            command.push(stage(from_s, climb_rad));
+            command.push(Stage::turn(from_s, course_rad, climb_rad));
         }
         if levels_s < SECONDS as f64 {
-            command.push(stage(from_s + levels_s.max(0.0), 0.0));
+            command.push(Stage::turn(from_s + levels_s.max(0.0), course_rad, 0.0));
         }
     }
 
-    /// A way now.
-    pub(crate) fn off(&self, way: &Way) -> Maneuver {
-        let mut command = Maneuver::hold();
-        self.push(way, 0.0, self.now.position_m.z, &mut command);
-        command
-    }
-
-    /// On with the mission, or back to it.
-    pub(crate) fn mission(&self) -> Maneuver {
-        let mut command = Maneuver::hold();
-        let mut progress = *self.progress;
-        progress.guidance(self.route, &self.now, SECONDS as f64, &mut command);
-        command
-    }
-
-    /// On with the mission for some seconds, then a way.
-    pub(crate) fn off_later(&self, mission: &Maneuver, way: &Way, after_s: f64) -> Maneuver {
-        let mut command = Maneuver::hold();
-        let before = mission
-            .stages()
-            .iter()
-            .filter(|stage| stage.start_s < after_s);
-        command.set(before.copied());
-        self.push(way, after_s, self.now.position_m.z, &mut command);
-        command
-    }
-
-    /// A way for some seconds more, then back.
-    pub(crate) fn back_later(&self, way: &Way, after_s: f64) -> Maneuver {
-        let held = self.off(way);
+    /// Appends the way back to the mission after some seconds of a manoeuvre.
+    #[inline(never)]
+    fn then_back(&self, after_s: f64, command: &mut Maneuver) {
+        let flyer = self.route.flyer;
         let meter = Meter::unlimited();
-        let mut then = flown(self.flyer, &self.now, held.stages(), after_s, &meter);
+        let mut then = flown(flyer, &self.now, command.stages(), after_s, &meter);
         // As of a decision at that moment: where the air carries it until then.
         then.position_m += self.route.wind_mps * then.time_s;
         then.time_s = 0.0;
         let mut back = Maneuver::hold();
         let mut progress = *self.progress;
         progress.guidance(self.route, &then, SECONDS as f64, &mut back);
-        let mut command = Maneuver::hold();
-        let held = held.stages().iter().filter(|stage| stage.start_s < after_s);
-        let back = back.stages().iter().map(|stage| Stage {
-            start_s: stage.start_s + after_s,
-            ..*stage
-        });
-        command.set(held.copied().chain(back));
-        command
+        let held = command.stages().iter();
+        let held = held.filter(|stage| stage.start_s < after_s).count();
+        command.truncate(held);
+        for stage in back.stages() {
+            command.push(Stage {
+                start_s: stage.start_s + after_s,
+                ..*stage
+            });
+        }
     }
 
     /// The path of a manoeuvre.
     pub(crate) fn fly(&self, command: &Maneuver, flight: &mut FlightPath, path: &mut Path) {
-        flight.predict(self.flyer, &self.now, command, SECONDS as f64);
+        let flyer = self.route.flyer;
+        flight.predict(flyer, &self.now, command, SECONDS as f64);
+        let mut last = [0.0; 3];
         for (at, second) in path.iter_mut().zip(0_u8..) {
             let second = f64::from(second);
-            let Some(state) = flight.state_at(self.flyer, second) else {
-                continue;
-            };
-            let off = state.position_m - self.now.position_m + self.route.wind_mps * second;
-            *at = [off.x as f32, off.y as f32, off.z as f32];
+            if let Some(state) = flight.state_at(flyer, second) {
+                let off = state.position_m - self.now.position_m + self.route.wind_mps * second;
+                last = [off.x as f32, off.y as f32, off.z as f32];
+            }
+            *at = last;
         }
     }
+}
+
+/// The stages of a manoeuvre that begin before a moment, seconds from now.
+fn before(maneuver: &Maneuver, after_s: f64) -> impl Iterator<Item = Stage> {
+    let stages = maneuver.stages().iter();
+    stages.filter(move |stage| stage.start_s < after_s).copied()
 }

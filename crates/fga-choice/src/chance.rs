@@ -2,7 +2,7 @@
 
 use fga_belief::{FUTURES, Futures};
 use fga_proof::Vec3;
-use fga_proof::situation::ProtectedVolume;
+use fga_proof::situation::{Obstacle, ProtectedVolume};
 
 /// Seconds ahead.
 pub const SECONDS: usize = 60;
@@ -31,7 +31,7 @@ pub struct Chance {
 
 impl Chance {
     /// The chances with one more aircraft.
-    fn and(self, other: Self) -> Self {
+    pub(crate) fn and(self, other: Self) -> Self {
         Self {
             loss: self.loss + other.loss,
             inner: self.inner + other.inner,
@@ -84,8 +84,25 @@ impl Ahead {
         self.half_height_m = volume.half_height_m() as f32;
     }
 
+    /// Takes an obstacle that keeps its velocity, or rests.
+    pub(crate) fn set_straight(&mut self, obstacle: &Obstacle, own_m: Vec3) {
+        let (off, v) = (obstacle.position_m - own_m, obstacle.velocity_mps);
+        let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
+        for (((xs, ys), zs), second) in rows.zip(0_u8..) {
+            let at = off + v * f64::from(second);
+            xs.fill(at.x as f32);
+            ys.fill(at.y as f32);
+            zs.fill(at.z as f32);
+        }
+        self.weights = [0.0; FUTURES];
+        self.weights[0] = 1.0;
+        self.lasting_altitude_m = 0.0;
+        self.radius_m = obstacle.volume.radius_m() as f32;
+        self.half_height_m = obstacle.volume.half_height_m() as f32;
+    }
+
     /// The chances of a path with this aircraft.
-    fn meets(&self, path: &Path) -> Chance {
+    pub(crate) fn meets(&self, path: &Path) -> Chance {
         let (radius_m, half_m) = (self.radius_m, self.half_height_m);
         let (share, more_m, height) = COLLISION;
         let sizes = [
@@ -140,10 +157,4 @@ impl Ahead {
             passed_s: passed.sum::<f32>().into(),
         }
     }
-}
-
-/// The chances of a path with all of some aircraft.
-pub(crate) fn chance(path: &Path, others: &[Ahead]) -> Chance {
-    let each = others.iter().map(|other| other.meets(path));
-    each.fold(Chance::default(), Chance::and)
 }

@@ -1,29 +1,20 @@
-//! The choice: what is believed of the others, and the manoeuvre of the least expected cost.
+//! The choice: what each plan costs in expectation, the cheapest first.
 
-use fga_belief::{Belief, Errors, Report};
-use fga_index::situation::{MovementBounds, Obstacle, ProtectedVolume, Situation};
-use fga_mission::{Progress, Route};
+use fga_index::situation::{Obstacle, Obstacles};
 use fga_proof::Vec3;
 use fga_proof::angle::wrap_pi;
-use fga_proof::limit::SettingsError;
+use fga_proof::limit::whole;
 use fga_proof::list::List;
 use fga_proof::maneuver::Maneuver;
-use fga_proof::meter::Meter;
-use fga_proof::prediction::{FlightPath, Flyer, MotionState};
-use fga_proof::vehicle::Vehicle;
+use fga_proof::prediction::FlightPath;
 
-use crate::candidate::{Scene, TURNS_DEG, Up, Way};
-use crate::chance::{Ahead, Chance, Path, SECONDS, chance};
+use crate::beliefs::{Beliefs, Known};
+use crate::candidate::{Plan, Scene, TURNS_DEG, Up, Way};
+use crate::chance::{Ahead, Chance, Path, SECONDS};
 use crate::price;
 
-/// Most aircraft that are known.
-const MOST_KNOWN: usize = 16;
-
-/// Most aircraft whose futures are weighed: the nearest ones.
-const MOST_WEIGHED: usize = 4;
-
-/// Shortest and longest time between two choices, seconds: at a report, or without one.
-const PERIOD_S: (f64, f64) = (0.45, 0.95);
+/// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
+const MOST_WEIGHED: usize = 6;
 
 /// Begins later, seconds.
 const LATER_S: [f64; 3] = [2.0, 5.0, 10.0];
@@ -34,321 +25,323 @@ const BACK_S: [f64; 2] = [3.0, 8.0];
 /// Ways that are looked at as later ones.
 const LATER_WAYS: usize = 12;
 
-/// An aircraft that is known.
-#[derive(Debug, Clone, Copy)]
-struct Known {
-    id: u32,
-    volume: ProtectedVolume,
-    belief: Belief,
+/// Plans that are looked at together: courses with three climbs, the mission, two ways back.
+const TOGETHER: usize = 60;
+
+/// Plans that are kept, the cheapest ones.
+const RANKED: usize = 12;
+
+/// A plan with its chances and its cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ranked {
+    /// The plan.
+    pub plan: Plan,
+    /// Its chances.
+    pub chance: Chance,
+    /// Its expected cost, metres.
+    pub cost_m: f64,
 }
 
-/// What was chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Choice {
-    /// The command.
-    pub command: Maneuver,
-    /// Whether it leaves the mission.
-    pub avoids: bool,
-    /// The chance to enter a protected volume on the mission.
-    pub p_loss_hold: f64,
-    /// The same as it flies.
-    pub p_loss: f64,
+impl Ranked {
+    const NONE: Self = Self {
+        plan: Plan::Mission,
+        chance: Chance {
+            loss: 0.0,
+            inner: 0.0,
+            collision: 0.0,
+            passed_s: 0.0,
+        },
+        cost_m: f64::INFINITY,
+    };
 }
 
-/// A way with its cost and its chances.
+/// A plan that is looked at: its chances so far, and where it is once the others have passed.
 #[derive(Debug, Clone, Copy)]
-struct Weighed {
-    cost_m: f64,
-    way: Option<Way>,
+struct Looked {
+    plan: Plan,
     chance: Chance,
+    there: Aside,
 }
 
-/// Chooses at each step.
+/// What is near: an aircraft that is believed to be somewhere, or an obstacle that keeps its velocity.
+#[derive(Clone, Copy)]
+enum Other<'a> {
+    Known(&'a Known),
+    Straight(Obstacle),
+}
+
+/// Weighs plans. It holds its scratch space, some 30 kB.
 #[derive(Debug, Clone)]
 pub struct Chooser {
-    vehicle: Vehicle,
-    flyer: Flyer,
-    progress: Progress,
-    known: List<Option<Known>, MOST_KNOWN>,
-    /// The way that is flown.
-    way: Option<Way>,
-    chances: [f64; 2],
-    chosen_s: f64,
+    ahead: Ahead,
+    path: Path,
+    looked: List<Looked, TOGETHER>,
+    ranked: List<Ranked, RANKED>,
     /// The aircraft's course, and that of the leg, unwrapped, radians.
     course_rad: f64,
     leg_rad: f64,
-    flight: FlightPath,
-    path: Path,
-    ahead: [Ahead; MOST_WEIGHED],
+}
+
+impl Default for Chooser {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Chooser {
-    /// On the first leg of a mission.
-    ///
-    /// # Errors
-    /// A limit of the vehicle that is not finite or out of range.
-    #[expect(clippy::large_stack_arrays, reason = "made once, where it stays")]
-    pub fn new(vehicle: Vehicle) -> Result<Self, SettingsError> {
-        vehicle.check()?;
-        Ok(Self {
-            vehicle,
-            flyer: Flyer::new(&vehicle),
-            progress: Progress::new(),
-            known: List::new(None),
-            way: None,
-            chances: [0.0; 2],
-            chosen_s: f64::NEG_INFINITY,
+    /// One that has weighed nothing.
+    pub const fn new() -> Self {
+        let looked = Looked {
+            plan: Plan::Mission,
+            chance: Ranked::NONE.chance,
+            there: Aside {
+                off_m: 0.0,
+                along_m: 0.0,
+            },
+        };
+        Self {
+            ahead: Ahead::NONE,
+            path: [[0.0; 3]; SECONDS + 1],
+            looked: List::new(looked),
+            ranked: List::new(Ranked::NONE),
             course_rad: 0.0,
             leg_rad: 0.0,
-            flight: FlightPath::new(),
-            path: [[0.0; 3]; SECONDS + 1],
-            ahead: [Ahead::NONE; MOST_WEIGHED],
-        })
-    }
-
-    /// Replaces the vehicle's limits; a refused one changes nothing.
-    pub fn set_vehicle(&mut self, vehicle: &Vehicle) {
-        if vehicle.check().is_ok() {
-            self.vehicle = *vehicle;
-            self.flyer.set(vehicle);
         }
     }
 
-    /// Index of the waypoint at the start of the leg that is flown.
-    pub const fn leg_index(&self) -> usize {
-        self.progress.index()
-    }
-
-    /// Whether the last waypoint is passed.
-    pub const fn is_complete(&self) -> bool {
-        self.progress.is_complete()
-    }
-
-    /// Chooses. The obstacles are as reported, carried on along their velocities for their age; `errors` are those of
-    /// their reports.
-    pub fn step(&mut self, situation: &Situation<'_>, errors: &Errors) -> Choice {
-        let own = &situation.ownship;
-        let now = MotionState::of(own);
-        let meter = Meter::unlimited();
-        let (flyer, vehicle) = (self.flyer, self.vehicle);
-        let route = Route {
-            mission: &situation.mission,
-            flyer: &flyer,
-            wind_mps: situation.wind_mps,
-            climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-            meter: &meter,
+    /// The course of the leg through the air as an unwrapped course of the aircraft, radians: off the mission it stays on its side, so that
+    /// a turn of 180° goes on.
+    pub fn leg_rad(&mut self, own_rad: f64, air_course_rad: f64, is_off: bool) -> f64 {
+        self.course_rad += wrap_pi(own_rad - self.course_rad);
+        let near = if is_off {
+            self.leg_rad
+        } else {
+            self.course_rad
         };
-        self.progress.update(&route, &now, situation.time_s);
-        self.course_rad += wrap_pi(own.course_rad - self.course_rad);
-        let leg = self.progress.leg(&now);
-        let near = self.way.map_or(self.course_rad, |_| self.leg_rad);
-        self.leg_rad = near + wrap_pi(leg.air_course_rad - near);
-        let has_news = self.hear(situation, errors);
-        let progress = self.progress;
-        let along_m = leg.position(now.position_m, 0.0).along_m;
-        let scene = Scene {
-            route: &route,
-            flyer: &flyer,
-            vehicle: &vehicle,
-            progress: &progress,
-            now,
-            leg_rad: self.leg_rad + own.course_rad - self.course_rad,
-            altitude_m: leg.point_m(along_m).z,
-        };
-        let mission = scene.mission();
-        let since_s = situation.time_s - self.chosen_s;
-        if since_s >= PERIOD_S.1 || since_s < 0.0 || has_news && since_s >= PERIOD_S.0 {
-            self.chosen_s = situation.time_s;
-            self.choose(situation, &scene, &mission);
-        }
-        let [p_loss_hold, p_loss] = self.chances;
-        Choice {
-            command: self.way.map_or(mission, |way| scene.off(&way)),
-            avoids: self.way.is_some(),
-            p_loss_hold,
-            p_loss,
-        }
+        self.leg_rad = near + wrap_pi(air_course_rad - near);
+        self.leg_rad + own_rad - self.course_rad
     }
 
-    /// Takes the reports into the beliefs; whether there is a new one.
-    fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
-        let mut has_news = false;
-        for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
-            let age_s = obstacle.age_s.max(0.0);
-            let report = Report {
-                time_s: situation.time_s - age_s,
-                position_m: obstacle.position_m,
-                velocity_mps: Some(obstacle.velocity_mps),
-                carried_s: age_s as f32,
-                errors: *errors,
-            };
-            let slot = self
-                .known
-                .iter_mut()
-                .flatten()
-                .find(|known| known.id == obstacle.id);
-            if let Some(known) = slot {
-                // Between reports it is carried on alone.
-                if report.time_s > known.belief.time_s() + 1e-6 {
-                    known.belief.update(&report);
-                    has_news = true;
-                }
-                known.volume = obstacle.volume;
-                continue;
-            }
-            let bounds = obstacle.movement.bounds();
-            let known = Known {
-                id: obstacle.id,
-                volume: obstacle.volume,
-                belief: Belief::new(&report, &bounds.unwrap_or(STILL)),
-            };
-            has_news = true;
-            let free = self.known.iter_mut().find(|slot| slot.is_none());
-            match free {
-                Some(slot) => *slot = Some(known),
-                None => _ = self.known.push(Some(known)),
-            }
-        }
-        for slot in self.known.iter_mut() {
-            *slot = slot.filter(|known| !known.belief.has_ended(situation.time_s));
-        }
-        has_news
-    }
-
-    /// Fills the futures of the nearest aircraft: how many.
-    fn look_ahead(&mut self, situation: &Situation<'_>) -> usize {
-        let own_m = situation.ownship.position_m;
-        let mut after_m = (f64::NEG_INFINITY, 0);
-        let mut count = 0;
-        for ahead in &mut self.ahead {
-            let away = |known: &Known| {
-                let at_m = known.belief.at(situation.time_s).position_m;
-                (at_m.distance(own_m), known.id)
-            };
-            let next = (self.known.iter().flatten())
-                .map(|known| (away(known), known))
-                .filter(|(away, _)| *away > after_m)
-                .min_by(|a, b| a.0.0.total_cmp(&b.0.0).then(a.0.1.cmp(&b.0.1)));
-            let Some((away, known)) = next else {
-                break;
-            };
-            after_m = away;
-            count += 1;
-            let futures = known.belief.futures(situation.time_s);
-            ahead.set(&futures, own_m, &known.volume);
-        }
-        count
-    }
-
-    /// The chances of a manoeuvre, whose path it leaves.
-    fn look(&mut self, scene: &Scene<'_>, command: &Maneuver, count: usize) -> Chance {
-        scene.fly(command, &mut self.flight, &mut self.path);
-        chance(&self.path, self.ahead.get(..count).unwrap_or_default())
-    }
-
-    fn choose(&mut self, situation: &Situation<'_>, scene: &Scene<'_>, mission: &Maneuver) {
-        let count = self.look_ahead(situation);
-        let hold = self.look(scene, mission, count);
-        self.chances = [hold.loss, hold.loss];
-        if count == 0 || hold.loss < price::NO_CHANCE {
-            self.way = None;
-            return;
-        }
-        let best = self.cheapest(scene, mission, &hold, count);
-        self.way = best.way;
-        self.chances = [hold.loss, best.chance.loss];
-    }
-
-    /// The least expected cost of all candidates.
-    fn cheapest(
+    /// Weighs the plans of a moment, where `present` is flown; returns the chances of the mission. The plans are in [`Self::ranked`]:
+    /// none where the mission has no chance of a loss.
+    pub fn weigh(
         &mut self,
         scene: &Scene<'_>,
-        mission: &Maneuver,
-        hold: &Chance,
-        count: usize,
-    ) -> Weighed {
+        (beliefs, obstacles): (&Beliefs, &Obstacles<'_>),
+        present: &Plan,
+        flight: &mut FlightPath,
+    ) -> Chance {
+        let others = others(scene, beliefs, obstacles);
         let here = Aside::at(scene, scene.now.position_m);
-        let mut best = Weighed {
-            cost_m: loss_m(hold),
-            way: None,
-            chance: *hold,
-        };
-        let present = self.way;
-        if let Some(way) = present {
-            best.cost_m += here.off_m;
-            for back_s in BACK_S {
-                let command = scene.back_later(&way, back_s);
-                let chance = self.look(scene, &command, count);
-                let there = Aside::on(scene, &self.path, back_s);
-                let cost_m =
-                    loss_m(&chance) + there.off_m.max(here.off_m) + price::SECOND_M * back_s;
-                best.take(cost_m, Some(way), chance);
-            }
+        self.ranked.clear();
+        self.begin([Plan::Mission]);
+        self.look(scene, &others, flight);
+        let hold = self
+            .looked
+            .first()
+            .map_or(Chance::default(), |on| on.chance);
+        if hold.loss < price::NO_CHANCE {
+            return hold;
         }
+        let flown = present.way_at(scene.time_s);
+        let back_m = flown.map_or(0.0, |_| here.off_m);
+        self.rank(Plan::Mission, &hold, price::loss_m(&hold) + back_m);
         let likely = hold.loss.min(1.0);
         let starts_m = price::START_M * (1.0 - likely);
-        let mut ways = List::<(f64, Way), LATER_WAYS>::new((f64::INFINITY, Way::ON));
-        for up in [Up::Level, Up::Climb, Up::Descent] {
-            if up != Up::Level && !scene.vehicle.can_climb() {
-                continue;
-            }
-            for turn_deg in TURNS_DEG {
-                let way = Way {
-                    turn_rad: turn_deg.to_radians(),
-                    up,
-                };
-                if present.is_none() && way == Way::ON {
-                    continue;
+        self.begin(ways(scene, flown));
+        self.look(scene, &others, flight);
+        for place in 0..self.looked.len() {
+            let Some(one) = self.looked.get(place).copied() else {
+                break;
+            };
+            let cost_m = match one.plan {
+                Plan::Back(_, until_s) => {
+                    one.there.off_m.max(here.off_m) + price::SECOND_M * (until_s - scene.time_s)
                 }
-                let chance = self.look(scene, &scene.off(&way), count);
-                let change_m = present.map_or(starts_m, |present| way.change_m(&present));
-                let departs_m = self.departs_m(scene, &here, &chance, 0.0);
-                let cost_m = loss_m(&chance) + departs_m + change_m;
-                keep(&mut ways, (cost_m, way));
-                best.take(cost_m, Some(way), chance);
-            }
+                Plan::Off(way, _) => {
+                    let change_m = flown.map_or(starts_m, |flown| way.change_m(&flown));
+                    one.departs_m(scene, &here, 0.0) + change_m
+                }
+                Plan::Mission => continue,
+            };
+            self.rank(one.plan, &one.chance, price::loss_m(&one.chance) + cost_m);
         }
-        if present.is_some() || best.way.is_none() {
-            return best;
+        let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
+        if flown.is_some() || !self.ranked.first().is_some_and(is_off) {
+            return hold;
         }
         // Is it worth waiting? In the mean time the conflict may dissolve.
-        for (_, way) in ways.iter() {
-            for later_s in LATER_S {
-                let command = scene.off_later(mission, way, later_s);
-                let chance = self.look(scene, &command, count);
-                let stays = libm::exp(-later_s / price::DISSOLVES_S);
-                let flown = likely + (1.0 - likely) * stays;
-                let departs_m = self.departs_m(scene, &here, &chance, later_s);
-                best.take(
-                    loss_m(&chance) + flown * (departs_m + starts_m),
-                    None,
-                    chance,
-                );
-            }
+        let now = self.ranked;
+        let off = now.iter().filter_map(|ranked| match ranked.plan {
+            Plan::Off(way, _) => Some(way),
+            _ => None,
+        });
+        let from = |way, later_s| Plan::Off(way, scene.time_s + later_s);
+        self.begin(
+            off.take(LATER_WAYS)
+                .flat_map(|way| LATER_S.map(|later_s| from(way, later_s))),
+        );
+        self.look(scene, &others, flight);
+        for place in 0..self.looked.len() {
+            let Some(one) = self.looked.get(place).copied() else {
+                break;
+            };
+            let Plan::Off(_, from_s) = one.plan else {
+                continue;
+            };
+            let later_s = from_s - scene.time_s;
+            let flown = likely + (1.0 - likely) * libm::exp(-later_s / price::DISSOLVES_S);
+            let cost_m = flown * (one.departs_m(scene, &here, later_s) + starts_m);
+            self.rank(one.plan, &one.chance, price::loss_m(&one.chance) + cost_m);
         }
-        best
+        hold
     }
 
-    /// What the last path costs in departure, extra path and time, from a moment on until the others have passed, metres.
-    fn departs_m(&self, scene: &Scene<'_>, here: &Aside, chance: &Chance, from_s: f64) -> f64 {
-        let until_s = chance.passed_s.max(from_s + 3.0).min(SECONDS as f64);
-        let there = Aside::on(scene, &self.path, until_s);
-        let flown_m = scene.vehicle.airspeed_mps * until_s;
-        let extra_m = (flown_m - (there.along_m - here.along_m)).max(0.0);
-        there.off_m.max(here.off_m)
+    /// The cheapest plans, cheapest first.
+    pub fn ranked(&self) -> &[Ranked] {
+        &self.ranked
+    }
+
+    /// Puts a plan among the cheapest ones; of two that cost the same the first one stays before.
+    fn rank(&mut self, plan: Plan, chance: &Chance, cost_m: f64) {
+        let mut new = Ranked {
+            plan,
+            chance: *chance,
+            cost_m,
+        };
+        for ranked in self.ranked.iter_mut() {
+            if new.cost_m < ranked.cost_m {
+                core::mem::swap(ranked, &mut new);
+            }
+        }
+        self.ranked.push(new);
+    }
+
+    /// Takes plans to look at.
+    fn begin(&mut self, plans: impl IntoIterator<Item = Plan>) {
+        self.looked.clear();
+        for plan in plans {
+            self.looked.push(Looked {
+                plan,
+                chance: Chance::default(),
+                there: Aside {
+                    off_m: 0.0,
+                    along_m: 0.0,
+                },
+            });
+        }
+    }
+
+    /// Adds up the chances of the plans with all others.
+    fn look(
+        &mut self,
+        scene: &Scene<'_>,
+        others: &List<(f64, Option<Other<'_>>), MOST_WEIGHED>,
+        flight: &mut FlightPath,
+    ) {
+        let own_m = scene.now.position_m;
+        let mut command = Maneuver::hold();
+        for other in others.iter().filter_map(|other| other.1) {
+            match other {
+                Other::Known(known) => {
+                    let futures = known.belief.futures(scene.time_s);
+                    self.ahead.set(&futures, own_m, &known.volume);
+                }
+                Other::Straight(obstacle) => self.ahead.set_straight(&obstacle, own_m),
+            }
+            for looked in self.looked.iter_mut() {
+                scene.set(&looked.plan, &mut command);
+                scene.fly(&command, flight, &mut self.path);
+                let chance = self.ahead.meets(&self.path);
+                let is_later = chance.passed_s >= looked.chance.passed_s;
+                looked.chance = looked.chance.and(chance);
+                let at_s = looked.measured_s(scene);
+                if is_later {
+                    looked.there = Aside::on(scene, &self.path, at_s);
+                }
+            }
+        }
+    }
+}
+
+/// The nearest of what is around, by distance, metres.
+fn others<'a>(
+    scene: &Scene<'_>,
+    beliefs: &'a Beliefs,
+    obstacles: &Obstacles<'_>,
+) -> List<(f64, Option<Other<'a>>), MOST_WEIGHED> {
+    let own_m = scene.now.position_m;
+    let mut nearest = List::new((f64::INFINITY, None));
+    let mut keep = |away_m: f64, other| {
+        let mut new = (away_m, Some(other));
+        for other in nearest.iter_mut() {
+            if new.0 < other.0 {
+                core::mem::swap(other, &mut new);
+            }
+        }
+        nearest.push(new);
+    };
+    for known in beliefs.iter() {
+        let at_m = known.belief.at(scene.time_s).position_m;
+        keep(at_m.distance(own_m), Other::Known(known));
+    }
+    let keeps_on = |obstacle: &Obstacle| obstacle.movement.bounds().is_none();
+    for obstacle in obstacles.iter().filter(keeps_on) {
+        keep(
+            obstacle.volume.margin_m(own_m - obstacle.position_m),
+            Other::Straight(obstacle),
+        );
+    }
+    nearest
+}
+
+/// The plans that begin now.
+fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
+    let time_s = scene.time_s;
+    let backs = flown.map(|way| BACK_S.map(|back_s| Plan::Back(way, time_s + back_s)));
+    let (low_rad, high_rad) = scene.climbs_rad;
+    let can = move |up: &Up| match up {
+        Up::Level => true,
+        Up::Climb => high_rad > 0.0,
+        Up::Descent => low_rad < 0.0,
+    };
+    let ups = [Up::Level, Up::Climb, Up::Descent].into_iter().filter(can);
+    let all = ups.flat_map(|up| {
+        TURNS_DEG.map(|turn_deg| Way {
+            turn_rad: turn_deg.to_radians(),
+            up,
+        })
+    });
+    let off = all.filter(move |way| flown.is_some() || *way != Way::ON);
+    let off = off.map(move |way| Plan::Off(way, time_s));
+    backs.into_iter().flatten().chain(off)
+}
+
+impl Looked {
+    /// When its departure is measured, seconds from now: as it turns back, or when the others have passed.
+    fn measured_s(&self, scene: &Scene<'_>) -> f64 {
+        match self.plan {
+            Plan::Back(_, until_s) => until_s - scene.time_s,
+            Plan::Mission => 0.0,
+            Plan::Off(_, from_s) => self.until_s(from_s - scene.time_s),
+        }
+    }
+
+    /// Until when it is flown, seconds from now: until the others have passed.
+    fn until_s(&self, from_s: f64) -> f64 {
+        self.chance.passed_s.max(from_s + 3.0).min(SECONDS as f64)
+    }
+
+    /// What it costs in departure, extra path and time, from a moment on until the others have passed, metres.
+    fn departs_m(&self, scene: &Scene<'_>, here: &Aside, from_s: f64) -> f64 {
+        let until_s = self.until_s(from_s);
+        let flown_m = scene.route.flyer.airspeed_mps() * until_s;
+        let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
+        self.there.off_m.max(here.off_m)
             + price::EXTRA_PATH * extra_m
             + price::SECOND_M * (until_s - from_s)
     }
 }
-
-/// The bounds of what makes no manoeuvres.
-const STILL: MovementBounds = MovementBounds {
-    turn_rate_radps: 0.0,
-    brief_turn_rate_radps: 0.0,
-    turn_rad: 0.0,
-    climb_change_mps: 0.0,
-    acceleration_mps2: 0.0,
-};
 
 impl Way {
     /// The course of the mission, level.
@@ -362,19 +355,6 @@ impl Way {
         let other_climb = if self.up == present.up { 0.0 } else { 0.5 };
         let turn = (self.turn_rad - present.turn_rad).abs().min(1.0);
         price::CHANGE_M * (turn + other_climb).min(1.0)
-    }
-}
-
-impl Weighed {
-    /// Takes a cheaper one.
-    fn take(&mut self, cost_m: f64, way: Option<Way>, chance: Chance) {
-        if cost_m < self.cost_m {
-            *self = Self {
-                cost_m,
-                way,
-                chance,
-            };
-        }
     }
 }
 
@@ -400,26 +380,9 @@ impl Aside {
 
     /// Of a path at a whole second.
     fn on(scene: &Scene<'_>, path: &Path, at_s: f64) -> Self {
-        let second = fga_proof::limit::whole(at_s, SECONDS);
+        let second = whole(at_s, SECONDS);
         let [x, y, z] = path.get(second).copied().unwrap_or_default();
         let off_m = Vec3::new(x.into(), y.into(), z.into());
         Self::at(scene, scene.now.position_m + off_m)
     }
-}
-
-/// The price of some chances, metres.
-fn loss_m(chance: &Chance) -> f64 {
-    price::LOSS_M
-        * (chance.loss + price::INNER * chance.inner + price::COLLISION * chance.collision)
-}
-
-/// Keeps the cheapest ways, cheapest first.
-fn keep<const N: usize>(ways: &mut List<(f64, Way), N>, new: (f64, Way)) {
-    let mut new = new;
-    for way in ways.iter_mut() {
-        if new.0 < way.0 {
-            core::mem::swap(way, &mut new);
-        }
-    }
-    ways.push(new);
 }

@@ -7,12 +7,13 @@
 //!
 //! | module | question |
 //! |---|---|
-//! | [`chooser`] | what is flown now? |
+//! | [`beliefs`] | who is around? |
+//! | [`candidate`] | which plans are there? |
 //! | [`chance`] | how likely does a path meet the others? |
-//! | `candidate` | which ways are there? |
 //! | [`price`] | what does a metre buy? |
+//! | [`chooser`] | which plans cost least? |
 //!
-//! In shadow: zones, ground and limits are not known to it, and nothing is proven.
+//! It only proposes: zones, ground and continuous time are for the proof.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used)]
@@ -22,10 +23,13 @@
     reason = "single precision suffices for what is weighed"
 )]
 
-mod candidate;
+pub mod beliefs;
+pub mod candidate;
 pub mod chance;
 pub mod chooser;
 pub mod price;
 
+pub use beliefs::Beliefs;
+pub use candidate::{Plan, Scene};
 pub use chance::Chance;
-pub use chooser::{Choice, Chooser};
+pub use chooser::{Chooser, Ranked};

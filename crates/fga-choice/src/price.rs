@@ -2,6 +2,8 @@
 //!
 //! Taken from an experiment on the campaign `campaigns/low-altitude-adsb.toml` (another filter, the same kind of choice) and not tuned since.
 
+use crate::chance::Chance;
+
 /// A loss of the protected volume, metres.
 pub const LOSS_M: f64 = 60_000.0;
 
@@ -28,3 +30,8 @@ pub const DISSOLVES_S: f64 = 10.0;
 
 /// A smaller chance of a loss on the mission counts as 0.
 pub const NO_CHANCE: f64 = 1e-4;
+
+/// The price of some chances, metres.
+pub(crate) fn loss_m(chance: &Chance) -> f64 {
+    LOSS_M * (chance.loss + INNER * chance.inner + COLLISION * chance.collision)
+}

@@ -21,6 +21,11 @@ impl<T: Copy, const N: usize> List<T, N> {
         self.len = 0;
     }
 
+    /// Keeps only the first items.
+    pub fn truncate(&mut self, most: usize) {
+        self.len = self.len.min(most);
+    }
+
     /// Puts an item at an index: replaces one, or appends behind the last one. False for any other index.
     pub fn put(&mut self, place: usize, item: T) -> bool {
         let slot = self.all.get_mut(place).filter(|_| place <= self.len);

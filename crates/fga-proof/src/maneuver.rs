@@ -110,6 +110,11 @@ impl<const N: usize> StageList<N> {
         }
     }
 
+    /// Keeps only the first stages.
+    pub fn truncate(&mut self, most: usize) {
+        self.list.truncate(most);
+    }
+
     /// Takes the commands of another manoeuvre `elapsed_s` later.
     pub fn set_later(&mut self, earlier: &Self, elapsed_s: f64) {
         self.set(later(earlier.stages(), elapsed_s));

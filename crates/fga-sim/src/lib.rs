@@ -43,7 +43,6 @@ extern crate alloc;
 pub mod ahead;
 pub mod baselines;
 pub mod batch;
-pub mod belief_pilot;
 pub mod campaign;
 mod corrupt;
 pub mod drawn;

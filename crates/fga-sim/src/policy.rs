@@ -1,13 +1,12 @@
 //! Policies by name, and the step that all of them share.
 use crate::mission_pilot::MissionPilot;
-use fga::avoider::{Avoider, Settings, SettingsError, Start};
+use fga::avoider::{Avoider, BeliefAvoider, Settings, SettingsError, Start};
 pub use fga::pilot::Pilot;
 use fga::vehicle::Vehicle;
 use fga_paper::pilot::{PaperPilot, Rule};
 
 use crate::ahead::Ahead;
 use crate::baselines::Baseline;
-use crate::belief_pilot::BeliefPilot;
 use crate::own::{OwnPolicy, piped};
 pub use crate::policy_pilot::PolicyPilot;
 pub use crate::settings::PolicySettings;
@@ -20,7 +19,7 @@ pub enum PolicyChoice {
     Avoider(Start),
     /// The mission, whatever comes.
     Mission,
-    /// The choice among the futures of a belief, in shadow.
+    /// The least expected cost among the futures of a belief, proven against what is expected.
     Belief,
     /// One of the paper's rules.
     Paper(Rule),
@@ -99,7 +98,7 @@ impl PolicyChoice {
 
     /// Whether it keeps to the zones of a world.
     pub const fn knows_zones(&self) -> bool {
-        matches!(self, Self::Avoider(_))
+        matches!(self, Self::Avoider(_) | Self::Belief)
     }
 
     /// The world as it must see it, where that differs: reports without a tracker, and their errors.
@@ -175,8 +174,7 @@ impl PolicyChoice {
                 )
             }
             Self::Belief => {
-                avoider.check()?;
-                let pilot = BeliefPilot::new(vehicle, &settings.errors)?;
+                let pilot = BeliefAvoider::new(*avoider, *vehicle, settings.errors)?;
                 Ok(if vehicle.response.dead_time_s > 0.0 {
                     Box::new(Ahead::new(pilot, vehicle))
                 } else {

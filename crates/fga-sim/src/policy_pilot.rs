@@ -1,11 +1,10 @@
 //! The pilot of a policy.
 
-use fga::avoider::Avoider;
+use fga::avoider::{Avoider, BeliefAvoider};
 use fga::pilot::Pilot;
 use fga_paper::pilot::PaperPilot;
 
 use crate::ahead::Ahead;
-use crate::belief_pilot::BeliefPilot;
 use crate::mission_pilot::MissionPilot;
 use crate::own::FailureKind;
 
@@ -18,7 +17,7 @@ pub trait PolicyPilot: Pilot {
 }
 
 impl PolicyPilot for Avoider {}
-impl PolicyPilot for BeliefPilot {}
+impl PolicyPilot for BeliefAvoider {}
 impl PolicyPilot for MissionPilot {}
 impl PolicyPilot for PaperPilot {}
 impl<P: Pilot> PolicyPilot for Ahead<P> {}

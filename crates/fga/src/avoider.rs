@@ -9,6 +9,7 @@
 //! ```
 
 mod against;
+mod belief;
 mod demand;
 mod drift;
 mod intruders;
@@ -19,6 +20,7 @@ mod turn_aware;
 
 pub use crate::limit::SettingsError;
 pub use against::Against;
+pub use belief::BeliefAvoider;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
@@ -103,6 +105,10 @@ struct Returned {
     /// Time, seconds on the situation's clock.
     time_s: f64,
 }
+
+/// What decides in a step, once the aircraft is on its leg of now.
+type Policy<'p> =
+    dyn FnMut(&mut Avoider<dyn Places + '_>, &Situation<'_>, &Now<'_>, &mut Decision) + 'p;
 
 impl<P: Places + 'static> core::ops::Deref for Avoider<P> {
     type Target = Avoider<dyn Places>;
@@ -353,8 +359,24 @@ impl Avoider<dyn Places + '_> {
     fn step_among(
         &mut self,
         situation: &Situation<'_>,
-        kept: Option<&mut Kept<'_>>,
+        mut kept: Option<&mut Kept<'_>>,
         decision: &mut Decision,
+    ) {
+        self.step_by(
+            situation,
+            decision,
+            &mut |avoider, situation, now, decision| {
+                avoider.step_turn_aware(situation, now, kept.as_deref_mut(), decision);
+            },
+        );
+    }
+
+    /// Decides by a policy.
+    fn step_by(
+        &mut self,
+        situation: &Situation<'_>,
+        decision: &mut Decision,
+        policy: &mut Policy<'_>,
     ) {
         decision.record.alternative = None;
         if !situation.is_usable() {
@@ -369,7 +391,7 @@ impl Avoider<dyn Places + '_> {
         let limit = most - most / FINISH_SHARE;
         self.meter = Meter::new(limit, most);
         self.mission_meter = Meter::new(limit / MISSION_SHARE, most / MISSION_MOST);
-        self.decide(situation, kept, decision);
+        self.decide(situation, decision, policy);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
@@ -404,15 +426,15 @@ impl Avoider<dyn Places + '_> {
     fn decide(
         &mut self,
         situation: &Situation<'_>,
-        kept: Option<&mut Kept<'_>>,
         decision: &mut Decision,
+        policy: &mut Policy<'_>,
     ) {
         let now = Now {
             state: MotionState::of(&situation.ownship),
             mission: &situation.mission,
         };
         self.come_to(situation, &now);
-        self.step_turn_aware(situation, &now, kept, decision);
+        policy(self, situation, &now, decision);
         if self.gives_up(situation, &now) {
             decision.record.reason = Reason::WaypointGivenUp;
         }

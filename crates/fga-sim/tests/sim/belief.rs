@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use fga::avoider::Decision;
+use fga::avoider::{BeliefAvoider, Decision, State};
 use fga::pilot::Pilot;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
-use fga_sim::belief_pilot::BeliefPilot;
 use fga_sim::campaign::{Campaign, FlownPath, file, metrics_of};
 use fga_sim::engine::Engine;
 use fga_sim::policy::PolicyChoice;
@@ -15,17 +14,18 @@ use crate::data::data;
 
 /// A pilot that notes the chances of a loss when it first leaves the mission: on the mission, and as it flies.
 struct Noting {
-    pilot: BeliefPilot,
+    pilot: BeliefAvoider,
     first: Option<[f64; 2]>,
 }
 
 impl Pilot for Noting {
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
         let decision = self.pilot.step(situation);
-        let choice = self.pilot.choice();
-        if choice.avoids {
-            self.first
-                .get_or_insert([choice.p_loss_hold, choice.p_loss]);
+        let record = &decision.record;
+        if let (State::Avoiding, Some(hold), Some(flies)) =
+            (decision.state, record.p_loss_hold, record.p_loss)
+        {
+            self.first.get_or_insert([hold, flies]);
         }
         decision
     }
@@ -60,7 +60,8 @@ fn a_belief_says_what_happens() {
         let drawn = campaign.draw(number).unwrap();
         let world = campaign.plan(number).unwrap().world;
         let world = PolicyChoice::Belief.sees(&world).unwrap();
-        let pilot = BeliefPilot::new(&world.vehicle, &world.settings.errors).unwrap();
+        let settings = &world.settings;
+        let pilot = BeliefAvoider::new(settings.avoider, world.vehicle, settings.errors).unwrap();
         let mut pilot = Noting { pilot, first: None };
         flown.clear();
         let outcome = engine.fly(&world, &mut pilot, &mut flown);

@@ -144,6 +144,11 @@ pub struct Record {
     /// between these are not covered. `None` without a certified manoeuvre, on the way back, without an aircraft among the obstacles, and
     /// where some count as flying straight on.
     pub resilience: Option<f64>,
+    /// Chance to enter a protected volume within a minute on the mission, as the reports are believed; `None` where reports count as
+    /// exact.
+    pub p_loss_hold: Option<f64>,
+    /// The same as it flies.
+    pub p_loss: Option<f64>,
     /// Number of aircraft that count as flying straight on, because only the turns of the nearest ones are considered.
     pub straight_aircraft: u32,
     /// Whether the limits in need apply: nothing was certified with the normal ones.
@@ -212,6 +217,7 @@ impl Decision {
         record.threat = None;
         (record.chosen, record.start_s, record.latest_start_s) = (None, None, None);
         (record.resilience, record.straight_aircraft) = (None, 0);
+        (record.p_loss_hold, record.p_loss) = (None, None);
         (record.in_need, record.clock_set_back) = (false, false);
     }
 }
@@ -241,6 +247,8 @@ mod tests {
             chosen,
             alternative: None,
             resilience: Some(1.0),
+            p_loss_hold: Some(1.0),
+            p_loss: Some(1.0),
             straight_aircraft: 1,
             in_need: true,
             clock_set_back: true,

@@ -286,7 +286,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// The reason of a manoeuvre without a certificate.
-    const fn unproven(&self) -> Reason {
+    pub(super) const fn unproven(&self) -> Reason {
         if self.tracks.inside {
             Reason::InsideVolume
         } else {
@@ -444,7 +444,12 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Proves that a command keeps a target up to a horizon, if it does; its margin is capped.
-    fn prove(&mut self, command: &mut Command, now: &Now<'_>, asked: (f64, f64, f64)) -> bool {
+    pub(super) fn prove(
+        &mut self,
+        command: &mut Command,
+        now: &Now<'_>,
+        asked: (f64, f64, f64),
+    ) -> bool {
         self.prove_from(command, now, asked, false)
     }
 

@@ -130,7 +130,7 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether zones or ground bound manoeuvres.
-    pub(super) fn has_walls(&self, now: &Now<'_>) -> bool {
+    pub(in crate::avoider) fn has_walls(&self, now: &Now<'_>) -> bool {
         !self.tracks.around(now.mission).fixed.is_empty()
     }
 

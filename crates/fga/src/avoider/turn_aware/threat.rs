@@ -16,7 +16,7 @@ const ENTRY_HALVINGS: usize = 24;
 impl Avoider<dyn Places + '_> {
     /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
     /// follows.
-    pub(super) fn first_threat(
+    pub(in crate::avoider) fn first_threat(
         &mut self,
         nominal: &Maneuver,
         now: &Now<'_>,

@@ -247,7 +247,11 @@ impl Avoider<dyn Places + '_> {
 
     /// Does something while zones and ground count up to a moment, seconds. Of a way back that is its return: the mission itself is flown as it
     /// is given.
-    pub(super) fn within_walls<T>(&mut self, until_s: f64, act: impl FnOnce(&mut Self) -> T) -> T {
+    pub(in crate::avoider) fn within_walls<T>(
+        &mut self,
+        until_s: f64,
+        act: impl FnOnce(&mut Self) -> T,
+    ) -> T {
         let before_s = self.tracks.until(until_s);
         let answer = act(self);
         self.tracks.until(before_s);

@@ -1,0 +1,149 @@
+//! The aircraft that are known: reports in, a belief of each.
+
+use fga_belief::{Belief, Errors, Report};
+use fga_index::situation::{Obstacle, ProtectedVolume, Situation, Uncertainty};
+use fga_proof::Vec3;
+use fga_proof::list::List;
+
+/// Most aircraft that are known.
+pub const MOST_KNOWN: usize = 16;
+
+/// A report holds later than the last one if it is younger by more than this, seconds: between reports obstacles are carried on.
+const LATER_S: f64 = 1e-6;
+
+/// An aircraft that is known.
+#[derive(Debug, Clone, Copy)]
+pub struct Known {
+    pub(crate) id: u32,
+    pub(crate) volume: ProtectedVolume,
+    pub(crate) belief: Belief,
+}
+
+impl Known {
+    /// Its identifier.
+    pub const fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// What is believed of it.
+    pub const fn belief(&self) -> &Belief {
+        &self.belief
+    }
+}
+
+/// The beliefs about all aircraft, in the order in which they were first heard.
+#[derive(Debug, Clone)]
+pub struct Beliefs {
+    known: List<Option<Known>, MOST_KNOWN>,
+    left_out: u32,
+}
+
+impl Default for Beliefs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Beliefs {
+    /// Of nobody.
+    pub const fn new() -> Self {
+        Self {
+            known: List::new(None),
+            left_out: 0,
+        }
+    }
+
+    /// Forgets all.
+    pub const fn forget(&mut self) {
+        self.known.clear();
+        self.left_out = 0;
+    }
+
+    /// The aircraft.
+    pub fn iter(&self) -> impl Iterator<Item = &Known> {
+        self.known.iter().flatten()
+    }
+
+    /// Aircraft of the last step that found no room, farther away than all others.
+    pub const fn left_out(&self) -> u32 {
+        self.left_out
+    }
+
+    /// Takes the reports of aircraft, whose errors are these: whether there is a new one. Obstacles are as reported, carried on along
+    /// their velocities for their age; one that keeps its velocity by contract, or rests, is no aircraft.
+    pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
+        let mut has_news = false;
+        self.left_out = 0;
+        for slot in self.known.iter_mut() {
+            *slot = slot.filter(|known| !known.belief.has_ended(situation.time_s));
+        }
+        for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
+            let Some(bounds) = obstacle.movement.bounds() else {
+                continue;
+            };
+            let age_s = obstacle.age_s.max(0.0);
+            let report = Report {
+                time_s: situation.time_s - age_s,
+                position_m: obstacle.position_m,
+                velocity_mps: Some(obstacle.velocity_mps),
+                carried_s: age_s as f32,
+                errors: *errors,
+            };
+            let mut known = self.known.iter_mut().flatten();
+            if let Some(known) = known.find(|known| known.id == obstacle.id) {
+                known.volume = obstacle.volume;
+                if report.time_s > known.belief.time_s() + LATER_S {
+                    known.belief.update(&report);
+                    has_news = true;
+                }
+                continue;
+            }
+            has_news |= self.add(
+                situation.ownship.position_m,
+                &Known {
+                    id: obstacle.id,
+                    volume: obstacle.volume,
+                    belief: Belief::new(&report, &bounds),
+                },
+            );
+        }
+        has_news
+    }
+
+    /// Adds an aircraft, in place of the farthest one if that is farther away; whether it did.
+    fn add(&mut self, own_m: Vec3, new: &Known) -> bool {
+        if let Some(slot) = self.known.iter_mut().find(|slot| slot.is_none()) {
+            *slot = Some(*new);
+            return true;
+        }
+        if self.known.push(Some(*new)).is_some() {
+            return true;
+        }
+        self.left_out = self.left_out.saturating_add(1);
+        let away_m = |known: &Known| known.belief.reported_m().distance_squared(own_m);
+        let known = self.known.iter_mut().flatten();
+        let farthest = known.max_by(|a, b| away_m(a).total_cmp(&away_m(b)));
+        match farthest.filter(|farthest| away_m(farthest) > away_m(new)) {
+            Some(farthest) => {
+                *farthest = *new;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// An obstacle as it is expected to be now: an aircraft where it is believed to be, everything else as it is.
+    pub fn expected(&self, obstacle: &Obstacle, time_s: f64) -> Obstacle {
+        let known = self.iter().find(|known| known.id == obstacle.id);
+        known.map_or(*obstacle, |known| {
+            let now = known.belief.at(time_s);
+            Obstacle {
+                position_m: now.position_m,
+                velocity_mps: now.velocity_mps,
+                uncertainty: Uncertainty::default(),
+                age_s: 0.0,
+                ..*obstacle
+            }
+        })
+    }
+}

@@ -1,0 +1,433 @@
+//! Among aircraft that are known by uncertain reports: the least expected cost flies, proven against what is expected.
+//!
+//! Reports become beliefs, beliefs become futures, and each plan is weighed by its chance of a loss (`fga-choice`). Whether a manoeuvre
+//! begins is decided by the least cost. Of the plans that cost little more the cheapest one flies that is proven to keep clear of the expected
+//! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one that keeps clear of what
+//! is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
+
+use fga_belief::Errors;
+use fga_choice::{Beliefs, Chance, Chooser, Plan, Ranked, Scene};
+
+use crate::avoider::intruders::Freedom;
+use crate::avoider::{
+    Avoider, Candidate, Decision, Now, Places, Reason, Settings, SettingsError, State, Threat,
+    Verdict,
+};
+use crate::certificate::certify_set;
+use crate::limit::whole;
+use crate::list::List;
+use crate::maneuver::Maneuver;
+use crate::meter::Meter;
+use crate::mission::Route;
+use crate::pilot::Pilot;
+use crate::situation::{Obstacle, Obstacles, Situation};
+use crate::vehicle::Vehicle;
+use crate::{Vec3, assumptions::Assumptions};
+
+/// Shortest and longest time between two choices, seconds: at a report, or without one.
+const PERIOD_S: (f64, f64) = (0.45, 0.95);
+
+/// A plan that is proven may cost this much more than the cheapest one, metres: of 60,000 m for a loss, one in 60. Among the first 1,000
+/// encounters of `campaigns/low-altitude-adsb.toml` (seed 2) 300 m and 1,000 m left the same losses.
+const PROVEN_M: f64 = 1000.0;
+
+/// Most obstacles that are looked at.
+const MOST_SEEN: usize = 64;
+
+/// Margins are capped at this value, metres.
+const ENOUGH_M: f64 = 1e3;
+
+/// Decides on beliefs about aircraft: call it each cycle with a [`Situation`] of reports and fly its [`Decision`]. Among obstacles that are
+/// no aircraft it is an [`Avoider`].
+#[derive(Debug, Clone)]
+pub struct BeliefAvoider {
+    avoider: Avoider,
+    errors: Errors,
+    beliefs: Beliefs,
+    chooser: Chooser,
+    choice: Choice,
+    seen: List<Obstacle, MOST_SEEN>,
+}
+
+/// What was chosen last.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    plan: Plan,
+    /// When, seconds on the situation's clock.
+    at_s: f64,
+    /// Chance of a loss on the mission, and of the plan.
+    p_loss: [f64; 2],
+    cost_m: f64,
+    /// What the mission enters by its expected motion, as seen then.
+    threat: Option<Threat>,
+    /// Whether it was proven then.
+    is_proven: bool,
+    /// Whether the avoider decides alone, because no plan keeps clear of what is fixed.
+    is_left: bool,
+}
+
+impl Choice {
+    const NONE: Self = Self {
+        plan: Plan::Mission,
+        at_s: f64::NEG_INFINITY,
+        p_loss: [0.0; 2],
+        cost_m: 0.0,
+        threat: None,
+        is_proven: false,
+        is_left: false,
+    };
+}
+
+impl BeliefAvoider {
+    /// For a vehicle, in cruise on the first leg; reports of aircraft have these errors.
+    ///
+    /// # Errors
+    /// A setting or a limit of the vehicle that is not finite or out of range.
+    pub fn new(
+        settings: Settings,
+        vehicle: Vehicle,
+        errors: Errors,
+    ) -> Result<Self, SettingsError> {
+        let nobody = Obstacle::straight(
+            0,
+            Vec3::ZERO,
+            Vec3::ZERO,
+            crate::situation::ProtectedVolume::Sphere { radius_m: 0.0 },
+        );
+        Ok(Self {
+            avoider: Avoider::new(settings, vehicle)?,
+            errors,
+            beliefs: Beliefs::new(),
+            chooser: Chooser::new(),
+            choice: Choice::NONE,
+            seen: List::new(nobody),
+        })
+    }
+
+    /// The avoider among what is exact, with the state of both.
+    pub const fn avoider(&self) -> &Avoider {
+        &self.avoider
+    }
+
+    /// Decides into the place of another decision, which is large.
+    pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
+        if !situation.is_usable() {
+            return self.avoider.step_into(situation, decision);
+        }
+        let has_news = self.beliefs.hear(situation, &self.errors);
+        if self.beliefs.iter().next().is_none() {
+            self.choice = Choice::NONE;
+            return self.avoider.step_into(situation, decision);
+        }
+        self.seen.clear();
+        let mut left_out = self.beliefs.left_out();
+        for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
+            let expected = self.beliefs.expected(&obstacle, situation.time_s);
+            left_out += u32::from(self.seen.push(expected).is_none());
+        }
+        let expected = Situation {
+            obstacles: Obstacles::Rows(&self.seen),
+            ..*situation
+        };
+        let mut chooses = Chooses {
+            beliefs: &self.beliefs,
+            chooser: &mut self.chooser,
+            choice: &mut self.choice,
+            has_news,
+        };
+        self.avoider.step_by(
+            &expected,
+            decision,
+            &mut |avoider, situation, now, decision| {
+                chooses.step(avoider, situation, now, decision);
+            },
+        );
+        decision.record.work.limit_met |= left_out > 0;
+    }
+}
+
+impl Pilot for BeliefAvoider {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        let mut decision = Decision::default();
+        self.step_into(situation, &mut decision);
+        decision
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        self.avoider.retune(vehicle);
+    }
+
+    fn replace_mission(&mut self, kept: usize) {
+        Pilot::replace_mission(&mut self.avoider, kept);
+    }
+
+    fn restart(&mut self) {
+        self.avoider.restart();
+        self.beliefs.forget();
+        self.chooser = Chooser::new();
+        self.choice = Choice::NONE;
+    }
+}
+
+/// One step among aircraft.
+struct Chooses<'a> {
+    beliefs: &'a Beliefs,
+    chooser: &'a mut Chooser,
+    choice: &'a mut Choice,
+    has_news: bool,
+}
+
+impl Chooses<'_> {
+    #[inline(never)]
+    fn step(
+        &mut self,
+        avoider: &mut Avoider<dyn Places + '_>,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        decision: &mut Decision,
+    ) {
+        let (time_s, horizon_s) = (situation.time_s, avoider.settings.horizon_s);
+        let mut mission = Maneuver::hold();
+        avoider.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s, &mut mission)
+        });
+        let (vehicle, flyer, progress) = (avoider.vehicle, avoider.flyer, avoider.progress);
+        let meter = Meter::unlimited();
+        let leg = progress.leg(now);
+        let is_off = self.choice.plan.way_at(time_s).is_some();
+        let scene = Scene {
+            route: &Route {
+                mission: now.mission,
+                flyer: &flyer,
+                wind_mps: situation.wind_mps,
+                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+                meter: &meter,
+            },
+            mission: &mission,
+            progress: &progress,
+            time_s,
+            now: now.state,
+            climbs_rad: avoider.maneuver_climbs_rad(),
+            leg_rad: (self.chooser).leg_rad(now.course_rad, leg.air_course_rad, is_off),
+            altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
+        };
+        avoider.load_tracks(situation, None);
+        avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
+        let since_s = time_s - self.choice.at_s;
+        let is_due =
+            since_s < 0.0 || since_s >= PERIOD_S.1 || self.has_news && since_s >= PERIOD_S.0;
+        let before = self.choice.plan;
+        let is_kept = !is_due && !self.choice.is_left && {
+            scene.set(&before, decision.command.edit());
+            let is_proven = is_proven(avoider, &scene, &before, decision, now);
+            is_proven || !self.choice.is_proven
+        };
+        if !is_kept && (is_due || !self.choice.is_left) {
+            self.choose(avoider, situation, &scene, now, decision);
+        }
+        if self.choice.is_left {
+            return avoider.step_turn_aware(situation, now, None, decision);
+        }
+        self.report(avoider, situation, now, &before, decision);
+    }
+
+    /// Chooses a plan, and sets the command to it.
+    #[inline(never)]
+    fn choose(
+        &mut self,
+        avoider: &mut Avoider<dyn Places + '_>,
+        situation: &Situation<'_>,
+        scene: &Scene<'_>,
+        now: &Now<'_>,
+        decision: &mut Decision,
+    ) {
+        let others = (self.beliefs, &situation.obstacles);
+        let hold = (self.chooser).weigh(scene, others, &self.choice.plan, &mut avoider.path);
+        let threat = (hold.loss > 0.0).then(|| {
+            let demand = avoider.first_demand();
+            avoider.first_threat(scene.mission, now, &demand)
+        });
+        let clear = [Ranked {
+            plan: Plan::Mission,
+            chance: Chance::default(),
+            cost_m: 0.0,
+        }];
+        let ranked = self.chooser.ranked();
+        let ranked = if ranked.is_empty() { &clear } else { ranked };
+        let mut choice = Choice {
+            at_s: scene.time_s,
+            is_proven: true,
+            threat: threat.flatten().map(|(threat, _)| threat),
+            ..Choice::NONE
+        };
+        // Whether to begin is decided by the cost; what begins is proven where that costs little.
+        let starts = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
+        let cheapest = ranked.first().copied();
+        let is_near = |one: &Ranked| {
+            cheapest.is_some_and(|cheapest| {
+                one.cost_m <= cheapest.cost_m + PROVEN_M && starts(one) == starts(&cheapest)
+            })
+        };
+        for is_wanted in [is_proven, keeps_bounds] {
+            let within = |one: &&Ranked| !choice.is_proven || is_near(one);
+            for one in ranked.iter().filter(within) {
+                scene.set(&one.plan, decision.command.edit());
+                if is_wanted(avoider, scene, &one.plan, decision, now) {
+                    choice.plan = one.plan;
+                    choice.cost_m = one.cost_m;
+                    choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
+                    *self.choice = choice;
+                    return;
+                }
+            }
+            choice.is_proven = false;
+        }
+        // Then as among exact reports of the expected motions.
+        *self.choice = Choice {
+            is_left: true,
+            p_loss: [hold.loss.min(1.0); 2],
+            ..choice
+        };
+        avoider.plan = None;
+    }
+
+    /// Puts the plan on record, and the state that follows from it.
+    fn report(
+        &self,
+        avoider: &mut Avoider<dyn Places + '_>,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+        before: &Plan,
+        decision: &mut Decision,
+    ) {
+        let (time_s, choice) = (situation.time_s, *self.choice);
+        let is_proven = decision.command.proof().is_some();
+        avoider.plan = None;
+        let was = avoider.state;
+        let can_climb = avoider.vehicle.climb_min_rad < avoider.vehicle.climb_max_rad;
+        let (state, reason) = match (choice.plan, choice.plan.way_at(time_s)) {
+            (_, Some(_)) if !is_proven => (State::Avoiding, avoider.unproven()),
+            (_, Some(_)) if was != State::Avoiding => (State::Avoiding, Reason::ManeuverChosen),
+            (_, Some(way)) if before.way_at(time_s) != Some(way) => {
+                (State::Avoiding, Reason::ManeuverReplaced)
+            }
+            (_, Some(_)) => (State::Avoiding, Reason::ManeuverKept),
+            (Plan::Off(..), None) if matches!(was, State::Cruise | State::Threatened) => {
+                (State::Threatened, Reason::WaitingForStart)
+            }
+            (_, None) if was == State::Avoiding => (State::Recovering, Reason::RejoinChosen),
+            (_, None) if was == State::Recovering => {
+                if avoider.progress.is_back(now, can_climb) {
+                    (State::Cruise, Reason::Rejoined)
+                } else {
+                    (State::Recovering, Reason::RejoinKept)
+                }
+            }
+            (_, None) => (State::Cruise, Reason::Clear),
+        };
+        avoider.state = state;
+        avoider.say(decision, reason);
+        let record = &mut decision.record;
+        [record.p_loss_hold, record.p_loss] = choice.p_loss.map(Some);
+        let elapsed_s = time_s - choice.at_s;
+        // After the predicted entry the threat is history.
+        let ahead = choice.threat.filter(|threat| threat.entry_s >= elapsed_s);
+        record.threat = ahead.map(|threat| Threat {
+            entry_s: threat.entry_s - elapsed_s,
+            closest_s: threat.closest_s - elapsed_s,
+            ..threat
+        });
+        record.work.threats = u32::from(choice.threat.is_some());
+        if let Plan::Off(_, from_s) = choice.plan {
+            record.start_s = Some(from_s - time_s);
+        }
+        if choice.plan != Plan::Mission {
+            record.chosen = Some(Candidate {
+                margin_m: decision
+                    .command
+                    .proof()
+                    .map_or(0.0, |proof| proof.bound().margin_m),
+                cost: choice.cost_m,
+                verdict: if is_proven {
+                    Verdict::Chosen
+                } else {
+                    Verdict::Rejected
+                },
+            });
+        }
+    }
+}
+
+/// Whether a command flies the mission on its leg, which is never avoided for what is fixed.
+fn is_on_mission(avoider: &Avoider<dyn Places + '_>, plan: &Plan) -> bool {
+    *plan == Plan::Mission && matches!(avoider.state, State::Cruise | State::Threatened)
+}
+
+/// Whether the command of a decision is proven to keep clear of what is expected and of what is fixed; then it has its proof.
+fn is_proven(
+    avoider: &mut Avoider<dyn Places + '_>,
+    scene: &Scene<'_>,
+    plan: &Plan,
+    decision: &mut Decision,
+    now: &Now<'_>,
+) -> bool {
+    let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
+    let until_s = walls_s(avoider, scene, plan, &decision.command, now);
+    avoider.within_walls(until_s, |avoider| {
+        let asked = (horizon_s, margin_m, ENOUGH_M);
+        avoider.prove(&mut decision.command, now, asked)
+    })
+}
+
+/// Whether the command of a decision keeps clear of what is fixed.
+fn keeps_bounds(
+    avoider: &mut Avoider<dyn Places + '_>,
+    scene: &Scene<'_>,
+    plan: &Plan,
+    decision: &mut Decision,
+    now: &Now<'_>,
+) -> bool {
+    if is_on_mission(avoider, plan) {
+        return true;
+    }
+    let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
+    let until_s = walls_s(avoider, scene, plan, &decision.command, now);
+    avoider.predict(&decision.command, now, horizon_s);
+    avoider.within_walls(until_s, |avoider| {
+        let asked = (horizon_s, margin_m, ENOUGH_M);
+        let around = avoider.tracks.around(now.mission);
+        let walls = Assumptions {
+            rows: &[],
+            ..around
+        };
+        let flown = (&avoider.flyer, &avoider.path);
+        let mut limits = around.rows.iter().filter(|row| row.id() == u32::MAX);
+        certify_set(flown.0, flown.1, &walls, asked, &avoider.meter).holds(margin_m)
+            && limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
+    })
+}
+
+/// How long zones and ground count for a plan, seconds: a way back up to its leg, because the mission itself is flown as it is given.
+fn walls_s(
+    avoider: &mut Avoider<dyn Places + '_>,
+    scene: &Scene<'_>,
+    plan: &Plan,
+    command: &Maneuver,
+    now: &Now<'_>,
+) -> f64 {
+    if !avoider.has_walls(now) || *plan != Plan::Mission {
+        return avoider.tracks.walls_s();
+    }
+    if is_on_mission(avoider, plan) {
+        return 0.0;
+    }
+    let horizon_s = avoider.settings.horizon_s;
+    avoider.predict(command, now, horizon_s);
+    let can_climb = avoider.vehicle.climb_min_rad < avoider.vehicle.climb_max_rad;
+    let mut seconds = (0..whole(horizon_s, 600)).map(|second| second as f64);
+    let back_s = seconds.find(|second| {
+        let state = avoider.path.state_at(&avoider.flyer, *second);
+        state.is_some_and(|state| scene.progress.is_back(&state, can_climb))
+    });
+    back_s.unwrap_or(horizon_s)
+}

@@ -1,0 +1,175 @@
+//! What is flown among aircraft that may do many things.
+
+use fga::avoider::{BeliefAvoider, Decision, Settings, State};
+use fga::meter::Meter;
+use fga::pilot::Pilot;
+use fga::prediction::{Flyer, MotionState};
+use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
+use fga::vehicle::{Response, Vehicle};
+use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
+use fga::{Vec2, Vec3};
+use fga_belief::{Errors, Sigma, Source};
+
+const VEHICLE: Vehicle = Vehicle {
+    airspeed_mps: 30.0,
+    turn_radius_m: 200.0,
+    climb_min_rad: -0.1,
+    climb_max_rad: 0.1,
+    climb_rate_radps: 0.05,
+    response: Response::IDEAL,
+};
+
+const WAYPOINTS_M: [Vec3; 2] = [Vec3::new(0.0, 0.0, 300.0), Vec3::new(2e4, 0.0, 300.0)];
+
+fn errors() -> Errors {
+    let sigma = |value| Sigma::new(value, Source::Sensor);
+    Errors {
+        position_m: sigma(15.0),
+        altitude_m: sigma(2.0),
+        velocity_mps: sigma(1.0),
+        climb_mps: sigma(1.0),
+        lasting_position_m: sigma(0.0),
+        lasting_altitude_m: sigma(20.0),
+    }
+}
+
+fn pilot() -> BeliefAvoider {
+    BeliefAvoider::new(Settings::default(), VEHICLE, errors()).unwrap()
+}
+
+/// Level, along x.
+const fn ownship(position_m: Vec3) -> Ownship {
+    Ownship {
+        position_m,
+        course_rad: 0.0,
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: 30.0,
+    }
+}
+
+/// Of another aircraft a report without an error.
+fn aircraft(place_m: Vec3, velocity_mps: Vec3) -> Obstacle {
+    let volume = ProtectedVolume::Cylinder {
+        radius_m: 609.6,
+        half_height_m: 76.2,
+    };
+    Obstacle {
+        movement: Movement::CREWED,
+        ..Obstacle::straight(7, place_m, velocity_mps, volume)
+    }
+}
+
+/// The last decision after reports for ten seconds of an aircraft that is at a place after them, with a velocity.
+fn decided(mission: Mission<'_>, at_m: Vec3, velocity_mps: Vec3) -> Decision {
+    let mut pilot = pilot();
+    let mut decision = Decision::default();
+    for second in 0..=10 {
+        let (time_s, left_s) = (f64::from(second), f64::from(10 - second));
+        let obstacle = aircraft(at_m - velocity_mps * left_s, velocity_mps);
+        decision = pilot.step(&Situation {
+            time_s,
+            ownship: ownship(Vec3::new(30.0 * time_s, 0.0, 300.0)),
+            obstacles: Obstacles::Rows(&[obstacle]),
+            mission,
+            wind_mps: Vec3::ZERO,
+        });
+    }
+    decision
+}
+
+const TOWARDS_MPS: Vec3 = Vec3::new(-60.0, 0.0, 0.0);
+
+#[test]
+fn a_head_on_aircraft_is_avoided_and_one_far_above_is_not() {
+    let mission = Mission::new(&WAYPOINTS_M);
+    let near = decided(mission, Vec3::new(2600.0, 0.0, 300.0), TOWARDS_MPS);
+    let record = &near.record;
+    assert_eq!(near.state, State::Avoiding, "{near:?}");
+    assert!(record.p_loss_hold.unwrap() > 0.8 && record.p_loss.unwrap() < 0.2);
+    assert!(near.command.certified().is_some(), "{near:?}");
+    assert_eq!(record.threat.map(|threat| threat.id), Some(7));
+    let above = decided(mission, Vec3::new(2600.0, 0.0, 700.0), TOWARDS_MPS);
+    assert_eq!(above.state, State::Cruise, "{above:?}");
+    assert!(above.record.p_loss_hold.unwrap() < 0.05, "{above:?}");
+}
+
+/// Two minutes away nothing is lost yet, and it waits.
+#[test]
+fn a_conflict_far_ahead_is_waited_for() {
+    let mission = Mission::new(&WAYPOINTS_M);
+    let far = decided(mission, Vec3::new(5600.0, 300.0, 300.0), TOWARDS_MPS);
+    assert_ne!(far.state, State::Avoiding, "{far:?}");
+    assert!(far.record.p_loss_hold.unwrap() > 0.1, "{far:?}");
+}
+
+#[test]
+fn the_same_reports_give_the_same_decision() {
+    let decided = || {
+        decided(
+            Mission::new(&WAYPOINTS_M),
+            Vec3::new(2500.0, 500.0, 320.0),
+            Vec3::new(-40.0, -10.0, 0.0),
+        )
+    };
+    assert_eq!(decided(), decided());
+}
+
+/// A head-on aircraft between walls 700 m to either side, under a ceiling 30 m above: the flight of a minute stays within them, though
+/// without them it leaves by more.
+#[test]
+fn zones_and_limits_bound_what_is_flown() {
+    let corners_m =
+        [(-1e4, -700.0), (3e4, -700.0), (3e4, 700.0), (-1e4, 700.0)].map(|(x, y)| Vec2::new(x, y));
+    let fence = [Zone {
+        keep_in: true,
+        outline: Outline::Polygon(&corners_m),
+        heights_m: ALL_HEIGHTS_M,
+    }];
+    let flown = |mission: Mission<'_>| {
+        let (mut pilot, flyer) = (pilot(), Flyer::new(&VEHICLE));
+        let mut own = MotionState::of(&ownship(Vec3::new(0.0, 0.0, 300.0)));
+        let mut most_m = (0.0_f64, 0.0_f64);
+        for step in 0..600 {
+            let time_s = 0.1 * f64::from(step);
+            let obstacle = aircraft(
+                Vec3::new(3400.0, 100.0, 300.0) + TOWARDS_MPS * time_s,
+                TOWARDS_MPS,
+            );
+            let decision = pilot.step(&Situation {
+                time_s,
+                ownship: Ownship {
+                    position_m: own.position_m,
+                    course_rad: own.course_rad,
+                    climb_rad: own.climb_rad,
+                    bank_rad: own.bank_rad,
+                    airspeed_mps: 30.0,
+                },
+                obstacles: Obstacles::Rows(&[obstacle]),
+                mission,
+                wind_mps: Vec3::ZERO,
+            });
+            own = fga::prediction::flown(
+                &flyer,
+                &own,
+                decision.command.stages(),
+                0.1,
+                &Meter::unlimited(),
+            );
+            own.time_s = 0.0;
+            most_m = (
+                most_m.0.max(own.position_m.y.abs()),
+                most_m.1.max(own.position_m.z),
+            );
+        }
+        most_m
+    };
+    let free_m = flown(Mission::new(&WAYPOINTS_M));
+    let bound_m = flown(Mission {
+        zones: &fence,
+        limits_m: (250.0, 330.0),
+        ..Mission::new(&WAYPOINTS_M)
+    });
+    assert!(free_m.0 > 700.0 || free_m.1 > 330.0, "{free_m:?}");
+    assert!(bound_m.0 < 700.0 && bound_m.1 < 330.0, "{bound_m:?}");
+}
