@@ -3,6 +3,7 @@
 use fga_proof::Vec3;
 
 use crate::Belief;
+use crate::climb::Climb;
 use crate::complex::{Complex, turned};
 use crate::prior;
 use crate::table::{DRAWN, TABLE, normal, unit};
@@ -47,11 +48,47 @@ impl Leg {
     }
 }
 
+/// How far the altitude of a future may be off, beside what lasts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Variances of altitude and climb rate, m² and m²/s², and their covariance, m²/s, at its beginning.
+    own: [f32; 2],
+    cross: f32,
+    /// From this moment on the climb rate is another one, seconds.
+    until_s: f32,
+}
+
+impl Spread {
+    /// Of an altitude that is known exactly.
+    pub const NONE: Self = Self {
+        own: [0.0; 2],
+        cross: 0.0,
+        until_s: 0.0,
+    };
+
+    fn of(climb: &Climb, until_s: f32) -> Self {
+        Self {
+            own: climb.own,
+            cross: climb.cross,
+            until_s,
+        }
+    }
+
+    /// Variance of the altitude after a time, seconds, m².
+    pub fn variance(&self, after_s: f32) -> f32 {
+        let t = after_s.min(self.until_s);
+        let [zz, ww] = self.own;
+        zz + t * (2.0 * self.cross + t * (ww + prior::STEADY_CLIMB * t / 3.0))
+    }
+}
+
 /// One motion that a belief allows: at most three pieces, the last one for ever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Future {
     /// Its weight; all weights of an aircraft add up to one.
     pub weight: f32,
+    /// How far its altitude may be off.
+    pub spread: Spread,
     legs: [Leg; 3],
 }
 
@@ -76,15 +113,14 @@ impl Future {
 pub struct Futures {
     /// The origin of their positions, metres.
     pub origin_m: Vec3,
-    /// σ of the altitude's lasting error, metres: the same in all of them, and to be integrated.
+    /// σ of the altitude's lasting error, metres: the same in all of them.
     pub lasting_altitude_m: f32,
     /// The futures; the first of them need not be the most likely one.
     pub all: [Future; FUTURES],
 }
 
 impl Futures {
-    /// The chance that an altitude within `lowest_m..=highest_m` above the own one comes within `half_height_m`, given σ of
-    /// the lasting error of the altitude.
+    /// The chance that an altitude within `lowest_m..=highest_m` above the own one comes within `half_height_m`, given its σ.
     pub fn meets(lowest_m: f32, highest_m: f32, half_height_m: f32, sigma_m: f32) -> f32 {
         let below =
             |x: f32| 0.5 * libm::erfcf(-x / (core::f32::consts::SQRT_2 * sigma_m.max(0.01)));
@@ -125,12 +161,13 @@ impl Belief {
         let still = Future {
             weight: EDGE_WEIGHT,
             legs: [middle; 3],
+            spread: Spread::of(&Climb::mixed(&now.climbs), f32::INFINITY),
         };
         let mut all = [still; FUTURES];
         let (some, edges) = all.split_at_mut(DRAWN);
         for ((future, row), n) in some.iter_mut().zip(&TABLE).zip(0_u8..) {
             future.weight = (1.0 - EDGES as f32 * EDGE_WEIGHT) / DRAWN as f32;
-            future.legs = now.drawn_legs(row, n, lasting_m2, brief);
+            (future.legs, future.spread) = now.drawn(row, n, lasting_m2, brief);
         }
         let turn_s = now.bounds.turn_rad as f32 / brief.max(1e-3);
         for (future, [side, up]) in
@@ -161,7 +198,7 @@ impl Belief {
     /// The mean motion.
     fn middle(&self) -> Leg {
         let turn = Turn::mixed(&self.turns);
-        let climb = crate::climb::Climb::mixed(&self.climbs);
+        let climb = Climb::mixed(&self.climbs);
         let [at, velocity, _] = turn.at;
         Leg {
             from_s: 0.0,
@@ -173,8 +210,9 @@ impl Belief {
         }
     }
 
-    /// The pieces of a future by a row of the table: a state of the `n`th part of the belief, and two changes.
-    fn drawn_legs(&self, row: &[u8; 14], n: u8, lasting_m2: f32, brief_radps: f32) -> [Leg; 3] {
+    /// The pieces of a future by a row of the table: a state of the `n`th part of the belief, and two changes; and how far its altitude
+    /// may be off, which is integrated, not drawn.
+    fn drawn(&self, row: &[u8; 12], n: u8, lasting_m2: f32, brief_radps: f32) -> ([Leg; 3], Spread) {
         let [
             p0,
             p1,
@@ -182,8 +220,6 @@ impl Belief {
             v1,
             a0,
             a1,
-            z,
-            w,
             t1,
             what1,
             how1,
@@ -204,16 +240,13 @@ impl Belief {
             lasting_m2,
             [pair(p0, p1), pair(v0, v1), pair(a0, a1)],
         );
-        let spread = libm::sqrtf(climb.own[0]);
-        let climb_p = climb.cross / spread;
-        let climb_w = libm::sqrtf((climb.own[1] - climb_p * climb_p).max(0.0));
         let rate = (acceleration * velocity.conj()).y / velocity.squared().max(25.0);
         let first = Leg {
             from_s: 0.0,
             at,
             velocity,
-            altitude_m: climb.at[0] + spread * normal(z),
-            climb_mps: climb.at[1] + climb_p * normal(z) + climb_w * normal(w),
+            altitude_m: climb.at[0],
+            climb_mps: climb.at[1],
             turn_radps: if kind.side() == 0.0 {
                 0.0
             } else {
@@ -221,11 +254,11 @@ impl Belief {
             },
         };
         let second = self.changed(&first, [t1, what1, how1].map(unit));
-        [
-            first,
-            second,
-            self.changed(&second, [t2, what2, how2].map(unit)),
-        ]
+        let third = self.changed(&second, [t2, what2, how2].map(unit));
+        let changes = |leg: &&Leg| leg.climb_mps != first.climb_mps;
+        let until_s = [&second, &third].into_iter().find(changes);
+        let until_s = until_s.map_or(f32::INFINITY, |leg| leg.from_s);
+        ([first, second, third], Spread::of(&climb, until_s))
     }
 
     /// The piece after a piece: when, what, how, by numbers in (0, 1).

@@ -33,8 +33,8 @@ pub enum Up {
 /// A way off the mission: a course and a climb, held until the others have passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
-    /// Course off the leg's course through the air, radians.
-    pub turn_rad: f64,
+    /// Course through the air, radians, unwrapped as by [`Chooser::courses`](crate::Chooser::courses).
+    pub course_rad: f64,
     /// Its climb.
     pub up: Up,
 }
@@ -77,8 +77,10 @@ pub struct Scene<'a> {
     pub now: MotionState,
     /// Steepest descent and climb of a manoeuvre, radians.
     pub climbs_rad: (f64, f64),
-    /// The leg's course through the air, as an unwrapped course of the aircraft, radians.
+    /// The leg's course through the air, unwrapped, radians.
     pub leg_rad: f64,
+    /// The aircraft's own course less its unwrapped one, radians: whole turns.
+    pub turns_rad: f64,
     /// Altitude of the mission here, metres.
     pub altitude_m: f64,
 }
@@ -119,7 +121,7 @@ impl Scene<'_> {
         };
         let climb_mps = self.route.flyer.airspeed_mps() * libm::sin(climb_rad.abs());
         let levels_s = left_m / climb_mps.max(0.1);
-        let course_rad = self.leg_rad + way.turn_rad;
+        let course_rad = way.course_rad + self.turns_rad;
         if levels_s > 0.5 {
             command.push(Stage::turn(from_s, course_rad, climb_rad));
         }

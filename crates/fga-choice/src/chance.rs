@@ -1,5 +1,6 @@
 //! The chance that a path meets the others.
 
+use fga_belief::future::Spread;
 use fga_belief::{FUTURES, Futures};
 use fga_proof::Vec3;
 use fga_proof::situation::{Obstacle, ProtectedVolume};
@@ -13,8 +14,9 @@ pub(crate) type Path = [[f32; 3]; SECONDS + 1];
 /// The inner part of a volume: its radius and half height as shares.
 const INNER: (f32, f32) = (0.62, 0.7);
 
-/// The volume of a near mid-air collision for well clear of 2,000 ft and 250 ft: 500 ft with the step of a second, and 100 ft.
-const COLLISION: (f32, f32, f32) = (0.25, 20.0, 0.4);
+/// A near mid-air collision: radius and half height, metres (500 ft and 100 ft), with 20 m for the step of a second. Within a smaller volume
+/// every loss is one.
+const COLLISION_M: (f32, f32) = (172.4, 30.48);
 
 /// Chances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,6 +50,7 @@ pub(crate) struct Ahead {
     y: [[f32; FUTURES]; SECONDS + 1],
     z: [[f32; FUTURES]; SECONDS + 1],
     weights: [f32; FUTURES],
+    spreads: [Spread; FUTURES],
     lasting_altitude_m: f32,
     radius_m: f32,
     half_height_m: f32,
@@ -59,6 +62,7 @@ impl Ahead {
         y: [[0.0; FUTURES]; SECONDS + 1],
         z: [[0.0; FUTURES]; SECONDS + 1],
         weights: [0.0; FUTURES],
+        spreads: [Spread::NONE; FUTURES],
         lasting_altitude_m: 0.0,
         radius_m: 0.0,
         half_height_m: 0.0,
@@ -79,6 +83,9 @@ impl Ahead {
         for (weight, future) in self.weights.iter_mut().zip(&futures.all) {
             *weight = future.weight;
         }
+        for (spread, future) in self.spreads.iter_mut().zip(&futures.all) {
+            *spread = future.spread;
+        }
         self.lasting_altitude_m = futures.lasting_altitude_m;
         self.radius_m = volume.radius_m() as f32;
         self.half_height_m = volume.half_height_m() as f32;
@@ -96,6 +103,7 @@ impl Ahead {
         }
         self.weights = [0.0; FUTURES];
         self.weights[0] = 1.0;
+        self.spreads = [Spread::NONE; FUTURES];
         self.lasting_altitude_m = 0.0;
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
@@ -104,11 +112,10 @@ impl Ahead {
     /// The chances of a path with this aircraft.
     pub(crate) fn meets(&self, path: &Path) -> Chance {
         let (radius_m, half_m) = (self.radius_m, self.half_height_m);
-        let (share, more_m, height) = COLLISION;
         let sizes = [
             (radius_m, half_m),
             (radius_m * INNER.0, half_m * INNER.1),
-            (radius_m * share + more_m, half_m * height),
+            (radius_m.min(COLLISION_M.0), half_m.min(COLLISION_M.1)),
         ];
         let squares = sizes.map(|(radius, _)| radius * radius);
         let mut low = [[f32::MAX; FUTURES]; 3];
@@ -135,12 +142,19 @@ impl Ahead {
                 }
             }
         }
+        // As well as an altitude is known when it is nearest.
+        let lasting_m2 = self.lasting_altitude_m * self.lasting_altitude_m;
+        let mut sigmas_m = [0.0; FUTURES];
+        for ((sigma, spread), (_, at_s)) in sigmas_m.iter_mut().zip(&self.spreads).zip(&nearest) {
+            *sigma = libm::sqrtf(spread.variance(*at_s) + lasting_m2);
+        }
         let mut chances = [0.0_f64; 3];
         for (((chance, low), high), (_, half)) in chances.iter_mut().zip(&low).zip(&high).zip(sizes)
         {
-            for ((low, high), weight) in low.iter().zip(high).zip(self.weights) {
+            let each = low.iter().zip(high).zip(sigmas_m).zip(self.weights);
+            for (((low, high), sigma_m), weight) in each {
                 if low <= high {
-                    let meets = Futures::meets(*low, *high, half, self.lasting_altitude_m);
+                    let meets = Futures::meets(*low, *high, half, sigma_m);
                     *chance += f64::from(weight * meets);
                 }
             }

@@ -25,7 +25,7 @@ const BACK_S: [f64; 2] = [3.0, 8.0];
 /// Ways that are looked at as later ones.
 const LATER_WAYS: usize = 12;
 
-/// Plans that are looked at together: courses with three climbs, the mission, two ways back.
+/// Plans that are looked at together: courses with three climbs, the present way, and two ways back from it.
 const TOGETHER: usize = 60;
 
 /// Plans that are kept, the cheapest ones.
@@ -109,9 +109,9 @@ impl Chooser {
         }
     }
 
-    /// The course of the leg through the air as an unwrapped course of the aircraft, radians: off the mission it stays on its side, so that
-    /// a turn of 180° goes on.
-    pub fn leg_rad(&mut self, own_rad: f64, air_course_rad: f64, is_off: bool) -> f64 {
+    /// The course of the leg through the air, unwrapped, and the whole turns between that and the aircraft's own course, radians. Off the
+    /// mission the leg stays on its side, so that a turn of 180° goes on.
+    pub fn courses(&mut self, own_rad: f64, air_course_rad: f64, is_off: bool) -> (f64, f64) {
         self.course_rad += wrap_pi(own_rad - self.course_rad);
         let near = if is_off {
             self.leg_rad
@@ -119,7 +119,7 @@ impl Chooser {
             self.course_rad
         };
         self.leg_rad = near + wrap_pi(air_course_rad - near);
-        self.leg_rad + own_rad - self.course_rad
+        (self.leg_rad, own_rad - self.course_rad)
     }
 
     /// Weighs the plans of a moment, where `present` is flown; returns the chances of the mission. The plans are in [`Self::ranked`]:
@@ -297,7 +297,7 @@ fn others<'a>(
 
 /// The plans that begin now.
 fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
-    let time_s = scene.time_s;
+    let (time_s, leg_rad) = (scene.time_s, scene.leg_rad);
     let backs = flown.map(|way| BACK_S.map(|back_s| Plan::Back(way, time_s + back_s)));
     let (low_rad, high_rad) = scene.climbs_rad;
     let can = move |up: &Up| match up {
@@ -306,13 +306,15 @@ fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
         Up::Descent => low_rad < 0.0,
     };
     let ups = [Up::Level, Up::Climb, Up::Descent].into_iter().filter(can);
-    let all = ups.flat_map(|up| {
+    let all = ups.flat_map(move |up| {
         TURNS_DEG.map(|turn_deg| Way {
-            turn_rad: turn_deg.to_radians(),
+            course_rad: leg_rad + turn_deg.to_radians(),
             up,
         })
     });
-    let off = all.filter(move |way| flown.is_some() || *way != Way::ON);
+    let is_on = move |way: &Way| way.course_rad == leg_rad && way.up == Up::Level;
+    let off = all.filter(move |way| flown.is_some() || !is_on(way));
+    let off = flown.into_iter().chain(off);
     let off = off.map(move |way| Plan::Off(way, time_s));
     backs.into_iter().flatten().chain(off)
 }
@@ -344,16 +346,10 @@ impl Looked {
 }
 
 impl Way {
-    /// The course of the mission, level.
-    const ON: Self = Self {
-        turn_rad: 0.0,
-        up: Up::Level,
-    };
-
     /// What it costs to change to it, metres.
     fn change_m(&self, present: &Self) -> f64 {
         let other_climb = if self.up == present.up { 0.0 } else { 0.5 };
-        let turn = (self.turn_rad - present.turn_rad).abs().min(1.0);
+        let turn = (self.course_rad - present.course_rad).abs().min(1.0);
         price::CHANGE_M * (turn + other_climb).min(1.0)
     }
 }

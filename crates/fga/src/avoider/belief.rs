@@ -58,6 +58,8 @@ struct Choice {
     /// Chance of a loss on the mission, and of the plan.
     p_loss: [f64; 2],
     cost_m: f64,
+    /// When the way back began that is flown, and when it is on its leg, seconds on the situation's clock.
+    back_s: (f64, f64),
     /// What the mission enters by its expected motion, as seen then.
     threat: Option<Threat>,
     /// Whether it was proven then.
@@ -72,6 +74,7 @@ impl Choice {
         at_s: f64::NEG_INFINITY,
         p_loss: [0.0; 2],
         cost_m: 0.0,
+        back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
         threat: None,
         is_proven: false,
         is_left: false,
@@ -188,13 +191,23 @@ impl Chooses<'_> {
     ) {
         let (time_s, horizon_s) = (situation.time_s, avoider.settings.horizon_s);
         let mut mission = Maneuver::hold();
-        avoider.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, horizon_s, &mut mission)
-        });
+        // A way back is flown to its end: one that is laid anew in each step never comes.
+        let (began_s, until_s) = self.choice.back_s;
+        let is_back = avoider.state != State::Recovering || time_s >= until_s;
+        if is_back {
+            let joined_s = avoider.on_mission(situation, |progress, route| {
+                progress.guidance(route, now, horizon_s, &mut mission)
+            });
+            self.choice.back_s = (time_s, time_s + joined_s);
+        } else {
+            mission.set_later(&avoider.flown, time_s - began_s);
+        }
         let (vehicle, flyer, progress) = (avoider.vehicle, avoider.flyer, avoider.progress);
         let meter = Meter::unlimited();
         let leg = progress.leg(now);
         let is_off = self.choice.plan.way_at(time_s).is_some();
+        let (leg_rad, turns_rad) =
+            (self.chooser).courses(now.course_rad, leg.air_course_rad, is_off);
         let scene = Scene {
             route: &Route {
                 mission: now.mission,
@@ -208,7 +221,8 @@ impl Chooses<'_> {
             time_s,
             now: now.state,
             climbs_rad: avoider.maneuver_climbs_rad(),
-            leg_rad: (self.chooser).leg_rad(now.course_rad, leg.air_course_rad, is_off),
+            leg_rad,
+            turns_rad,
             altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
         };
         avoider.load_tracks(situation, None);
@@ -229,6 +243,9 @@ impl Chooses<'_> {
             return avoider.step_turn_aware(situation, now, None, decision);
         }
         self.report(avoider, situation, now, &before, decision);
+        if is_back {
+            avoider.flown.edit().set(mission.stages().iter().copied());
+        }
     }
 
     /// Chooses a plan, and sets the command to it.
@@ -256,6 +273,7 @@ impl Chooses<'_> {
         let ranked = if ranked.is_empty() { &clear } else { ranked };
         let mut choice = Choice {
             at_s: scene.time_s,
+            back_s: self.choice.back_s,
             is_proven: true,
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
@@ -268,6 +286,12 @@ impl Chooses<'_> {
                 one.cost_m <= cheapest.cost_m + PROVEN_M && starts(one) == starts(&cheapest)
             })
         };
+        if self.beliefs.iter().count() > 0 {
+            extern crate std;
+            let k = self.beliefs.iter().next().unwrap();
+            let e = k.belief().at(scene.time_s);
+            std::eprintln!("t={:.1} d={:.0} dz={:.0} hold={:.3}/{:.3} sp={:.1} sv={:.2} sz={:.1} svz={:.2} modes {:.2?} best={:?} {:.3} cost={:.0}", scene.time_s, (e.position_m - now.position_m).truncate().length(), e.position_m.z-now.position_m.z, hold.loss, hold.inner, e.horizontal_variance[0].sqrt(), e.horizontal_variance[1].sqrt(), e.vertical_variance[0].sqrt(), e.vertical_variance[1].sqrt(), e.modes, ranked.first().map(|r| r.plan), ranked.first().map_or(0.0, |r| r.chance.loss), ranked.first().map_or(0.0,|r| r.cost_m));
+        }
         for is_wanted in [is_proven, keeps_bounds] {
             let within = |one: &&Ranked| !choice.is_proven || is_near(one);
             for one in ranked.iter().filter(within) {
@@ -282,6 +306,7 @@ impl Chooses<'_> {
             }
             choice.is_proven = false;
         }
+        // DBG
         // Then as among exact reports of the expected motions.
         *self.choice = Choice {
             is_left: true,
