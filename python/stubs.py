@@ -91,6 +91,8 @@ TYPES = {
     "alternative": "Candidate | None",
     "proof": 'Literal["certified", "leaving"] | None',
     "resilience": "float | None",
+    "p_loss_hold": "float | None",
+    "p_loss": "float | None",
     "tracked": "int",
     "unusable": "int",
     "threats": "int",

@@ -78,7 +78,8 @@ impl Spread {
     pub fn variance(&self, after_s: f32) -> f32 {
         let t = after_s.min(self.until_s);
         let [zz, ww] = self.own;
-        zz + t * (2.0 * self.cross + t * (ww + prior::STEADY_CLIMB * t / 3.0))
+        let n = t.min(15.0);
+        zz + t * (2.0 * self.cross + t * ww + prior::STEADY_CLIMB * n * n / 3.0)
     }
 }
 
@@ -212,21 +213,14 @@ impl Belief {
 
     /// The pieces of a future by a row of the table: a state of the `n`th part of the belief, and two changes; and how far its altitude
     /// may be off, which is integrated, not drawn.
-    fn drawn(&self, row: &[u8; 12], n: u8, lasting_m2: f32, brief_radps: f32) -> ([Leg; 3], Spread) {
-        let [
-            p0,
-            p1,
-            v0,
-            v1,
-            a0,
-            a1,
-            t1,
-            what1,
-            how1,
-            t2,
-            what2,
-            how2,
-        ] = *row;
+    fn drawn(
+        &self,
+        row: &[u8; 12],
+        n: u8,
+        lasting_m2: f32,
+        brief_radps: f32,
+    ) -> ([Leg; 3], Spread) {
+        let [p0, p1, v0, v1, a0, a1, t1, what1, how1, t2, what2, how2] = *row;
         let (kind, turn) = picked(
             &self.turns,
             Kind::ALL,

@@ -5,7 +5,7 @@
 //! [`MovementBounds`](fga_proof::situation::MovementBounds).
 
 /// Turns that begin in straight flight, per second, half of them to either side.
-pub(crate) const TURN_BEGINS_PER_S: f32 = 0.021;
+pub(crate) const TURN_BEGINS_PER_S: f32 = 0.012;
 
 /// Turns that end, per second: they last half a minute.
 pub(crate) const TURN_ENDS_PER_S: f32 = 0.037;

@@ -58,6 +58,16 @@ pub fn to_json(
     if record.work.unusable > 0 {
         fields.insert("unusable".into(), record.work.unusable.into());
     }
+    // Only of decisions on beliefs.
+    let chances = [
+        ("p_loss_hold", record.p_loss_hold),
+        ("p_loss", record.p_loss),
+    ];
+    for (key, chance) in chances {
+        if let Some(chance) = chance {
+            fields.insert(key.into(), chance.into());
+        }
+    }
     fields
 }
 

@@ -117,7 +117,13 @@ pub fn decision_words(
     } else if has_no_way {
         "no way round keeps the protected volume: the mission is flown on"
     } else {
-        reason_words(record.reason)
+        match (record.reason, record.p_loss) {
+            (Reason::BestAvailable, Some(_)) => {
+                "no manoeuvre is certified, the one of the least expected cost is flown"
+            }
+            (Reason::ManeuverReplaced, Some(_)) => "another manoeuvre costs less and replaces it",
+            (reason, _) => reason_words(reason),
+        }
     };
     let mut parts = vec![reason.to_string()];
     if let Some(threat) = &record.threat {
@@ -135,6 +141,13 @@ pub fn decision_words(
                 threat.margin_m
             )
         });
+    }
+    if let (Some(hold), Some(flies)) = (record.p_loss_hold, record.p_loss) {
+        parts.push(format!(
+            "{} to enter a protected volume on the mission, {} as it flies",
+            chance_words(hold),
+            chance_words(flies)
+        ));
     }
     if let Some(latest_s) = record.latest_start_s {
         parts.push(format!("latest safe start in {latest_s:.1} s"));
@@ -160,6 +173,15 @@ pub fn decision_words(
         ));
     }
     parts.join("; ")
+}
+
+/// A chance, which below one in a hundred is not to be trusted.
+fn chance_words(chance: f64) -> String {
+    match chance {
+        0.095.. => format!("{:.0} in 10", 10.0 * chance),
+        0.01.. => format!("{:.0} in 100", 100.0 * chance),
+        _ => "less than 1 in 100".into(),
+    }
 }
 
 /// A rate, per second, with the decimals that a slow one needs.

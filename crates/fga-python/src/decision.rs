@@ -307,6 +307,7 @@ impl PyDecision {
             record.threat.map(PyThreat),
             (self.chosen(), self.alternative()),
             (record.latest_start_s, record.start_s, record.resilience),
+            (record.p_loss_hold, record.p_loss),
             (record.in_need, record.clock_set_back, work.limit_met),
             (
                 work.tracked,
@@ -350,6 +351,8 @@ impl PyDecision {
         dict.set_item("start_s", self.start_s())?;
         dict.set_item("proof", self.proof())?;
         dict.set_item("resilience", self.resilience())?;
+        dict.set_item("p_loss_hold", self.p_loss_hold())?;
+        dict.set_item("p_loss", self.p_loss())?;
         dict.set_item("limit_met", self.limit_met())?;
         Ok(dict)
     }
@@ -373,6 +376,10 @@ properties! { PyDecision, this,
     proof: Option<&'static str> = proof_key(&this.decision.command);
     /// Share of the bounds of aircraft that the manoeuvre withstands.
     resilience: Option<f64> = this.decision.record.resilience;
+    /// Chance to enter a protected volume within a minute on the mission, of the policy belief.
+    p_loss_hold: Option<f64> = this.decision.record.p_loss_hold;
+    /// The same as it flies.
+    p_loss: Option<f64> = this.decision.record.p_loss;
     /// Obstacles within the surveillance radius.
     tracked: u32 = this.decision.record.work.tracked;
     /// Obstacles left out because a number of theirs is not finite.
@@ -398,6 +405,7 @@ type DecisionParts = (
     Option<PyThreat>,
     (Option<PyCandidate>, Option<PyCandidate>),
     (Option<f64>, Option<f64>, Option<f64>),
+    (Option<f64>, Option<f64>),
     (bool, bool, bool),
     (u32, u32, u32, u32, u32, u32),
     Option<PyOwnship>,
@@ -472,6 +480,7 @@ pub(crate) fn _decision(
         Option<PyRef<'_, PyCandidate>>,
     ),
     figures: (Option<f64>, Option<f64>, Option<f64>),
+    chances: (Option<f64>, Option<f64>),
     flags: (bool, bool, bool),
     work: (u32, u32, u32, u32, u32, u32),
     ownship: Option<PyRef<'_, PyOwnship>>,
@@ -491,6 +500,8 @@ pub(crate) fn _decision(
         chosen: candidates.0.map(|candidate| candidate.1),
         alternative: candidates.1.map(|it| (it.0.to(), it.1)),
         resilience: figures.2,
+        p_loss_hold: chances.0,
+        p_loss: chances.1,
         in_need: flags.0,
         clock_set_back: flags.1,
         work: Work {

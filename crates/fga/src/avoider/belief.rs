@@ -278,25 +278,22 @@ impl Chooses<'_> {
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
         };
-        // Whether to begin is decided by the cost; what begins is proven where that costs little.
-        let starts = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
+        // Whether to begin is decided by the cost; what is flown is proven where that costs little.
+        let is_off = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
         let cheapest = ranked.first().copied();
+        let was_off = self.choice.plan.way_at(scene.time_s).is_some();
         let is_near = |one: &Ranked| {
             cheapest.is_some_and(|cheapest| {
-                one.cost_m <= cheapest.cost_m + PROVEN_M && starts(one) == starts(&cheapest)
+                one.cost_m <= cheapest.cost_m + PROVEN_M
+                    && (was_off || is_off(one) == is_off(&cheapest))
             })
         };
-        if self.beliefs.iter().count() > 0 {
-            extern crate std;
-            let k = self.beliefs.iter().next().unwrap();
-            let e = k.belief().at(scene.time_s);
-            std::eprintln!("t={:.1} d={:.0} dz={:.0} hold={:.3}/{:.3} sp={:.1} sv={:.2} sz={:.1} svz={:.2} modes {:.2?} best={:?} {:.3} cost={:.0}", scene.time_s, (e.position_m - now.position_m).truncate().length(), e.position_m.z-now.position_m.z, hold.loss, hold.inner, e.horizontal_variance[0].sqrt(), e.horizontal_variance[1].sqrt(), e.vertical_variance[0].sqrt(), e.vertical_variance[1].sqrt(), e.modes, ranked.first().map(|r| r.plan), ranked.first().map_or(0.0, |r| r.chance.loss), ranked.first().map_or(0.0,|r| r.cost_m));
-        }
-        for is_wanted in [is_proven, keeps_bounds] {
-            let within = |one: &&Ranked| !choice.is_proven || is_near(one);
-            for one in ranked.iter().filter(within) {
+        for is_wanted in [true, false] {
+            choice.is_proven = is_wanted;
+            for one in ranked.iter().filter(|one| !is_wanted || is_near(one)) {
                 scene.set(&one.plan, decision.command.edit());
-                if is_wanted(avoider, scene, &one.plan, decision, now) {
+                let keeps = if is_wanted { is_proven } else { keeps_bounds };
+                if keeps(avoider, scene, &one.plan, decision, now) {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
@@ -304,9 +301,7 @@ impl Chooses<'_> {
                     return;
                 }
             }
-            choice.is_proven = false;
         }
-        // DBG
         // Then as among exact reports of the expected motions.
         *self.choice = Choice {
             is_left: true,
