@@ -48,38 +48,54 @@ impl Leg {
     }
 }
 
-/// How far the altitude of a future may be off, beside what lasts.
+/// How far a future may be off along an axis, beside what lasts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// Variances of altitude and climb rate, m² and m²/s², and their covariance, m²/s, at its beginning.
+    /// Variances of place and velocity, m² and m²/s², and their covariance, m²/s, at its beginning.
     own: [f32; 2],
     cross: f32,
-    /// From this moment on the climb rate is another one, seconds.
+    /// White acceleration, m²/s³.
+    white: f32,
+    /// From this moment on the velocity is another one, seconds.
     until_s: f32,
 }
 
 impl Spread {
-    /// Of an altitude that is known exactly.
+    /// Of what is known exactly.
     pub const NONE: Self = Self {
         own: [0.0; 2],
         cross: 0.0,
+        white: 0.0,
         until_s: 0.0,
     };
 
-    fn of(climb: &Climb, until_s: f32) -> Self {
+    /// Of the altitude.
+    const fn above(climb: &Climb, until_s: f32) -> Self {
         Self {
             own: climb.own,
             cross: climb.cross,
+            white: prior::STEADY_CLIMB,
             until_s,
         }
     }
 
-    /// Variance of the altitude after a time, seconds, m².
+    /// Along a horizontal axis.
+    const fn beside(turn: &Turn) -> Self {
+        let [place, velocity, _] = turn.own;
+        Self {
+            own: [place, velocity],
+            cross: turn.cross[0].x,
+            white: prior::STEADY,
+            until_s: f32::INFINITY,
+        }
+    }
+
+    /// The variance after a time, seconds, m².
     pub fn variance(&self, after_s: f32) -> f32 {
         let t = after_s.min(self.until_s);
-        let [zz, ww] = self.own;
-        let n = t.min(15.0);
-        zz + t * (2.0 * self.cross + t * ww + prior::STEADY_CLIMB * n * n / 3.0)
+        let wavers_s = t.min(prior::WAVERS_FOR_S);
+        let [place, velocity] = self.own;
+        place + t * (2.0 * self.cross + t * velocity + self.white * wavers_s * wavers_s / 3.0)
     }
 }
 
@@ -88,8 +104,10 @@ impl Spread {
 pub struct Future {
     /// Its weight; all weights of an aircraft add up to one.
     pub weight: f32,
-    /// How far its altitude may be off.
-    pub spread: Spread,
+    /// How far it may be off along each horizontal axis, and above or below.
+    pub beside: Spread,
+    /// The same for its altitude.
+    pub above: Spread,
     legs: [Leg; 3],
 }
 
@@ -114,23 +132,23 @@ impl Future {
 pub struct Futures {
     /// The origin of their positions, metres.
     pub origin_m: Vec3,
-    /// σ of the altitude's lasting error, metres: the same in all of them.
-    pub lasting_altitude_m: f32,
+    /// Variances of the errors that last, along each horizontal axis and of the altitude, m².
+    pub lasting_m2: [f32; 2],
     /// The futures; the first of them need not be the most likely one.
     pub all: [Future; FUTURES],
 }
 
 impl Futures {
-    /// The chance that an altitude within `lowest_m..=highest_m` above the own one comes within `half_height_m`, given its σ.
-    pub fn meets(lowest_m: f32, highest_m: f32, half_height_m: f32, sigma_m: f32) -> f32 {
+    /// The chance that what is off by a distance in `least_m..=most_m` comes within `half_m`, given its σ, metres.
+    pub fn comes_within(least_m: f32, most_m: f32, half_m: f32, sigma_m: f32) -> f32 {
         let below =
             |x: f32| 0.5 * libm::erfcf(-x / (core::f32::consts::SQRT_2 * sigma_m.max(0.01)));
-        (below(half_height_m - lowest_m) - below(-half_height_m - highest_m)).max(0.0)
+        (below(half_m - least_m) - below(-half_m - most_m)).max(0.0)
     }
 }
 
-/// A Gaussian vector by its Cholesky factors: position, velocity, acceleration.
-fn drawn(turn: &Turn, lasting_m2: f32, by: [Complex; 3]) -> [Complex; 3] {
+/// The acceleration of a turn, given the mean of place and velocity: mean, and σ along an axis.
+fn acceleration(turn: &Turn) -> (Complex, f32) {
     let [pp, vv, aa] = turn.own;
     let [pv, pa, va] = turn.cross;
     let root = |variance: f32| libm::sqrtf(variance.max(1e-12));
@@ -138,14 +156,7 @@ fn drawn(turn: &Turn, lasting_m2: f32, by: [Complex; 3]) -> [Complex; 3] {
     let (v_p, a_p) = (pv.conj() * (1.0 / p), pa.conj() * (1.0 / p));
     let v = root(vv - v_p.squared());
     let a_v = (va.conj() - a_p * v_p.conj()) * (1.0 / v);
-    let a = root(aa - a_p.squared() - a_v.squared());
-    let [first, second, third] = by;
-    let [at, velocity, acceleration] = turn.at;
-    [
-        at + first * root(pp + lasting_m2),
-        velocity + v_p * first + second * v,
-        acceleration + a_p * first + a_v * second + third * a,
-    ]
+    (turn.at[2], root(aa - a_p.squared() - a_v.squared()))
 }
 
 impl Belief {
@@ -153,7 +164,8 @@ impl Belief {
     pub fn futures(&self, time_s: f64) -> Futures {
         let now = self.later(time_s);
         let errors = now.errors();
-        let lasting_m2 = errors.lasting_position_m.variance(0.0);
+        let lasting_m2 =
+            [errors.lasting_position_m, errors.lasting_altitude_m].map(|sigma| sigma.variance(0.0));
         let (brief, change_mps) = (
             now.bounds.brief_turn_rate_radps as f32,
             now.bounds.climb_change_mps as f32,
@@ -162,13 +174,13 @@ impl Belief {
         let still = Future {
             weight: EDGE_WEIGHT,
             legs: [middle; 3],
-            spread: Spread::of(&Climb::mixed(&now.climbs), f32::INFINITY),
+            beside: Spread::beside(&Turn::mixed(&now.turns)),
+            above: Spread::above(&Climb::mixed(&now.climbs), f32::INFINITY),
         };
         let mut all = [still; FUTURES];
         let (some, edges) = all.split_at_mut(DRAWN);
         for ((future, row), n) in some.iter_mut().zip(&TABLE).zip(0_u8..) {
-            future.weight = (1.0 - EDGES as f32 * EDGE_WEIGHT) / DRAWN as f32;
-            (future.legs, future.spread) = now.drawn(row, n, lasting_m2, brief);
+            *future = now.drawn(row, n, brief);
         }
         let turn_s = now.bounds.turn_rad as f32 / brief.max(1e-3);
         for (future, [side, up]) in
@@ -191,7 +203,7 @@ impl Belief {
         }
         Futures {
             origin_m: now.origin_m,
-            lasting_altitude_m: errors.lasting_altitude_m.value,
+            lasting_m2,
             all,
         }
     }
@@ -211,16 +223,10 @@ impl Belief {
         }
     }
 
-    /// The pieces of a future by a row of the table: a state of the `n`th part of the belief, and two changes; and how far its altitude
-    /// may be off, which is integrated, not drawn.
-    fn drawn(
-        &self,
-        row: &[u8; 12],
-        n: u8,
-        lasting_m2: f32,
-        brief_radps: f32,
-    ) -> ([Leg; 3], Spread) {
-        let [p0, p1, v0, v1, a0, a1, t1, what1, how1, t2, what2, how2] = *row;
+    /// A future by a row of the table: the `n`th part of the belief with two changes. Place, velocity and altitude are the means of that part:
+    /// how far they may be off is integrated, not drawn.
+    fn drawn(&self, row: &[u8; 8], n: u8, brief_radps: f32) -> Future {
+        let [a0, a1, t1, what1, how1, t2, what2, how2] = *row;
         let (kind, turn) = picked(
             &self.turns,
             Kind::ALL,
@@ -228,12 +234,9 @@ impl Belief {
             (Kind::Steady, self.turns[0].1),
         );
         let ((), climb) = picked(&self.climbs, [(); 2], unit(a1), ((), self.climbs[0].1));
-        let pair = |x: u8, y: u8| Complex::new(normal(x), normal(y));
-        let [at, velocity, acceleration] = drawn(
-            &turn,
-            lasting_m2,
-            [pair(p0, p1), pair(v0, v1), pair(a0, a1)],
-        );
+        let [at, velocity, _] = turn.at;
+        let (mean, sigma) = acceleration(&turn);
+        let acceleration = mean + Complex::new(normal(a0), normal(a1)) * sigma;
         let rate = (acceleration * velocity.conj()).y / velocity.squared().max(25.0);
         let first = Leg {
             from_s: 0.0,
@@ -252,7 +255,12 @@ impl Belief {
         let changes = |leg: &&Leg| leg.climb_mps != first.climb_mps;
         let until_s = [&second, &third].into_iter().find(changes);
         let until_s = until_s.map_or(f32::INFINITY, |leg| leg.from_s);
-        ([first, second, third], Spread::of(&climb, until_s))
+        Future {
+            weight: (1.0 - EDGES as f32 * EDGE_WEIGHT) / DRAWN as f32,
+            beside: Spread::beside(&turn),
+            above: Spread::above(&climb, until_s),
+            legs: [first, second, third],
+        }
     }
 
     /// The piece after a piece: when, what, how, by numbers in (0, 1).

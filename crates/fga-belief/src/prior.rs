@@ -61,6 +61,9 @@ pub(crate) const WAVERING: f32 = 0.5;
 /// White jerk in a turn, m²/s⁵, for each (m/s²)² of a usual turn: the turn rate drifts by a sixth in ten seconds.
 pub(crate) const TURN_DRIFT: f32 = 0.003;
 
+/// Longest time in which what is steady wavers further, seconds: then it is held.
+pub(crate) const WAVERS_FOR_S: f32 = 15.0;
+
 /// White acceleration of a steady climb rate, m²/s³: 0.5 m/s after ten seconds, as in the same flights.
 pub(crate) const STEADY_CLIMB: f32 = 0.03;
 

@@ -2,6 +2,7 @@
 
 mod support;
 
+use fga_belief::future::Spread;
 use fga_belief::{Belief, FUTURES, Futures};
 use fga_proof::Vec3;
 use fga_proof::situation::MovementBounds;
@@ -12,18 +13,33 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
     let off = futures.origin_m - place;
     #[expect(clippy::cast_possible_truncation, reason = "metres")]
     let [x, y, z] = [off.x as f32, off.y as f32, off.z as f32];
+    let [beside_m2, above_m2] = futures.lasting_m2;
     let one = |future: &fga_belief::Future| {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for second in 0..=seconds {
-            let [dx, dy, dz] = future.position_m(f32::from(second));
-            if (dx + x).hypot(dy + y) < radius_m {
+        let (mut least_m, mut at_s) = (f32::INFINITY, 0.0);
+        for quarter in 0..=4 * u16::from(seconds) {
+            let time_s = 0.25 * f32::from(quarter);
+            let [dx, dy, dz] = future.position_m(time_s);
+            let away_m = (dx + x).hypot(dy + y);
+            if away_m < least_m {
+                (least_m, at_s) = (away_m, time_s);
+            }
+            let sigma_m = (future.beside.variance(time_s) + beside_m2).sqrt();
+            if away_m < radius_m + 2.0 * sigma_m {
                 (low, high) = (low.min(dz + z), high.max(dz + z));
             }
         }
         if low > high {
             return 0.0;
         }
-        future.weight * Futures::meets(low, high, half_m, futures.lasting_altitude_m)
+        let sigma_m = |spread: &Spread, lasting_m2: f32| (spread.variance(at_s) + lasting_m2).sqrt();
+        let (beside_m, above_m) = (
+            sigma_m(&future.beside, beside_m2),
+            sigma_m(&future.above, above_m2),
+        );
+        future.weight
+            * Futures::comes_within(least_m, least_m, radius_m, beside_m)
+            * Futures::comes_within(low, high, half_m, above_m)
     };
     futures.all.iter().map(one).sum()
 }

@@ -14,9 +14,11 @@ pub(crate) type Path = [[f32; 3]; SECONDS + 1];
 /// The inner part of a volume: its radius and half height as shares.
 const INNER: (f32, f32) = (0.62, 0.7);
 
-/// A near mid-air collision: radius and half height, metres (500 ft and 100 ft), with 20 m for the step of a second. Within a smaller volume
-/// every loss is one.
-const COLLISION_M: (f32, f32) = (172.4, 30.48);
+/// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
+const COLLISION_M: (f32, f32) = (152.4, 30.48);
+
+/// A path is near a future within the radius and so many σ.
+const NEAR_SIGMAS: f32 = 2.0;
 
 /// Chances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,8 +52,11 @@ pub(crate) struct Ahead {
     y: [[f32; FUTURES]; SECONDS + 1],
     z: [[f32; FUTURES]; SECONDS + 1],
     weights: [f32; FUTURES],
-    spreads: [Spread; FUTURES],
-    lasting_altitude_m: f32,
+    /// σ along a horizontal axis, metres.
+    beside_m: [[f32; FUTURES]; SECONDS + 1],
+    above: [Spread; FUTURES],
+    /// Variance of the lasting error of the altitude, m².
+    lasting_above_m2: f32,
     radius_m: f32,
     half_height_m: f32,
 }
@@ -62,8 +67,9 @@ impl Ahead {
         y: [[0.0; FUTURES]; SECONDS + 1],
         z: [[0.0; FUTURES]; SECONDS + 1],
         weights: [0.0; FUTURES],
-        spreads: [Spread::NONE; FUTURES],
-        lasting_altitude_m: 0.0,
+        beside_m: [[0.0; FUTURES]; SECONDS + 1],
+        above: [Spread::NONE; FUTURES],
+        lasting_above_m2: 0.0,
         radius_m: 0.0,
         half_height_m: 0.0,
     };
@@ -83,10 +89,17 @@ impl Ahead {
         for (weight, future) in self.weights.iter_mut().zip(&futures.all) {
             *weight = future.weight;
         }
-        for (spread, future) in self.spreads.iter_mut().zip(&futures.all) {
-            *spread = future.spread;
+        for (above, future) in self.above.iter_mut().zip(&futures.all) {
+            *above = future.above;
         }
-        self.lasting_altitude_m = futures.lasting_altitude_m;
+        let [lasting_m2, above_m2] = futures.lasting_m2;
+        for (sigmas, second) in self.beside_m.iter_mut().zip(0_u8..) {
+            for (sigma, future) in sigmas.iter_mut().zip(&futures.all) {
+                let variance = future.beside.variance(f32::from(second));
+                *sigma = libm::sqrtf(variance + lasting_m2);
+            }
+        }
+        self.lasting_above_m2 = above_m2;
         self.radius_m = volume.radius_m() as f32;
         self.half_height_m = volume.half_height_m() as f32;
     }
@@ -103,8 +116,9 @@ impl Ahead {
         }
         self.weights = [0.0; FUTURES];
         self.weights[0] = 1.0;
-        self.spreads = [Spread::NONE; FUTURES];
-        self.lasting_altitude_m = 0.0;
+        self.beside_m = [[0.0; FUTURES]; SECONDS + 1];
+        self.above = [Spread::NONE; FUTURES];
+        self.lasting_above_m2 = 0.0;
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
     }
@@ -117,58 +131,85 @@ impl Ahead {
             (radius_m * INNER.0, half_m * INNER.1),
             (radius_m.min(COLLISION_M.0), half_m.min(COLLISION_M.1)),
         ];
-        let squares = sizes.map(|(radius, _)| radius * radius);
         let mut low = [[f32::MAX; FUTURES]; 3];
         let mut high = [[f32::MIN; FUTURES]; 3];
-        let mut nearest = [(f32::MAX, 0.0); FUTURES];
-        let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(path);
-        for ((((xs, ys), zs), [x, y, z]), second) in rows.zip(0_u8..) {
+        let mut nearest = [(f32::MAX, 0_usize); FUTURES];
+        let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
+        for (((((xs, ys), zs), sigmas), [x, y, z]), second) in rows.zip(path).zip(0..) {
             let mut away = [0.0; FUTURES];
             for ((away, fx), fy) in away.iter_mut().zip(xs).zip(ys) {
                 let (dx, dy) = (fx - x, fy - y);
                 *away = dx * dx + dy * dy;
             }
-            for ((low, high), square) in low.iter_mut().zip(&mut high).zip(squares) {
-                for (((low, high), away), fz) in low.iter_mut().zip(high).zip(&away).zip(zs) {
+            for ((low, high), (radius_m, _)) in low.iter_mut().zip(&mut high).zip(sizes) {
+                let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
+                for ((((low, high), away), fz), sigma) in rows {
                     let dz = fz - z;
-                    let is_inside = *away < square;
-                    *low = if is_inside { low.min(dz) } else { *low };
-                    *high = if is_inside { high.max(dz) } else { *high };
+                    let reach_m = radius_m + NEAR_SIGMAS * sigma;
+                    let is_near = *away < reach_m * reach_m;
+                    *low = if is_near { low.min(dz) } else { *low };
+                    *high = if is_near { high.max(dz) } else { *high };
                 }
             }
             for ((least, at), away) in nearest.iter_mut().zip(&away) {
                 if *away < *least {
-                    (*least, *at) = (*away, f32::from(second));
+                    (*least, *at) = (*away, second);
                 }
             }
         }
-        // As well as an altitude is known when it is nearest.
-        let lasting_m2 = self.lasting_altitude_m * self.lasting_altitude_m;
-        let mut sigmas_m = [0.0; FUTURES];
-        for ((sigma, spread), (_, at_s)) in sigmas_m.iter_mut().zip(&self.spreads).zip(&nearest) {
-            *sigma = libm::sqrtf(spread.variance(*at_s) + lasting_m2);
-        }
         let mut chances = [0.0_f64; 3];
-        for (((chance, low), high), (_, half)) in chances.iter_mut().zip(&low).zip(&high).zip(sizes)
-        {
-            let each = low.iter().zip(high).zip(sigmas_m).zip(self.weights);
-            for (((low, high), sigma_m), weight) in each {
+        let mut passed_s = 0.0;
+        for (future, (_, at)) in nearest.iter().enumerate() {
+            let at_s = *at as f32;
+            let weight = self.weights.get(future).copied().unwrap_or(0.0);
+            passed_s += weight * at_s;
+            let spread = self.above.get(future).copied().unwrap_or(Spread::NONE);
+            let above_m = libm::sqrtf(spread.variance(at_s) + self.lasting_above_m2);
+            let beside_m = value(&self.beside_m, *at, future);
+            let away_m = self.closest_m(path, *at, future);
+            for (((chance, low), high), (radius_m, half_m)) in
+                chances.iter_mut().zip(&low).zip(&high).zip(sizes)
+            {
+                let (Some(low), Some(high)) = (low.get(future), high.get(future)) else {
+                    continue;
+                };
                 if low <= high {
-                    let meets = Futures::meets(*low, *high, half, sigma_m);
-                    *chance += f64::from(weight * meets);
+                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
+                    let above = Futures::comes_within(*low, *high, half_m, above_m);
+                    *chance += f64::from(weight * beside * above);
                 }
             }
         }
         let [loss, inner, collision] = chances;
-        let passed = nearest
-            .iter()
-            .zip(self.weights)
-            .map(|((_, at), weight)| at * weight);
         Chance {
             loss,
             inner,
             collision,
-            passed_s: passed.sum::<f32>().into(),
+            passed_s: passed_s.into(),
         }
     }
+
+    /// The least horizontal distance of a path from a future, which is near at a second, metres: between seconds both fly straight.
+    fn closest_m(&self, path: &Path, at: usize, future: usize) -> f32 {
+        let off = |second: usize| {
+            let [x, y, _] = path.get(second).copied().unwrap_or_default();
+            let (fx, fy) = (value(&self.x, second, future), value(&self.y, second, future));
+            (fx - x, fy - y)
+        };
+        let (x, y) = off(at);
+        let mut least = x * x + y * y;
+        for other in [at.saturating_sub(1), (at + 1).min(SECONDS)] {
+            let (dx, dy) = (off(other).0 - x, off(other).1 - y);
+            let share = (-(x * dx + y * dy) / (dx * dx + dy * dy).max(1e-6)).clamp(0.0, 1.0);
+            let (x, y) = (x + share * dx, y + share * dy);
+            least = least.min(x * x + y * y);
+        }
+        libm::sqrtf(least)
+    }
+}
+
+/// A number of a future at a second.
+fn value(of: &[[f32; FUTURES]; SECONDS + 1], second: usize, future: usize) -> f32 {
+    let row = of.get(second).and_then(|row| row.get(future));
+    row.copied().unwrap_or(0.0)
 }
