@@ -32,7 +32,8 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
         if low > high {
             return 0.0;
         }
-        let sigma_m = |spread: &Spread, lasting_m2: f32| (spread.variance(at_s) + lasting_m2).sqrt();
+        let sigma_m =
+            |spread: &Spread, lasting_m2: f32| (spread.variance(at_s) + lasting_m2).sqrt();
         let (beside_m, above_m) = (
             sigma_m(&future.beside, beside_m2),
             sigma_m(&future.above, above_m2),

@@ -193,7 +193,10 @@ impl Ahead {
     fn closest_m(&self, path: &Path, at: usize, future: usize) -> f32 {
         let off = |second: usize| {
             let [x, y, _] = path.get(second).copied().unwrap_or_default();
-            let (fx, fy) = (value(&self.x, second, future), value(&self.y, second, future));
+            let (fx, fy) = (
+                value(&self.x, second, future),
+                value(&self.y, second, future),
+            );
             (fx - x, fy - y)
         };
         let (x, y) = off(at);
