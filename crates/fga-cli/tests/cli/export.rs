@@ -35,6 +35,7 @@ fn a_run_is_written_in_every_format() {
         ("czml", "[{"),
         ("geojson", "{"),
         ("mcap", "\u{fffd}MCAP0\r\n"),
+        ("gif", "GIF89a"),
     ] {
         let output = fga(&["export", &run, "--format", format]);
         assert!(output.status.success(), "{output:?}");

@@ -146,7 +146,7 @@ pub struct Overview {
 
 impl Overview {
     /// The aircraft's position at a time: linear between samples, constant beyond the ends.
-    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+    pub(crate) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if !time_s.is_finite() {
             return None;
         }
@@ -168,14 +168,14 @@ impl Overview {
     }
 
     /// Start and end of the run, seconds.
-    pub(super) fn times_s(&self) -> (f64, f64) {
+    pub(crate) fn times_s(&self) -> (f64, f64) {
         let start = self.samples.first().map_or(0.0, |s| s.time_s);
         let end = self.samples.last().map_or(1.0, |s| s.time_s);
         (start, end)
     }
 
     /// The finite samples.
-    pub(super) fn finite_samples(&self) -> impl Iterator<Item = &PathSample> {
+    pub(crate) fn finite_samples(&self) -> impl Iterator<Item = &PathSample> {
         self.samples
             .iter()
             .filter(|s| s.time_s.is_finite() && s.position_m.is_finite())
@@ -184,7 +184,7 @@ impl Overview {
 
 impl OverviewObstacle {
     /// Its position at a time; `None` while it is absent.
-    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+    pub(crate) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if let [only] = self.track.as_slice() {
             return Some(only.position_m);
         }
@@ -198,7 +198,7 @@ impl OverviewObstacle {
     }
 
     /// Whether it moves.
-    pub(super) fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         self.track
             .windows(2)
             .any(|pair| pair[0].position_m.distance(pair[1].position_m) > 1e-3)
