@@ -27,8 +27,8 @@ pub(crate) struct ExportArgs {
     run: PathBuf,
     /// Write a file: kml (Google Earth), czml (Cesium), geojson (maps), mcap (Foxglove, PlotJuggler),
     /// gif (the top view as a picture that moves).
-    #[arg(long, required_unless_present = "flightgear", value_parser = written)]
-    format: Option<Written>,
+    #[arg(long, required_unless_present = "flightgear", value_parser = export_format)]
+    format: Option<ExportFormat>,
     /// File to write; without it flight.<format> beside the run.
     #[arg(long, value_name = "FILE", requires = "format")]
     out: Option<PathBuf>,
@@ -45,12 +45,12 @@ pub(crate) struct ExportArgs {
 
 /// What can be written.
 #[derive(Debug, Clone, Copy)]
-enum Written {
+enum ExportFormat {
     Data(Format),
     Gif,
 }
 
-impl Written {
+impl ExportFormat {
     const fn name(self) -> &'static str {
         match self {
             Self::Data(format) => format.name(),
@@ -59,12 +59,12 @@ impl Written {
     }
 }
 
-fn written(name: &str) -> Result<Written, String> {
+fn export_format(name: &str) -> Result<ExportFormat, String> {
     if name.eq_ignore_ascii_case("gif") {
-        return Ok(Written::Gif);
+        return Ok(ExportFormat::Gif);
     }
     name.parse()
-        .map(Written::Data)
+        .map(ExportFormat::Data)
         .map_err(|message: String| message.replace(" or mcap", ", mcap or gif"))
 }
 
@@ -92,8 +92,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
             .clone()
             .unwrap_or_else(|| file.with_file_name(format!("flight.{}", format.name())));
         match format {
-            Written::Data(format) => export::write(&flight, format, &out)?,
-            Written::Gif => {
+            ExportFormat::Data(format) => export::write(&flight, format, &out)?,
+            ExportFormat::Gif => {
                 let bytes = animation::gif(&seen(&flight))
                     .map_err(|message| InputError::in_file(&file, message))?;
                 atomic::write(&out, bytes)?;

@@ -137,6 +137,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
             return ExitCode::SUCCESS;
         }
     };
+    let is_json = arguments.iter().any(|argument| argument == "--json");
     let result = match cli.command {
         Command::Run(args) => run::run(&args),
         Command::Batch(args) => batch::run(&args),
@@ -171,6 +172,13 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         }
         Err(failure) => {
             eprintln!("fga: {failure}");
+            if is_json {
+                // The exit code says the rest, whoever reads.
+                let _ = common::print(&format!(
+                    "{:#}\n",
+                    serde_json::json!({ "error": failure.to_string() })
+                ));
+            }
             ExitCode::FAILURE
         }
     }

@@ -33,7 +33,7 @@ const ARROW: f64 = 8.0;
 /// A run without a finite sample, or the encoder's own error.
 pub fn gif(overview: &Overview) -> Result<Vec<u8>, String> {
     let (begin_s, end_s) = overview.times_s();
-    let Some(view) = View::of(overview).filter(|_| (end_s - begin_s).is_finite()) else {
+    let Some(view) = MovingView::of(overview).filter(|_| (end_s - begin_s).is_finite()) else {
         return Err("holds no finite sample to draw, expected one".to_owned());
     };
     let time_s = |frame: u32| begin_s + (end_s - begin_s) * f64::from(frame) / f64::from(FRAMES);
@@ -45,14 +45,14 @@ pub fn gif(overview: &Overview) -> Result<Vec<u8>, String> {
 }
 
 /// From metres to pixels.
-struct View {
+struct MovingView {
     west_m: f64,
     north_m: f64,
     pixels_per_m: f64,
     height: u16,
 }
 
-impl View {
+impl MovingView {
     /// A view of mission, track and obstacles at rest; what flies may come from outside.
     fn of(overview: &Overview) -> Option<Self> {
         let at_rest = overview.obstacles.iter().filter(|other| !other.moves());

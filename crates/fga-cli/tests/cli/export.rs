@@ -113,7 +113,7 @@ fn wrong_usage_is_refused_in_one_sentence() {
     for (arguments, message) in [
         (
             vec!["export", empty, "--format", "kmz"],
-            "expected kml, czml, geojson or mcap",
+            "expected kml, czml, geojson, mcap or gif",
         ),
         (
             vec!["export", empty, "--format", "kml"],
