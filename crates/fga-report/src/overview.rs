@@ -65,6 +65,7 @@ impl Overview {
             (panel, [first, second], panel.bottom() + 52.0)
         };
         let mut svg = Svg::new(WIDTH, height, &self.title, &self.verdict(&focus));
+        svg.follow_the_screen();
         self.draw_header(&mut svg, &focus, &legend);
         top::draw(self, &focus, &extent, top_panel, &mut svg);
         altitude::draw(self, &focus, time_panels[0], &mut svg);
@@ -155,7 +156,7 @@ impl Overview {
         let (mut x, mut y) = (MARGIN, 74.0);
         let mut placed = Vec::new();
         for (symbol, label) in entries {
-            let width = symbol.width() + 6.0 + 0.94 * text_width(&label, 12.0);
+            let width = symbol.width() + 6.0 + text_width(&label, 12.0);
             if x + width > WIDTH - MARGIN && x > MARGIN {
                 (x, y) = (MARGIN, y + 20.0);
             }
@@ -164,7 +165,7 @@ impl Overview {
                 symbol,
                 label,
             });
-            x += width + 9.0;
+            x += width + 12.0;
         }
         placed
     }
