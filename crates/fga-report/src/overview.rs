@@ -13,7 +13,8 @@ mod separation;
 mod top;
 
 pub use data::{
-    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, PathSample,
+    ClosestApproach, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint,
+    PathSample,
 };
 
 pub(crate) use look::{FRAME, GRID_LINE, axis_titles};
@@ -82,7 +83,7 @@ impl Overview {
             return "No obstacle.".to_owned();
         };
         let name = shorten(&worst.obstacle.name, 32);
-        let Closest {
+        let ClosestApproach {
             time_s, margin_m, ..
         } = worst.closest;
         if margin_m < 0.0 {

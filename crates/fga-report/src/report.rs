@@ -7,9 +7,9 @@
 //!
 //! ```
 //! use fga_report::interval::Estimate;
-//! use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
+//! use fga_report::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 //!
-//! let mut report = Report::new("Success against distance");
+//! let mut report = ReportPage::new("Success against distance");
 //! report.facts.push(("encounters".into(), "300 a row".into()));
 //! report.sections.push(Section {
 //!     title: "One static obstacle".into(),
@@ -32,7 +32,7 @@ use crate::svg::escape;
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
+pub struct ReportPage {
     /// Heading of the page.
     pub title: String,
     /// A sentence or two about the page, under the heading.
@@ -223,7 +223,7 @@ fn interval(estimate: &Estimate, decimals: usize) -> String {
     )
 }
 
-impl Report {
+impl ReportPage {
     /// An empty report.
     pub fn new(title: &str) -> Self {
         Self {

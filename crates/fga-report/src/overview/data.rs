@@ -29,7 +29,7 @@ pub struct OverviewPoint {
 
 /// The closest approach to one obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closest {
+pub struct ClosestApproach {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// Distance to the obstacle's centre, metres.
@@ -51,7 +51,7 @@ pub struct OverviewObstacle {
     /// Outside the times of a longer track the obstacle is absent.
     pub track: Vec<OverviewPoint>,
     /// The closest approach over continuous time, if known; else the samples give it.
-    pub closest: Option<Closest>,
+    pub closest: Option<ClosestApproach>,
 }
 
 /// A kind of critical moment.
@@ -227,7 +227,7 @@ impl CurvePoint {
 /// An obstacle with a name and a curve in the picture.
 pub(super) struct FollowedTrack<'a> {
     pub(super) obstacle: &'a OverviewObstacle,
-    pub(super) closest: Closest,
+    pub(super) closest: ClosestApproach,
     /// One point for each sample at which it exists.
     pub(super) curve: Vec<CurvePoint>,
 }
@@ -306,7 +306,7 @@ fn follow<'a>(
     let sampled = curve
         .iter()
         .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m))?;
-    let closest = obstacle.closest.unwrap_or(Closest {
+    let closest = obstacle.closest.unwrap_or(ClosestApproach {
         time_s: sampled.time_s,
         separation_m: sampled.separation_m,
         margin_m: sampled.margin_m,
