@@ -18,6 +18,8 @@ from os import PathLike
 from typing import Any, Callable, Literal, Mapping, Sequence, final
 
 import numpy as np
+import pandas
+import polars
 from numpy.typing import ArrayLike, NDArray
 
 _Path = str | PathLike[str]
@@ -154,6 +156,14 @@ TYPES = {
     "write": "None",
     "folder": "_Path",
     "column_names": "list[str]",
+    "Table.columns": "list[str]",
+    "Table.shape": "tuple[int, int]",
+    "Table.__getitem__": "NDArray[Any]",
+    "Table.__contains__": "bool",
+    "Table.to_polars": "polars.DataFrame",
+    "Table.to_pandas": "pandas.DataFrame",
+    "Table.__getitem__.key": "str",
+    "Table.__contains__.key": "object",
     "to_csv": "bytes",
     "__arrow_c_stream__": "object",
     "requested_schema": "object | None",
@@ -236,7 +246,24 @@ TYPES = {
     "__new__": "None",
 }
 UNIT = re.compile(r"_(m|s|mps|rad|radps|deg)$")
-SHOWN = ("__len__", "__arrow_c_stream__")
+SHOWN = ("__len__", "__arrow_c_stream__", "__getitem__", "__contains__")
+
+
+def told_of(value: object, indent: str) -> list[str]:
+    """The documentation of a class or function, as lines of a stub; none without one."""
+    text = inspect.getdoc(value)
+    if not text:
+        return []
+    first, *rest = text.replace(chr(92), chr(92) * 2).split(chr(10))
+    if not rest:
+        return [f'{indent}"""{first}"""']
+    return [f'{indent}"""{first}', *(f"{indent}{line}".rstrip() for line in rest), f'{indent}"""']
+
+
+def documented(line: str, value: object, indent: str) -> list[str]:
+    """A line of a function that ends in `...`, with its documentation before that."""
+    told = told_of(value, indent)
+    return [line.removesuffix(" ..."), *told, f"{indent}..."] if told else [line]
 
 
 def type_of(*keys: str) -> str:
@@ -276,7 +303,9 @@ def parameters(owner: str, name: str, value: object) -> list[str]:
 def stub_of(name: str, value: type) -> str:
     """The stub of a class."""
     lines = ["@final", f"class {name}:"]
-    body = []
+    body = told_of(value, "    ")
+    if body:
+        body.append("")
     try:
         inspect.signature(value)
         body.append(f"    def __new__(cls, {', '.join(parameters(name, '__new__', value))}) -> {name}: ...".replace("(cls, )", "(cls)"))
@@ -287,19 +316,19 @@ def stub_of(name: str, value: type) -> str:
         if member.startswith("_") and member not in SHOWN:
             continue
         if inspect.isgetsetdescriptor(told):
-            body += ["    @property", f"    def {member}(self) -> {type_of(f'{name}.{member}', member)}: ..."]
+            line = f"    def {member}(self) -> {type_of(f'{name}.{member}', member)}: ..."
+            body += ["    @property", *documented(line, told, " " * 8)]
         elif isinstance(told, staticmethod):
             told = getattr(value, member)
-            body += [
-                "    @staticmethod",
-                f"    def {member}({', '.join(parameters(name, member, told))}) -> {type_of(f'{name}.{member}', member)}: ...",
-            ]
+            line = f"    def {member}({', '.join(parameters(name, member, told))}) -> {type_of(f'{name}.{member}', member)}: ..."
+            body += ["    @staticmethod", *documented(line, told, " " * 8)]
         elif callable(told):
             try:
                 arguments = ["self", *parameters(name, member, told)]
             except ValueError:
                 arguments = ["self"]
-            body.append(f"    def {member}({', '.join(arguments)}) -> {type_of(f'{name}.{member}', member)}: ...")
+            line = f"    def {member}({', '.join(arguments)}) -> {type_of(f'{name}.{member}', member)}: ..."
+            body += [line] if member.startswith("_") else documented(line, told, " " * 8)
     return "\n".join(lines + (body or ["    ..."])) + "\n"
 
 
@@ -311,7 +340,8 @@ def stubs() -> str:
             parts.append(stub_of(name, value))
         elif inspect.isbuiltin(value) and not name.startswith("_"):
             arguments = ", ".join(parameters(name, name, value))
-            parts.append(f"def {name}({arguments}) -> {type_of(name)}: ...\n")
+            line = f"def {name}({arguments}) -> {type_of(name)}: ..."
+            parts.append("\n".join(documented(line, value, "    ")) + "\n")
     return "\n".join(parts)
 
 

@@ -86,7 +86,7 @@ def test_wrong_input_of_a_monitor_is_an_exception(config, tmp_path):
         monitor.bands("course")
     with pytest.raises(ValueError):
         monitor.step(situation(0.0, 4_000.0, ids=(7, 7)))
-    with pytest.raises(ValueError, match="none.conf"):
+    with pytest.raises(FileNotFoundError, match="none.conf"):
         fga.Monitor(tmp_path / "none.conf")
     with pytest.raises(TypeError):
         __import__("pickle").dumps(monitor)

@@ -201,7 +201,7 @@ def test_an_identifier_that_is_used_twice_is_refused_as_in_a_scenario(root, tmp_
         (lambda: fga.Settings(work_limit=-5), ValueError, "work_limit is -5, expected 10,000"),
         (lambda: fga.Settings(start="soon"), ValueError, "unknown start"),
         (lambda: fga.Pilot("nobody"), ValueError, "unknown policy"),
-        (lambda: fga.VehicleModel.read("none.toml"), ValueError, "none.toml"),
+        (lambda: fga.VehicleModel.read("none.toml"), FileNotFoundError, "none.toml"),
         (lambda: fga.Avoider().step(None), TypeError, "Situation"),
         (lambda: fga.Decision([fga.Stage(0.0)] * 41), ValueError, "at most 40"),
         (lambda: situation(float("nan")), ValueError, "NaN"),

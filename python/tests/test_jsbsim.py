@@ -183,7 +183,7 @@ def test_a_wrong_log_is_said_in_a_sentence(log, tmp_path):
     path.write_text("t_s,airspeed_mps\n0,1\n")
     with pytest.raises(ValueError, match="line 1: the column bank_command_rad is missing"):
         fga.identify(path)
-    with pytest.raises(ValueError, match="no such file"):
+    with pytest.raises(FileNotFoundError, match="no such file"):
         fga.identify(tmp_path / "none.tlog")
     with pytest.raises(ValueError, match="the column climb_rad is missing"):
         fga.identify({name: column for name, column in log.items() if name != "climb_rad"})

@@ -5,7 +5,7 @@ import re
 import pytest
 from conftest import ROOT, needed
 
-PAGES = ["python/README.md", "docs/reference-python.md"]
+PAGES = ["README.md", "python/README.md", "docs/reference-python.md"]
 EXAMPLES = [
     pytest.param(code, id=f"{page}-{number}")
     for page in PAGES

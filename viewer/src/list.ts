@@ -39,6 +39,17 @@ interface Column {
 
 const metres = (value: number | null) => (value === null ? "" : value.toFixed(2).replace("-", "−"));
 
+/** A cell of drawn threats in words, as in "3 threats, first seen at 100–500 m, 55–60 m/s"; other sources as they are. */
+function drawnFrom(source: string): string {
+  const cell = /^threats:(\d+):([\d.-]+):([\d.-]+)(?:,(.+))?$/.exec(source);
+  if (!cell) return source;
+  const [, count, seen, speeds, more] = cell;
+  const span = (text: string) => text.replace("-", "–");
+  const threats = count === "1" ? "1 threat" : `${count} threats`;
+  const words = `${threats}, first seen at ${span(seen!)} m, ${span(speeds!)} m/s`;
+  return more ? `${words}, ${more}` : words;
+}
+
 const lost = (row: Row) => row.separated === false;
 
 /** The outcomes that can be asked for. */
@@ -87,7 +98,7 @@ const EVERY_COLUMN: Column[] = [
     key: (r) => r.extra_path_m,
     text: (r) => metres(r.extra_path_m),
   },
-  { title: "Drawn from", number: false, key: (r) => r.source, text: (r) => r.source },
+  { title: "Drawn from", number: false, key: (r) => r.source, text: (r) => drawnFrom(r.source) },
 ];
 
 const $ = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
@@ -216,7 +227,7 @@ function draw(): void {
     if (policy.selectedIndex > 0 && row.policy !== policy.value) return false;
     if (!outcome(row) || !hold(row)) return false;
     if (linked && row.link === null) return false;
-    const text = `${row.name} ${row.policy} ${row.source}`.toLowerCase();
+    const text = `${row.name} ${row.policy} ${row.source} ${drawnFrom(row.source)}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
   rows.sort((a, b) => compare(a, b) || (a.min_margin_m ?? 1e9) - (b.min_margin_m ?? 1e9));
@@ -244,6 +255,8 @@ function draw(): void {
       const line = document.createElement("tr");
       for (const column of columns) {
         const cell = document.createElement("td");
+        // A narrow page shows the title beside each value.
+        cell.dataset.title = column.title;
         cell.className = column.number ? "number" : column === RUN ? "name" : "";
         if (column.bad?.(row)) cell.classList.add("bad");
         if (column === RUN && row.link !== null) {

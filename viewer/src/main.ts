@@ -411,8 +411,10 @@ class App {
     const state = $("state");
     state.hidden = !pose;
     if (pose) {
-      state.textContent = stateWords(pose.state);
-      state.style.setProperty("--chip", this.theme.states[pose.state] ?? this.theme.muted);
+      // The same words as the panel: those of the decision, which holds until the next one.
+      const held = decision?.state ?? pose.state;
+      state.textContent = stateWords(held);
+      state.style.setProperty("--chip", this.theme.states[held] ?? this.theme.muted);
       const nearest = run?.nearestAt(this.t);
       const inside = nearest && nearest.margin < 0;
       if (nearest) {

@@ -180,7 +180,7 @@ impl Belief {
         let mut all = [still; FUTURES];
         let (some, edges) = all.split_at_mut(DRAWN);
         for ((future, row), n) in some.iter_mut().zip(&TABLE).zip(0_u8..) {
-            *future = now.drawn(row, n, brief);
+            *future = now.drawn(*row, n, brief);
         }
         let turn_s = now.bounds.turn_rad as f32 / brief.max(1e-3);
         for (future, [side, up]) in
@@ -225,8 +225,8 @@ impl Belief {
 
     /// A future by a row of the table: the `n`th part of the belief with two changes. Place, velocity and altitude are the means of that part:
     /// how far they may be off is integrated, not drawn.
-    fn drawn(&self, row: &[u8; 8], n: u8, brief_radps: f32) -> Future {
-        let [a0, a1, t1, what1, how1, t2, what2, how2] = *row;
+    fn drawn(&self, row: [u8; 8], n: u8, brief_radps: f32) -> Future {
+        let [a0, a1, t1, what1, how1, t2, what2, how2] = row;
         let (kind, turn) = picked(
             &self.turns,
             Kind::ALL,

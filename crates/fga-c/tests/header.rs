@@ -24,6 +24,22 @@ fn the_header_is_that_of_the_crate() {
     );
 }
 
+/// The pages say the limit of zones that the header has.
+#[test]
+fn the_pages_say_the_limit_of_zones() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("a file");
+    let header = read("include/fga.h");
+    let limit = header
+        .lines()
+        .find_map(|line| line.strip_prefix("#define FGA_ZONES_MOST "))
+        .expect("a limit");
+    let zones = read("../../docs/how-to-zones.md");
+    assert!(zones.contains(&format!("(in C more than {limit}, `FGA_ZONES_MOST`,")));
+    let small = read("../../docs/how-to-microcontroller.md");
+    assert!(small.contains(&format!("`FGA_ZONES_MOST` ({limit})")));
+}
+
 /// Each number of the settings has its default beside it.
 #[test]
 fn the_header_says_the_defaults() {

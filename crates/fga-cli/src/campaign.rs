@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Once;
 
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
@@ -167,6 +168,7 @@ fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
         folder: Folder::at(&args.out.prepare(&args.file)?),
         resume: args.resume,
         is_expected: true,
+        ends_begun: true,
     };
     let manifest = task.manifest();
     if args.resume && task.folder.file(RESULTS).exists() {
@@ -175,8 +177,17 @@ fn run_campaign(args: &CampaignRunArgs) -> Result<ExitCode, Failure> {
     }
     watch_for_interrupt();
     let mut display = ProgressDisplay::new();
+    let told = Once::new();
+    let go_on = || {
+        if interrupted() {
+            told.call_once(|| {
+                eprintln!("fga: ends the blocks that are begun; Ctrl-C again ends at once");
+            });
+        }
+        !interrupted()
+    };
     let flown = args.threads.install(|| {
-        fly(&task, &|| !interrupted(), &mut |progress| {
+        fly(&task, &go_on, &mut |progress| {
             display.show(progress);
         })
     })?;

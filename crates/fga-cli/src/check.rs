@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_files::TomlText;
+use fga_files::surveillance::CREWED_MPS;
 use fga_formats::error::read_text;
 use fga_formats::flight::Flight;
 use fga_formats::flight_log::FlightLog;
@@ -451,8 +452,14 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
                 0 => String::new(),
                 zones => format!("{}, ", counted(zones, "zone")),
             };
+            if let Some(refusal) = plan.refusal() {
+                return Err(InputError::in_file(path, refusal).into());
+            }
+            let sees = plan.must_see_m().map_or_else(String::new, |must_see_m| {
+                format!(", must see {must_see_m:.0} m ahead")
+            });
             let holds = format!(
-                "{}, {}, {zones}vehicle {}",
+                "{}, {}, {zones}vehicle {}{sees}",
                 counted(plan.world.mission_m.len(), "waypoint"),
                 counted(plan.world.obstacles.len(), "obstacle"),
                 plan.model.name
@@ -462,8 +469,11 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
         FileKind::Vehicle => {
             let model = VehicleModel::read(path)?;
             let holds = format!(
-                "{}, {} m/s, turn radius {:.1} m",
-                model.name, model.vehicle.airspeed_mps, model.vehicle.turn_radius_m
+                "{}, {} m/s, turn radius {:.1} m, must see crewed traffic at {CREWED_MPS} m/s {:.0} m ahead",
+                model.name,
+                model.vehicle.airspeed_mps,
+                model.vehicle.turn_radius_m,
+                model.must_see_m()
             );
             Ok(Usable::new(words, holds).with(model.warnings()))
         }

@@ -158,6 +158,58 @@ impl OutArgs {
         fga_formats::atomic::prepare_folder(&folder)?;
         Ok(folder)
     }
+
+    /// The folder of a flight. One that nobody named and that holds results of another input gets a number: `out/a-2`.
+    pub(crate) fn prepare_run(&self, input: &Path) -> Result<PathBuf, Failure> {
+        if self.out.is_some() {
+            return self.prepare(input);
+        }
+        let stem = input.file_stem().unwrap_or("run".as_ref());
+        let first = Path::new("out").join(stem);
+        let numbered = (2..=MOST_NUMBERED).map(|number| {
+            let mut name = stem.to_owned();
+            name.push(format!("-{number}"));
+            Path::new("out").join(name)
+        });
+        let mut folders = core::iter::once(first.clone()).chain(numbered);
+        let folder = folders.find(|folder| !holds_another(folder, input)).ok_or_else(|| {
+            let shown = first.display();
+            let message = format!("{shown} to {shown}-{MOST_NUMBERED} hold results of other inputs, expected --out DIR");
+            Failure::Input(message)
+        })?;
+        if folder != first {
+            eprintln!(
+                "fga: {} holds results of another input and stays as it is; these go to {}",
+                first.display(),
+                folder.display()
+            );
+        }
+        fga_formats::atomic::prepare_folder(&folder)?;
+        Ok(folder)
+    }
+}
+
+/// The largest number behind the name of a folder.
+const MOST_NUMBERED: u32 = 99;
+
+/// Whether a folder holds results of another input: its `run.json` names another file, or is no flight's.
+fn holds_another(folder: &Path, input: &Path) -> bool {
+    let document = folder.join("run.json");
+    let Ok(text) = std::fs::read_to_string(document) else {
+        return false;
+    };
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let Some(named) = value.get("input").and_then(serde_json::Value::as_str) else {
+        return true;
+    };
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    // A moved folder names a file that is no longer there: the name of the file decides.
+    let named = Path::new(named);
+    if named.exists() {
+        whole(named) != whole(input)
+    } else {
+        named.file_name() != input.file_name()
+    }
 }
 
 /// The number of threads.

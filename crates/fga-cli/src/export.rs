@@ -7,10 +7,13 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use clap::Args;
+use fga::avoider::State;
 use fga_formats::export::flightgear::{self, FlightGearSender};
 use fga_formats::export::{self, Format};
 use fga_formats::flight::Flight;
 use fga_formats::{InputError, atomic};
+use fga_report::animation;
+use fga_report::overview::{Overview, OverviewObstacle, OverviewPoint, PathSample};
 use serde_json::json;
 
 use crate::common::{AnswerArgs, interrupted, watch_for_interrupt};
@@ -22,9 +25,10 @@ use fga_results::flight_file;
 pub(crate) struct ExportArgs {
     /// Folder that `fga run` wrote, or the flight.json in it.
     run: PathBuf,
-    /// Write a file: kml (Google Earth), czml (Cesium), geojson (maps), mcap (Foxglove, PlotJuggler).
-    #[arg(long, required_unless_present = "flightgear")]
-    format: Option<Format>,
+    /// Write a file: kml (Google Earth), czml (Cesium), geojson (maps), mcap (Foxglove, PlotJuggler),
+    /// gif (the top view as a picture that moves).
+    #[arg(long, required_unless_present = "flightgear", value_parser = export_format)]
+    format: Option<ExportFormat>,
     /// File to write; without it flight.<format> beside the run.
     #[arg(long, value_name = "FILE", requires = "format")]
     out: Option<PathBuf>,
@@ -37,6 +41,31 @@ pub(crate) struct ExportArgs {
     speed: f64,
     #[command(flatten)]
     answer: AnswerArgs,
+}
+
+/// What can be written.
+#[derive(Debug, Clone, Copy)]
+enum ExportFormat {
+    Data(Format),
+    Gif,
+}
+
+impl ExportFormat {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Data(format) => format.name(),
+            Self::Gif => "gif",
+        }
+    }
+}
+
+fn export_format(name: &str) -> Result<ExportFormat, String> {
+    if name.eq_ignore_ascii_case("gif") {
+        return Ok(ExportFormat::Gif);
+    }
+    name.parse()
+        .map(ExportFormat::Data)
+        .map_err(|message: String| message.replace(" or mcap", ", mcap or gif"))
 }
 
 /// A factor from 0.01 to 1000.
@@ -61,8 +90,15 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
         let out = args
             .out
             .clone()
-            .unwrap_or_else(|| file.with_file_name(format!("flight.{format}")));
-        export::write(&flight, format, &out)?;
+            .unwrap_or_else(|| file.with_file_name(format!("flight.{}", format.name())));
+        match format {
+            ExportFormat::Data(format) => export::write(&flight, format, &out)?,
+            ExportFormat::Gif => {
+                let bytes = animation::gif(&seen(&flight))
+                    .map_err(|message| InputError::in_file(&file, message))?;
+                atomic::write(&out, bytes)?;
+            }
+        }
         written.push(out.display().to_string());
     }
     if sender.is_some() {
@@ -76,6 +112,36 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
         play(&flight, sender, args.speed)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the picture that moves shows of a flight.
+fn seen(flight: &Flight) -> Overview {
+    let state = |name: &str| State::ALL.into_iter().find(|state| state.name() == name);
+    let samples = flight.samples.iter().map(|sample| PathSample {
+        time_s: sample.time_s,
+        position_m: sample.position_m,
+        state: state(&sample.state).unwrap_or_default(),
+    });
+    let obstacles = flight.obstacles.iter().zip(1..).map(|(obstacle, id)| {
+        let track = obstacle.track.iter().map(|row| OverviewPoint {
+            time_s: row.time_s,
+            position_m: row.position_m,
+        });
+        OverviewObstacle {
+            id,
+            name: obstacle.name.clone(),
+            volume: obstacle.volume,
+            track: track.collect(),
+            closest: None,
+        }
+    });
+    Overview {
+        title: flight.name.clone(),
+        mission_m: flight.mission.clone(),
+        samples: samples.collect(),
+        obstacles: obstacles.collect(),
+        ..Overview::default()
+    }
 }
 
 fn sender(target: &str) -> Result<FlightGearSender, Failure> {

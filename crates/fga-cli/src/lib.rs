@@ -60,11 +60,11 @@ use crate::failure::Failure;
 )]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: FgaCommand,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum FgaCommand {
     /// Fly one scenario or recording in closed loop and show the result.
     Run(run::RunArgs),
     /// Fly the encounters of a file.
@@ -137,30 +137,31 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
             return ExitCode::SUCCESS;
         }
     };
+    let is_json = arguments.iter().any(|argument| argument == "--json");
     let result = match cli.command {
-        Command::Run(args) => run::run(&args),
-        Command::Batch(args) => batch::run(&args),
-        Command::Oracle(args) => oracle::run(&args),
-        Command::Alerts(args) => alerts::run(&args),
-        Command::Bands(args) => bands::run(&args),
-        Command::Campaign(args) => campaign::run(&args),
-        Command::League(args) => league::run(&args),
-        Command::Stress(args) => stress::run(&args),
-        Command::Reproduce(args) => reproduce::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Terrain(args) => terrain::run(&args),
-        Command::View(args) => view::run(&args),
+        FgaCommand::Run(args) => run::run(&args),
+        FgaCommand::Batch(args) => batch::run(&args),
+        FgaCommand::Oracle(args) => oracle::run(&args),
+        FgaCommand::Alerts(args) => alerts::run(&args),
+        FgaCommand::Bands(args) => bands::run(&args),
+        FgaCommand::Campaign(args) => campaign::run(&args),
+        FgaCommand::League(args) => league::run(&args),
+        FgaCommand::Stress(args) => stress::run(&args),
+        FgaCommand::Reproduce(args) => reproduce::run(&args),
+        FgaCommand::Export(args) => export::run(&args),
+        FgaCommand::Terrain(args) => terrain::run(&args),
+        FgaCommand::View(args) => view::run(&args),
         #[cfg(feature = "fly")]
-        Command::Fly(args) => fly::run(&args),
+        FgaCommand::Fly(args) => fly::run(&args),
         #[cfg(feature = "fly")]
-        Command::Traffic(args) => traffic::run(&args),
+        FgaCommand::Traffic(args) => traffic::run(&args),
         #[cfg(feature = "fly")]
-        Command::Rc(args) => rc::run(&args),
-        Command::Identify(args) => identify::run(&args),
-        Command::Init(args) => init::run(&args),
-        Command::Check(args) => check::run(&args),
-        Command::Completions(args) => shell::completions(&args, Cli::command()),
-        Command::Man(args) => shell::man(&args, Cli::command()),
+        FgaCommand::Rc(args) => rc::run(&args),
+        FgaCommand::Identify(args) => identify::run(&args),
+        FgaCommand::Init(args) => init::run(&args),
+        FgaCommand::Check(args) => check::run(&args),
+        FgaCommand::Completions(args) => shell::completions(&args, Cli::command()),
+        FgaCommand::Man(args) => shell::man(&args, Cli::command()),
     };
     match result {
         Ok(code) => code,
@@ -171,6 +172,13 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         }
         Err(failure) => {
             eprintln!("fga: {failure}");
+            if is_json {
+                // The exit code says the rest, whoever reads.
+                let _ = common::print(&format!(
+                    "{:#}\n",
+                    serde_json::json!({ "error": failure.to_string() })
+                ));
+            }
             ExitCode::FAILURE
         }
     }

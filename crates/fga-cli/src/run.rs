@@ -69,6 +69,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let guidance = args.config.as_deref().map(conf::read).transpose()?;
     let (plan, read) = Plan::read_once(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     let input_hash = fingerprint(&read);
+    if let Some(refusal) = plan.refusal() {
+        return Err(InputError::in_file(&args.file, refusal).into());
+    }
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
     let unknown = match (plan.world.zones.is_empty(), &plan.world.ground) {
@@ -86,7 +89,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
         return Err(InputError::in_file(&args.file, refusal).into());
     }
-    let folder = args.out.prepare(&args.file)?;
+    let folder = args.out.prepare_run(&args.file)?;
     let overlaid = overlay
         .iter()
         .map(|policy| fly(plan.clone(), policy, &mut |_| ()))

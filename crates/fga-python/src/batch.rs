@@ -220,7 +220,7 @@ pub(crate) fn batch(
 ) -> PyResult<PyTable> {
     let settings = BatchSettings {
         model: model_or_built_in(vehicle)?,
-        policy: policy.choice(time_limit_s)?,
+        policy: policy.for_all(time_limit_s)?,
         horizon_s: checked_horizon(horizon_s)?,
         seed,
         tracks: false,

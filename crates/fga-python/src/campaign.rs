@@ -264,6 +264,7 @@ impl PyCampaign {
             folder,
             resume,
             is_expected: false,
+            ends_begun: false,
         };
         interruptible(py, threads, progress, |shared| {
             shared

@@ -16,6 +16,7 @@ use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
 use fga_sim::world::{WorldGround, WorldZone};
 use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::airspace::{PyGround, PyZone};
 use crate::decision::{PyDecision, PyStage};
@@ -54,7 +55,18 @@ pub(crate) fn choice(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<Policy
     if let Ok(name) = policy.extract::<String>() {
         return parse_policy(&name).map_err(PyValueError::new_err);
     }
-    own(policy, limit_s, None).map(PolicyChoice::Own)
+    one_by_one(policy, limit_s).map(PolicyChoice::Own)
+}
+
+/// A policy that flies each flight by itself.
+fn one_by_one(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<OwnPolicy> {
+    let answers = policy.is_callable() && !policy.is_instance_of::<PyType>();
+    if is_for_all(policy)? && !policy.hasattr(STEP)? && !answers {
+        return Err(PyTypeError::new_err(format!(
+            "policy is {policy} with {STEP_ALL} alone, which fga.batch takes; expected step(situation)"
+        )));
+    }
+    own(policy, limit_s, None)
 }
 
 /// The argument `policy`.
@@ -74,6 +86,16 @@ impl<'py> FromPyObject<'_, 'py> for Policy<'py> {
 }
 
 impl Policy<'_> {
+    /// The policy, which may answer for all flights at once.
+    pub(crate) fn for_all(&self, limit_s: f64) -> PyResult<PolicyChoice> {
+        match self {
+            Self::Given(policy) if is_for_all(policy)? => {
+                own(policy, limit_s, None).map(PolicyChoice::Own)
+            }
+            _ => self.choice(limit_s),
+        }
+    }
+
     /// The policy.
     pub(crate) fn choice(&self, limit_s: f64) -> PyResult<PolicyChoice> {
         match self {
@@ -97,10 +119,16 @@ pub(crate) fn own(
 ) -> PyResult<OwnPolicy> {
     let py = policy.py();
     let limit_s = checked_limit(limit_s)?;
-    if !(policy.hasattr(STEP)? || is_for_all(policy)? || policy.is_callable()) {
+    // To call a class makes an object, not a step.
+    let answers = policy.is_callable() && !policy.is_instance_of::<PyType>();
+    if !(policy.hasattr(STEP)? || is_for_all(policy)? || answers) {
         return Err(PyTypeError::new_err(format!(
             "policy is {}, expected a name, a class or an object with step(situation), or a function of the situation",
-            policy.get_type()
+            if policy.is_instance_of::<PyType>() {
+                format!("{policy} without step")
+            } else {
+                policy.get_type().to_string()
+            }
         )));
     }
     let name: String = helper(py, "name")?.call1((policy,))?.extract()?;
@@ -153,7 +181,7 @@ impl Owns {
         if let Ok(name) = policy.extract::<String>() {
             return Ok(name);
         }
-        let own = own(policy, limit_s, None)?;
+        let own = one_by_one(policy, limit_s)?;
         let name = own.name().to_owned();
         match self.policies.iter().find(|known| known.name() == name) {
             Some(known) if *known != own => {

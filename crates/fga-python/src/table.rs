@@ -8,9 +8,10 @@ use arrow_array::{
     RecordBatchReader, StringArray, UInt64Array,
 };
 use arrow_schema::{ArrowError, Field, Schema};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule};
+use pyo3::types::{PyBytes, PyCapsule, PyDict, PyList};
 
 /// The name of a stream in the Arrow PyCapsule interface.
 const STREAM: &core::ffi::CStr = c"arrow_array_stream";
@@ -90,6 +91,50 @@ impl PyTable {
         PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), STREAM)
     }
 
+    /// Names of the columns, as `column_names`.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.column_names()
+    }
+
+    /// Numbers of rows and columns.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.batch.num_rows(), self.batch.num_columns())
+    }
+
+    /// A column by its name: an array of numpy. A missing number is NaN, a missing word or flag None in an array of objects.
+    ///
+    /// Raises KeyError for a column that the table does not have.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Some(column) = self.batch.column_by_name(name) else {
+            return Err(PyKeyError::new_err(format!(
+                "column {name:?}, expected one of {}",
+                self.column_names().join(", ")
+            )));
+        };
+        values(py, column)
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.batch.column_by_name(name).is_some()
+    }
+
+    /// The table as `polars.DataFrame`. Raises ImportError without polars.
+    fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("polars")?.call_method1("DataFrame", (slf,))
+    }
+
+    /// The table as `pandas.DataFrame`. Raises ImportError without pandas.
+    fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let pandas = py.import("pandas")?;
+        let columns = PyDict::new(py);
+        for (name, column) in self.column_names().iter().zip(self.batch.columns()) {
+            columns.set_item(name, values(py, column)?)?;
+        }
+        pandas.call_method1("DataFrame", (columns,))
+    }
+
     /// Names of the columns.
     #[getter]
     fn column_names(&self) -> Vec<String> {
@@ -132,6 +177,38 @@ impl PyTable {
             self.column_names().join(", ")
         )
     }
+}
+
+/// A column as an array of numpy.
+fn values<'py>(py: Python<'py>, column: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
+    let any = column.as_any();
+    if let Some(whole) = any.downcast_ref::<UInt64Array>() {
+        return Ok(PyArray1::from_iter(py, whole.values().iter().copied()).into_any());
+    }
+    if let Some(real) = any.downcast_ref::<Float64Array>() {
+        let reals = real.iter().map(|value| value.unwrap_or(f64::NAN));
+        return Ok(PyArray1::from_iter(py, reals).into_any());
+    }
+    let objects = match (
+        any.downcast_ref::<BooleanArray>(),
+        any.downcast_ref::<StringArray>(),
+    ) {
+        (Some(flags), _) if flags.null_count() == 0 => {
+            let flags = flags.iter().map(Option::unwrap_or_default);
+            return Ok(PyArray1::from_iter(py, flags).into_any());
+        }
+        (Some(flags), _) => PyList::new(py, flags.iter().collect::<Vec<_>>())?,
+        (_, Some(words)) => PyList::new(py, words.iter().collect::<Vec<_>>())?,
+        _ => {
+            let kind = column.data_type();
+            let message = format!("a column of {kind}, expected numbers, flags or words");
+            return Err(PyTypeError::new_err(message));
+        }
+    };
+    let kind = PyDict::new(py);
+    kind.set_item("dtype", "object")?;
+    py.import("numpy")?
+        .call_method("array", (objects,), Some(&kind))
 }
 
 /// The batches of anything that has the Arrow PyCapsule interface.

@@ -1,7 +1,7 @@
 //! The league: every policy over sets of encounters, as one page.
 
 use crate::interval::Estimate;
-use crate::report::{Cell, Column, Report, Section, SectionBlock, Table};
+use crate::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 use crate::safety_case::cells::{self, count, facts, left, needless_of_clear, number, ratio};
 use crate::safety_case::{Lost, PolicyCase, WorstCase};
 
@@ -69,7 +69,7 @@ pub struct Standing {
 impl League {
     /// The page as one HTML file.
     pub fn to_html(&self) -> String {
-        let mut report = Report::new("League of policies");
+        let mut report = ReportPage::new("League of policies");
         report.summary = "Every policy over the same encounters, in the same plant, under the same limits and with the same sight, \
              judged by code apart from all of them."
             .into();

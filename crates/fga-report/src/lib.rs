@@ -8,6 +8,7 @@
 //! | module | question |
 //! |---|---|
 //! | [`overview`] | where did the aircraft fly, and how close did it come? |
+//! | [`animation`] | how did it go, in a picture that moves? |
 //! | [`profile`] | does a mission clear the ground? |
 //! | [`plot`] | what do many runs show together? |
 //! | [`interval`] | how certain is a share? |
@@ -21,6 +22,13 @@
 //! Colours are from Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which people with any
 //! common colour vision can distinguish.
 
+extern crate alloc;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct FrontPage;
+
+pub mod animation;
 pub mod interval;
 pub mod league;
 pub mod listing;

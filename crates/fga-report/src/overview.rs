@@ -13,7 +13,8 @@ mod separation;
 mod top;
 
 pub use data::{
-    Closest, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint, PathSample,
+    ClosestApproach, MomentKind, Overview, OverviewMoment, OverviewObstacle, OverviewPoint,
+    PathSample,
 };
 
 pub(crate) use look::{FRAME, GRID_LINE, axis_titles};
@@ -65,6 +66,7 @@ impl Overview {
             (panel, [first, second], panel.bottom() + 52.0)
         };
         let mut svg = Svg::new(WIDTH, height, &self.title, &self.verdict(&focus));
+        svg.follow_the_screen();
         self.draw_header(&mut svg, &focus, &legend);
         top::draw(self, &focus, &extent, top_panel, &mut svg);
         altitude::draw(self, &focus, time_panels[0], &mut svg);
@@ -81,7 +83,7 @@ impl Overview {
             return "No obstacle.".to_owned();
         };
         let name = shorten(&worst.obstacle.name, 32);
-        let Closest {
+        let ClosestApproach {
             time_s, margin_m, ..
         } = worst.closest;
         if margin_m < 0.0 {
@@ -155,7 +157,7 @@ impl Overview {
         let (mut x, mut y) = (MARGIN, 74.0);
         let mut placed = Vec::new();
         for (symbol, label) in entries {
-            let width = symbol.width() + 6.0 + 0.94 * text_width(&label, 12.0);
+            let width = symbol.width() + 6.0 + text_width(&label, 12.0);
             if x + width > WIDTH - MARGIN && x > MARGIN {
                 (x, y) = (MARGIN, y + 20.0);
             }
@@ -164,7 +166,7 @@ impl Overview {
                 symbol,
                 label,
             });
-            x += width + 9.0;
+            x += width + 12.0;
         }
         placed
     }

@@ -7,9 +7,9 @@
 //!
 //! ```
 //! use fga_report::interval::Estimate;
-//! use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
+//! use fga_report::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 //!
-//! let mut report = Report::new("Success against distance");
+//! let mut report = ReportPage::new("Success against distance");
 //! report.facts.push(("encounters".into(), "300 a row".into()));
 //! report.sections.push(Section {
 //!     title: "One static obstacle".into(),
@@ -32,7 +32,7 @@ use crate::svg::escape;
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
+pub struct ReportPage {
     /// Heading of the page.
     pub title: String,
     /// A sentence or two about the page, under the heading.
@@ -223,7 +223,7 @@ fn interval(estimate: &Estimate, decimals: usize) -> String {
     )
 }
 
-impl Report {
+impl ReportPage {
     /// An empty report.
     pub fn new(title: &str) -> Self {
         Self {
@@ -259,7 +259,15 @@ impl Report {
             page.push_str("</dl>\n");
         }
         if self.sections.len() > 1 {
-            page.push_str("<nav aria-label=\"Contents\">\n<ol>\n");
+            // Titles that have numbers of their own get no second ones.
+            let is_numbered =
+                |section: &Section| section.title.starts_with(|c: char| c.is_ascii_digit());
+            let list = if self.sections.iter().all(is_numbered) {
+                "<ol class=\"own\">"
+            } else {
+                "<ol>"
+            };
+            let _ = writeln!(page, "<nav aria-label=\"Contents\">\n{list}");
             for (index, section) in self.sections.iter().enumerate() {
                 let _ = writeln!(
                     page,
@@ -409,7 +417,7 @@ a{color:var(--link)}
 .summary{font-size:1.1rem;margin:.2rem 0 1.2rem}
 .facts{display:grid;grid-template-columns:repeat(auto-fill,minmax(12rem,1fr));gap:.5rem 1.5rem;margin:0 0 1.5rem;font-size:.9rem}
 .facts dt{color:var(--muted)}.facts dd{margin:0;overflow-wrap:anywhere}
-nav{background:var(--soft);border-radius:6px;padding:.4rem .5rem;font-size:.95rem}nav ol{columns:2 18rem;margin:.4rem 0}
+nav{background:var(--soft);border-radius:6px;padding:.4rem .5rem;font-size:.95rem}nav ol{columns:2 18rem;margin:.4rem 0}nav ol.own{list-style:none;padding-left:.6rem}
 figure{margin:1.5rem 0;break-inside:avoid}figure svg{display:block;max-width:100%;height:auto;border:1px solid var(--line);border-radius:6px}figure svg svg{border:0}
 figcaption,caption{color:var(--muted);font-size:.9rem;text-align:left;margin-top:.5rem}caption{margin:0 0 .4rem}
 .table{overflow-x:auto;margin:1.5rem 0}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums;min-width:50%}

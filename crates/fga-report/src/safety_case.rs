@@ -10,7 +10,7 @@ mod course;
 mod trace;
 mod verdict;
 
-use crate::report::{Cell, Column, Report, Section, SectionBlock, Table};
+use crate::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 
 use cells::{count, facts, left, ratio};
 use verdict::{judged, result, verdict, verdicts};
@@ -82,7 +82,7 @@ impl SafetyCase {
 
     /// The page as one HTML file.
     pub fn to_html(&self) -> String {
-        let mut report = Report::new(&format!("Safety case: {}", self.name));
+        let mut report = ReportPage::new(&format!("Safety case: {}", self.name));
         report.summary = "How often there is a near mid-air collision (NMAC) or a loss of well clear (LoWC) with the system, \
              over how often without it, in the same encounters."
             .into();

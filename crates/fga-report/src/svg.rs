@@ -7,6 +7,12 @@ use crate::palette::PAPER;
 /// Font stack of every text; [`text_width`] estimates by the widest of its fonts.
 const FONTS: &str = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
+/// The neutral colours of the palette and of the grid, on a dark screen; the colours of series stay, but for the darkest.
+const DARK: &str = "<style>@media screen and (prefers-color-scheme:dark){\
+[fill=\"#ffffff\"]{fill:#14181d}[fill=\"#1f2328\"],[fill=\"#000000\"]{fill:#e6eaef}[fill=\"#59636e\"]{fill:#9aa6b2}[fill=\"#0072b2\"]{fill:#3d9bd6}\
+[stroke=\"#ffffff\"]{stroke:#14181d}[stroke=\"#1f2328\"],[stroke=\"#000000\"]{stroke:#e6eaef}[stroke=\"#59636e\"]{stroke:#9aa6b2}\
+[stroke=\"#e3e6ea\"]{stroke:#2a313a}[stroke=\"#0072b2\"]{stroke:#3d9bd6}}</style>\n";
+
 /// A point of the picture, pixels from its top left corner.
 pub(crate) type Point = (f64, f64);
 
@@ -141,6 +147,11 @@ impl Svg {
             escape(description),
         );
         Self { body }
+    }
+
+    /// Exchanges the neutral colours by their values for a dark screen, where the picture is shown by itself.
+    pub(crate) fn follow_the_screen(&mut self) {
+        self.body.push_str(DARK);
     }
 
     pub(crate) fn line(&mut self, from: Point, to: Point, look: &str) {

@@ -30,7 +30,7 @@ pub use setting::{ReproduceError, Setting};
 use std::path::PathBuf;
 
 use fga_formats::atomic;
-use fga_report::report::Report;
+use fga_report::report::ReportPage;
 use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
@@ -44,7 +44,7 @@ pub fn reproduce(setting: &Setting<'_>) -> Result<PathBuf, ReproduceError> {
     let data = setting.data();
     atomic::prepare_folder(&data)?;
     let model = VehicleModel::built_in()?;
-    let mut report = Report::new("The paper's evaluation, flown again");
+    let mut report = ReportPage::new("The paper's evaluation, flown again");
     report.summary = "Every section says what the paper states, what its published algorithm gives \
          in closed-loop simulation, what the turn-aware policy gives, and what an exhaustive search \
          (the oracle) allows. The figures of the paper are missing from its text; its sentences are \

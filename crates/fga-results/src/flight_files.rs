@@ -7,7 +7,7 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::decision;
 use fga_formats::words::decision_words;
-use fga_report::overview::{self, Closest, MomentKind, Overview, OverviewMoment};
+use fga_report::overview::{self, ClosestApproach, MomentKind, Overview, OverviewMoment};
 use fga_report::profile::{Profile, ProfilePoint};
 use fga_sim::batch::push_sample;
 use fga_sim::run::{DecisionLog, RunLog};
@@ -225,11 +225,15 @@ pub fn overview(log: &RunLog) -> Overview {
             name: flown.name.clone(),
             volume: obstacle.volume,
             track: track_points(&obstacle.track, end_s),
-            closest: flown.separation.value_m.is_finite().then_some(Closest {
-                time_s: flown.margin.time_s,
-                separation_m: flown.separation.value_m,
-                margin_m: flown.margin.value_m,
-            }),
+            closest: flown
+                .separation
+                .value_m
+                .is_finite()
+                .then_some(ClosestApproach {
+                    time_s: flown.margin.time_s,
+                    separation_m: flown.separation.value_m,
+                    margin_m: flown.margin.value_m,
+                }),
         })
         .collect();
     Overview {

@@ -262,6 +262,7 @@ fn fly_one(
         folder: Folder::at(folder.path()),
         resume: true,
         is_expected: false,
+        ends_begun: false,
     };
     let manifest = task.manifest();
     if folder.file(RESULTS).exists() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic};
-use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
+use fga_report::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 use fga_sim::campaign::{CampaignError, CampaignStamp};
 use fga_sim::own::FailureKind;
 use fga_sim::stress::{FoundEncounter, Stress, StressFailure, StressFlight, search, show};
@@ -245,7 +245,7 @@ fn in_words(failure: &StressFailure) -> String {
 
 fn page(stress: &Stress, found: &FoundEncounter) -> String {
     let stamp = CampaignStamp::of_this_build(TARGET);
-    let mut report = Report::new(&format!("Stress test of {}", stress.policy.name()));
+    let mut report = ReportPage::new(&format!("Stress test of {}", stress.policy.name()));
     report.summary = "The likeliest motions of intruders, losses of their reports, and gusts, in which the policy enters a protected volume, found by the cross-entropy method."
         .into();
     report.facts = vec![

@@ -100,6 +100,7 @@ pub(crate) fn make() -> Result<(), String> {
             .map_err(|error| format!("{}: {error}", to.display()))?;
         println!("{}", to.display());
     }
+    workshop.animate("first-flight")?;
     for Screenshot {
         name,
         page,
@@ -152,6 +153,14 @@ impl Workshop {
         let mut command = self.program();
         command.args(arguments).arg("--out").arg(&out);
         self.succeed(command.stdout(Stdio::null()))
+    }
+
+    /// The run as a picture that moves, in `docs/pictures`.
+    fn animate(&self, run: &str) -> Result<(), String> {
+        let picture = self.pictures.join(run).with_extension("gif");
+        let mut command = self.program();
+        command.arg("export").arg(self.runs.join(run));
+        self.succeed(command.args(["--format", "gif", "--out"]).arg(picture))
     }
 
     fn serve(&self, folder: &str) -> Result<Served, String> {

@@ -1,4 +1,4 @@
-//! Every relative link leads somewhere, and the book's contents list every page.
+//! Every relative link leads somewhere, the book's contents list every page, and what users read has short sentences.
 
 extern crate alloc;
 
@@ -209,4 +209,138 @@ fn what_a_page_names_exists() {
         }
     }
     assert!(files > 20 && examples > 3, "{files} and {examples}");
+}
+
+/// Paragraphs and points of a list, without headings, tables, pictures and code.
+fn paragraphs(text: &str) -> Vec<String> {
+    let mut paragraphs = vec![String::new()];
+    let (mut is_code, mut is_comment) = (false, false);
+    for line in text.lines().map(str::trim) {
+        is_comment |= line.starts_with("<!--");
+        let is_fence = line.starts_with("```");
+        is_code ^= is_fence;
+        let of_list = line.split_once(' ').is_some_and(|(mark, _)| {
+            ["-", "*", ">"].contains(&mark)
+                || mark.strip_suffix('.').is_some_and(|number| {
+                    !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
+                })
+        });
+        let no_prose = is_fence || is_code || is_comment || line.is_empty();
+        if no_prose || of_list || line.starts_with(['#', '|', '!']) {
+            paragraphs.push(String::new());
+        }
+        if !no_prose && !line.starts_with(['#', '|', '!']) {
+            let paragraph = paragraphs.last_mut().expect("a paragraph");
+            paragraph.push(' ');
+            paragraph.push_str(if of_list {
+                line.split_once(' ').map_or("", |(_, rest)| rest)
+            } else {
+                line
+            });
+        }
+        is_comment &= !line.contains("-->");
+    }
+    paragraphs
+}
+
+/// The words of each sentence; a colon and a semicolon end one too. A code span is one word, the target of a link none.
+fn sentences(paragraph: &str) -> Vec<Vec<&str>> {
+    let mut sentences = vec![Vec::new()];
+    let (mut in_code, mut in_target) = (false, false);
+    for word in paragraph.split_whitespace() {
+        let (began_in_code, began_in_target) = (in_code, in_target);
+        in_code ^= word.matches('`').count() % 2 == 1;
+        if let Some((_, target)) = word.rsplit_once("](") {
+            in_target = !target.contains(')');
+        } else {
+            in_target &= !word.contains(')');
+        }
+        if !began_in_code && !began_in_target {
+            sentences.last_mut().expect("a sentence").push(word);
+        }
+        let bare = word.trim_end_matches(['*', '_', ')', '"']);
+        if !in_code && bare.ends_with(['.', '!', '?', ':', ';']) {
+            sentences.push(Vec::new());
+        }
+    }
+    sentences
+}
+
+/// A sentence of more words is read twice.
+const MOST_WORDS: usize = 35;
+
+#[test]
+fn what_users_read_has_short_sentences() {
+    let root = root();
+    let mut pages = pages(&root.join("docs"));
+    pages.push(root.join("README.md"));
+    let (mut long, mut read) = (Vec::new(), 0);
+    for page in pages {
+        let text = fs::read_to_string(&page).expect("a page");
+        for paragraph in paragraphs(&text) {
+            for sentence in sentences(&paragraph) {
+                read += 1;
+                if sentence.len() > MOST_WORDS {
+                    let (page, words) = (page.display(), sentence.len());
+                    long.push(format!("{page}: {words} words: {}", sentence.join(" ")));
+                }
+            }
+        }
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
+    assert!(read > 1_000, "{read} sentences");
+}
+
+#[test]
+fn sentences_end_where_they_end() {
+    let words = |text: &str| -> Vec<usize> {
+        let sentences = sentences(text);
+        sentences
+            .iter()
+            .map(Vec::len)
+            .filter(|words| *words > 0)
+            .collect()
+    };
+    assert_eq!(words("One two. Three: four; five!"), [2, 1, 1, 1]);
+    assert_eq!(words("It says `a b: c`. Then more."), [3, 2]);
+    assert_eq!(
+        words("A `code span. of many` words and a [link](to a) end"),
+        [7]
+    );
+    assert_eq!(
+        paragraphs("# a\n- b c\n- d\n| e |\n```sh\nf\n```\ng\nh").concat(),
+        " b c d g h"
+    );
+}
+
+/// Words of the glossary stand in its order once, and each has its name in the code where it says so.
+#[test]
+fn the_glossary_has_one_line_for_each_word_and_its_names_exist() {
+    let root = root();
+    let text = fs::read_to_string(root.join("docs/glossary.md")).expect("the glossary");
+    let rows = text.lines().filter(|line| line.starts_with("| ")).skip(1);
+    let rows: Vec<Vec<&str>> = rows
+        .map(|row| row.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let words: BTreeSet<&str> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(words.len(), rows.len(), "a word stands twice");
+    assert!(rows.len() > 25, "{} words", rows.len());
+    let mut code = String::new();
+    let mut folders: Vec<PathBuf> = vec![root.join("crates")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() && !path.ends_with("target") {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                code += &fs::read_to_string(&path).unwrap_or_default();
+            }
+        }
+    }
+    for row in &rows {
+        for name in row.get(2).unwrap_or(&"").split('`').skip(1).step_by(2) {
+            let last = name.rsplit("::").next().unwrap_or(name);
+            assert!(code.contains(last), "{}: {name}", row[0]);
+        }
+    }
 }

@@ -11,14 +11,15 @@ Decide step by step, with an aircraft of your own:
 ('avoiding', 1)
 
 Frame: x east, y north, z up, metres; angles in radians, courses from +x towards +y (a left turn increases the
-course). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type) with the
-sentence of the program; a path that is not writable raises OSError.
+course). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type,
+FileNotFoundError for a file that is not there) with the sentence of the program; a path that is not writable raises OSError.
 
 The package keeps no threads or locks from one call to the next, so processes may fork. The values that an
 Avoider takes and its decisions can be pickled; an Avoider, Pilot, Monitor, Simulation or Run cannot.
 """
 
 import importlib
+from typing import TYPE_CHECKING
 
 from ._fga import (
     Avoider,
@@ -58,6 +59,9 @@ from ._fga import (
 )
 from ._progress import progress_bar
 from ._replay import replay
+
+if TYPE_CHECKING:
+    from .campaign import campaign
 
 __version__ = versions["version"]
 

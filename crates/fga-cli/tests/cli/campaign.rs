@@ -591,3 +591,39 @@ fn drawn_encounters_are_those_that_are_flown() {
         assert!((flown - again).abs() < 1e-4, "{flown} and {again}");
     }
 }
+
+/// Ctrl-C in the first block: the block is flown to its end and kept, and `--resume` goes on from there.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_in_the_first_block_keeps_that_block() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let made = crate::support::fga_in(at, &["init", "campaign", "small.toml"]);
+    assert!(made.status.success());
+    let command = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_fga"));
+        command
+            .current_dir(at)
+            .args(["campaign", "run", "small.toml"]);
+        command.args(["--encounters", "60000", "--threads", "1", "--out", "out"]);
+        command
+            .args(more)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        command
+    };
+    let running = command(&[]).spawn().unwrap();
+    // The folder has its manifest before the first encounter.
+    while !at.join("out/campaign.json").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let process = running.id().to_string();
+    let signal = Command::new("kill").args(["-INT", &process]).status();
+    assert!(signal.is_ok_and(|status| status.success()));
+    let ended = running.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.contains("ends the blocks that are begun"), "{said}");
+    assert!(!said.contains("stopped after 0 of"), "{said}");
+    assert!(!blocks(&at.join("out")).is_empty(), "{said}");
+}

@@ -35,6 +35,7 @@ fn a_run_is_written_in_every_format() {
         ("czml", "[{"),
         ("geojson", "{"),
         ("mcap", "\u{fffd}MCAP0\r\n"),
+        ("gif", "GIF89a"),
     ] {
         let output = fga(&["export", &run, "--format", format]);
         assert!(output.status.success(), "{output:?}");
@@ -112,7 +113,7 @@ fn wrong_usage_is_refused_in_one_sentence() {
     for (arguments, message) in [
         (
             vec!["export", empty, "--format", "kmz"],
-            "expected kml, czml, geojson or mcap",
+            "expected kml, czml, geojson, mcap or gif",
         ),
         (
             vec!["export", empty, "--format", "kml"],

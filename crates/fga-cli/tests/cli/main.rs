@@ -25,6 +25,7 @@ mod left_out;
 mod messages;
 mod missions;
 mod own_policy;
+mod pages;
 mod recomputed;
 mod reference;
 mod replay;

@@ -143,12 +143,6 @@ fn n5_what_cannot_be_flown_is_said_beforehand() {
     let scenario = |rest: &str| format!("name = 'a'\nduration_s = 300.0\n{rest}");
     for (name, text, expected) in [
         (
-            "swapped.toml",
-            "[origin]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\n[mission]\n\
-             waypoints_deg = [[47.4, 8.5, 100], [8.51, 47.41, 100]]\n",
-            "with latitude and longitude exchanged it would be",
-        ),
-        (
             "long.toml",
             "[mission]\nwaypoints_m = [[0,0,100],[40000,0,100]]\n",
             "its 40.0 km take 2667 s at 15 m/s, duration_s is 300",
@@ -185,6 +179,34 @@ fn n5_what_cannot_be_flown_is_said_beforehand() {
         let flown = fga_in(at, &["run", name]);
         assert!(errors(&flown).contains(expected), "{}", errors(&flown));
     }
+}
+
+#[test]
+fn exchanged_coordinates_are_refused_and_nothing_is_flown() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = "name = 'a'\nduration_s = 300.0\n[origin]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\n[mission]\n\
+                waypoints_deg = [[47.4, 8.5, 100], [8.51, 47.41, 100]]\n";
+    fs::write(at.join("swapped.toml"), text).unwrap();
+    for command in ["check", "run"] {
+        let said = said(at, &[command, "swapped.toml"], 1);
+        assert!(
+            said.contains("swapped.toml: waypoint 2 is")
+                && said.contains("with latitude and longitude exchanged it would be"),
+            "{said}"
+        );
+    }
+    assert!(!at.join("out").exists());
+    // In JSON the sentence is in the answer.
+    let answer = fga_in(at, &["check", "swapped.toml", "--json"]);
+    assert_eq!(answer.status.code(), Some(1));
+    let value: serde_json::Value = serde_json::from_slice(&answer.stdout).unwrap();
+    assert!(
+        value["error"]
+            .as_str()
+            .unwrap()
+            .contains("waypoint 2 is 4944 km")
+    );
 }
 
 #[test]

@@ -518,3 +518,34 @@ fn a_wrong_zone_is_one_sentence_with_its_line() {
         );
     }
 }
+
+/// Two scenarios of one name in two folders: the second one's results get a number, and each flown again keeps its folder.
+#[test]
+fn results_of_another_scenario_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for place in ["one", "two"] {
+        fs::create_dir(at.join(place)).unwrap();
+        let made = fga_in(at, &["init", "scenario", &format!("{place}/a.toml")]);
+        assert!(made.status.success(), "{}", errors(&made));
+    }
+    let fly = |input: &str| {
+        let flown = fga_in(at, &["run", input]);
+        assert!(flown.status.success(), "{}", errors(&flown));
+        let said = String::from_utf8_lossy(&flown.stdout).into_owned();
+        let last = said.lines().last().unwrap_or_default().to_owned();
+        (last, errors(&flown))
+    };
+    for _ in 0..2 {
+        assert_eq!(fly("one/a.toml").0, "results in out/a");
+        let (last, said) = fly("two/a.toml");
+        assert_eq!(last, "results in out/a-2");
+        assert!(
+            said.contains("out/a holds results of another input"),
+            "{said}"
+        );
+    }
+    // A folder that is named is the user's to overwrite.
+    let named = fga_in(at, &["run", "two/a.toml", "--out", "out/a"]);
+    assert!(named.status.success(), "{}", errors(&named));
+}

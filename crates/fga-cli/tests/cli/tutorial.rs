@@ -78,3 +78,28 @@ fn the_tutorial_of_the_valley_is_as_it_says() {
     let replay = fs::read_to_string(folder.path().join("out/valley/replay.html")).unwrap();
     assert!(replay.contains("village"));
 }
+
+/// What the first tutorial shows and says of its two obstacles is what the program prints.
+#[test]
+fn the_first_tutorial_shows_what_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = fs::read_to_string(repository().join("docs/tutorial-first-encounter.md")).unwrap();
+    for arguments in [["init", "scenario"], ["run", "scenario.toml"]] {
+        let ran = fga_in(folder.path(), &arguments);
+        assert!(ran.status.success(), "{}", errors(&ran));
+        if arguments[0] == "init" {
+            continue;
+        }
+        let printed = String::from_utf8_lossy(&ran.stdout).into_owned();
+        let shown = blocks(&page);
+        let shown = shown.iter().find(|block| block.text.starts_with("N1 "));
+        let lines: Vec<&str> = shown.unwrap().text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        for line in lines {
+            assert!(printed.contains(line), "{line}\nnot in\n{printed}");
+        }
+    }
+    // The last comparison of the page: without avoidance a volume is entered.
+    let none = fga_in(folder.path(), &["run", "scenario.toml", "--policy", "none"]);
+    assert_eq!(none.status.code(), Some(2));
+}

@@ -29,7 +29,7 @@ pub struct OverviewPoint {
 
 /// The closest approach to one obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closest {
+pub struct ClosestApproach {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// Distance to the obstacle's centre, metres.
@@ -51,7 +51,7 @@ pub struct OverviewObstacle {
     /// Outside the times of a longer track the obstacle is absent.
     pub track: Vec<OverviewPoint>,
     /// The closest approach over continuous time, if known; else the samples give it.
-    pub closest: Option<Closest>,
+    pub closest: Option<ClosestApproach>,
 }
 
 /// A kind of critical moment.
@@ -146,7 +146,7 @@ pub struct Overview {
 
 impl Overview {
     /// The aircraft's position at a time: linear between samples, constant beyond the ends.
-    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+    pub(crate) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if !time_s.is_finite() {
             return None;
         }
@@ -168,14 +168,14 @@ impl Overview {
     }
 
     /// Start and end of the run, seconds.
-    pub(super) fn times_s(&self) -> (f64, f64) {
+    pub(crate) fn times_s(&self) -> (f64, f64) {
         let start = self.samples.first().map_or(0.0, |s| s.time_s);
         let end = self.samples.last().map_or(1.0, |s| s.time_s);
         (start, end)
     }
 
     /// The finite samples.
-    pub(super) fn finite_samples(&self) -> impl Iterator<Item = &PathSample> {
+    pub(crate) fn finite_samples(&self) -> impl Iterator<Item = &PathSample> {
         self.samples
             .iter()
             .filter(|s| s.time_s.is_finite() && s.position_m.is_finite())
@@ -184,7 +184,7 @@ impl Overview {
 
 impl OverviewObstacle {
     /// Its position at a time; `None` while it is absent.
-    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+    pub(crate) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if let [only] = self.track.as_slice() {
             return Some(only.position_m);
         }
@@ -198,7 +198,7 @@ impl OverviewObstacle {
     }
 
     /// Whether it moves.
-    pub(super) fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         self.track
             .windows(2)
             .any(|pair| pair[0].position_m.distance(pair[1].position_m) > 1e-3)
@@ -227,7 +227,7 @@ impl CurvePoint {
 /// An obstacle with a name and a curve in the picture.
 pub(super) struct FollowedTrack<'a> {
     pub(super) obstacle: &'a OverviewObstacle,
-    pub(super) closest: Closest,
+    pub(super) closest: ClosestApproach,
     /// One point for each sample at which it exists.
     pub(super) curve: Vec<CurvePoint>,
 }
@@ -306,7 +306,7 @@ fn follow<'a>(
     let sampled = curve
         .iter()
         .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m))?;
-    let closest = obstacle.closest.unwrap_or(Closest {
+    let closest = obstacle.closest.unwrap_or(ClosestApproach {
         time_s: sampled.time_s,
         separation_m: sampled.separation_m,
         margin_m: sampled.margin_m,

@@ -182,6 +182,9 @@ fn draw_grid(view: &TopView, svg: &mut Svg) {
     );
 }
 
+/// Pieces of an edge among which one that is shown is looked for.
+const EDGE_PIECES: u32 = 200;
+
 /// A zone: its outline, and its area where the aircraft keeps out of it.
 fn draw_zone(view: &TopView, zone: &DrawnZone, svg: &mut Svg, labels: &mut Labels) {
     let places = zone
@@ -211,9 +214,17 @@ fn draw_zone(view: &TopView, zone: &DrawnZone, svg: &mut Svg, labels: &mut Label
         style.anchor(Anchor::Middle)
     };
     let (x, y) = if zone.keep_in {
-        // Beside the first corner that is shown.
+        // Beside the first corner that is shown, or the first piece of an edge.
         let shown = view.panel.grown(-20.0);
-        let Some((x, y)) = ring.iter().find(|at| shown.contains(**at)) else {
+        let edges = ring.windows(2).flat_map(|edge| {
+            (0..=EDGE_PIECES).map(|piece| {
+                let share = f64::from(piece) / f64::from(EDGE_PIECES);
+                let along = |from: f64, to: f64| from + share * (to - from);
+                (along(edge[0].0, edge[1].0), along(edge[0].1, edge[1].1))
+            })
+        });
+        let mut places = ring.iter().copied().chain(edges);
+        let Some((x, y)) = places.find(|at| shown.contains(*at)) else {
             return;
         };
         (x.min(view.panel.right() - width - 4.0) + 4.0, y + 12.0)
@@ -225,6 +236,8 @@ fn draw_zone(view: &TopView, zone: &DrawnZone, svg: &mut Svg, labels: &mut Label
         (x / count, y / count + 4.0)
     };
     svg.text((x, y), &name, style);
+    let left = if zone.keep_in { x } else { x - 0.5 * width };
+    labels.block(Rect::new(left, y - 10.0, width, 13.0));
 }
 
 /// An obstacle that is not followed: its volume, faint.

@@ -7,6 +7,9 @@ use crate::label::Labels;
 use crate::palette::INK;
 use crate::svg::{Point, Svg, TextStyle};
 
+/// Most lines whose bands are filled.
+const MOST_FILLED: usize = 2;
+
 /// A value of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePoint {
@@ -77,6 +80,16 @@ impl LineChart {
                     .collect::<Vec<Point>>()
             };
             let mut band = edge(|e| e.high);
+            if self.lines.len() > MOST_FILLED {
+                // Many bands over each other mix to brown: their edges stay apart.
+                let look = format!(
+                    "fill=\"none\" stroke=\"{}\" stroke-width=\"1\" stroke-dasharray=\"2 3\"",
+                    colour(series)
+                );
+                svg.polyline(&band, &look);
+                svg.polyline(&edge(|e| e.low), &look);
+                continue;
+            }
             band.extend(edge(|e| e.low).into_iter().rev());
             if band.len() > 2 {
                 let look = format!("fill=\"{}\" fill-opacity=\"0.16\"", colour(series));

@@ -5,7 +5,7 @@ use fga_report::plot::{
     Axis, BarChart, BarSeries, BoxChart, BoxSpread, Cdf, Claim, Histogram, LineChart, LinePoint,
     PlotLine, SampleSeries, SpreadRow,
 };
-use fga_report::report::{Cell, Column, Reading, Report, Section, SectionBlock, Table};
+use fga_report::report::{Cell, Column, Reading, ReportPage, Section, SectionBlock, Table};
 
 const POLICIES: [&str; 7] = [
     "oracle",
@@ -195,7 +195,7 @@ pub(crate) fn all() -> Vec<(&'static str, String)> {
     ]
 }
 
-pub(crate) fn report() -> Report {
+pub(crate) fn report() -> ReportPage {
     let charts = all();
     let figure = |name: &str| {
         SectionBlock::Figure {
@@ -207,7 +207,7 @@ pub(crate) fn report() -> Report {
         caption: "Shares of 300 encounters with 95 % Wilson intervals; the dashed bar is what the paper states.".into(),
     }
     };
-    Report {
+    ReportPage {
         title: "The paper's evaluation, run again".into(),
         summary: "Every table and figure of the paper: what it states, what the published algorithm gives and what is possible.".into(),
         facts: vec![

@@ -2,7 +2,7 @@
 
 use crate::cases;
 use crate::well_formed::assert_well_formed;
-use fga_report::overview::{Closest, Overview};
+use fga_report::overview::{ClosestApproach, Overview};
 
 #[test]
 fn every_case_is_well_formed_and_the_same_twice() {
@@ -31,7 +31,7 @@ fn a_lost_encounter_says_so() {
 #[test]
 fn the_given_closest_approach_is_believed_over_the_samples() {
     let mut overview = cases::encounter(55.0);
-    overview.obstacles[0].closest = Some(Closest {
+    overview.obstacles[0].closest = Some(ClosestApproach {
         time_s: 9.25,
         separation_m: 29.5,
         margin_m: -0.5,

@@ -6,7 +6,7 @@ use fga_report::interval::Estimate;
 use fga_report::plot::{
     Axis, BoxChart, Cdf, Histogram, LineChart, LinePoint, PlotLine, SampleSeries,
 };
-use fga_report::report::{Cell, Column, Report, Section, SectionBlock, Table};
+use fga_report::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
 
 #[test]
 fn every_chart_is_well_formed_and_the_same_twice() {
@@ -100,7 +100,7 @@ fn the_report_is_one_file_without_network_or_script() {
 
 #[test]
 fn tables_show_shares_in_per_cent_with_their_interval() {
-    let mut report = Report::new("<i>");
+    let mut report = ReportPage::new("<i>");
     report.sections.push(Section {
         title: "one".into(),
         blocks: vec![SectionBlock::Table(Table {

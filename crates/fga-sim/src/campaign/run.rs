@@ -31,6 +31,8 @@ pub struct CampaignTask<'a> {
     pub resume: bool,
     /// Whether a sample is flown first, which shows the expected duration.
     pub is_expected: bool,
+    /// Whether a stop flies the blocks that are begun to their end.
+    pub ends_begun: bool,
 }
 
 /// The progress of the work.
@@ -91,8 +93,8 @@ const TAKEN: u64 = 4;
 
 /// Flies every missing block, on the threads of the current pool.
 ///
-/// Calls `go_on` now and then; once it returns false, running blocks are dropped and the finished ones
-/// stay. `show` gets the expected duration before the first block, and every finished block. Returns the durations of
+/// Calls `go_on` now and then; once it returns false, finished blocks stay, and running ones are dropped, or flown to their
+/// end with [`CampaignTask::ends_begun`]; the first missing block counts as begun. `show` gets the expected duration before the first block, and every finished block. Returns the durations of
 /// the decisions of each policy, for the encounters of this run.
 ///
 /// # Errors
@@ -143,6 +145,7 @@ pub fn run(
         blocks,
         sample,
         next: AtomicU64::new(0),
+        end: AtomicU64::new(u64::MAX),
         begun,
         state: Mutex::new(WorkState {
             running: BTreeMap::new(),
@@ -176,6 +179,8 @@ struct RunWork<'a> {
     sample: FlownSample,
     /// The next encounters to take, counted over these blocks in portions of [`TAKEN`].
     next: AtomicU64,
+    /// The first of these blocks that is not begun any more after a stop.
+    end: AtomicU64,
     begun: Instant,
     state: Mutex<WorkState<'a>>,
 }
@@ -197,12 +202,19 @@ impl<'a> RunWork<'a> {
     }
 
     /// The next encounters to fly and their block.
-    fn take(&self) -> Option<(u64, core::ops::Range<u64>)> {
+    fn take(&self, go_on: &impl Fn() -> bool) -> Option<(u64, core::ops::Range<u64>)> {
         let configuration = &self.task.campaign.configuration;
         let portions = configuration.block.div_ceil(TAKEN);
         loop {
             let taken = self.next.fetch_add(1, Ordering::Relaxed);
-            let index = usize::try_from(taken / portions).ok()?;
+            let index = taken / portions;
+            if taken.is_multiple_of(portions) && index > 0 && !go_on() {
+                self.end.fetch_min(index, Ordering::Relaxed);
+            }
+            if index >= self.end.load(Ordering::Relaxed) {
+                return None;
+            }
+            let index = usize::try_from(index).ok()?;
             let block = *self.blocks.get(index)?;
             let range = configuration.range_of(block);
             let first = range.start + taken % portions * TAKEN;
@@ -224,10 +236,10 @@ impl<'a> RunWork<'a> {
 
     fn try_to_go_through(&self, go_on: &impl Fn() -> bool) -> Result<(), CampaignError> {
         let mut flyer = CampaignFlyer::new(self.task.campaign)?;
-        while let Some((block, numbers)) = self.take() {
+        while let Some((block, numbers)) = self.take(go_on) {
             let mut flown = Vec::with_capacity(numbers.clone().count());
             for number in numbers {
-                if !go_on() {
+                if !self.task.ends_begun && !go_on() {
                     return Ok(());
                 }
                 let mut rows = self.sample.get(&number).cloned().unwrap_or_default();

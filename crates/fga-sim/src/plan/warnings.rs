@@ -49,7 +49,7 @@ impl Plan {
     pub fn warnings(&self) -> Vec<String> {
         let world = &self.world;
         let mut warnings = Vec::new();
-        warnings.extend(self.exchanged());
+        warnings.extend(self.refusal());
         warnings.extend(self.notes.iter().cloned());
         // A recorded aircraft flew what it flew.
         if world.recorded.is_none() {
@@ -66,8 +66,8 @@ impl Plan {
         warnings
     }
 
-    /// A place whose latitude and longitude seem to be exchanged.
-    fn exchanged(&self) -> Option<String> {
+    /// Why the flight is not flown though each key is right: a place whose latitude and longitude seem to be exchanged.
+    pub fn refusal(&self) -> Option<String> {
         let frame = self.frame.as_ref()?;
         let places = self.world.mission_m.iter().zip(1..);
         let waypoints = places.map(|(at_m, number)| (format!("waypoint {number}"), *at_m));
@@ -269,6 +269,16 @@ impl Plan {
 
     /// The obstacle that is seen too late by the largest distance.
     fn unseen(&self) -> Option<String> {
+        self.farthest()?.1
+    }
+
+    /// The distance at which the aircraft must see the obstacle that it must see first, metres; `None` without obstacles.
+    pub fn must_see_m(&self) -> Option<f64> {
+        Some(self.farthest()?.0)
+    }
+
+    /// The largest distance at which an obstacle must be seen, metres, and a warning if it is not.
+    fn farthest(&self) -> Option<(f64, Option<String>)> {
         let world = &self.world;
         let own_mps = world.vehicle.airspeed_mps + world.wind_mps.length();
         let sight = Sight::of(&world.vehicle, &world.settings.avoider, &world.sensor);
@@ -276,19 +286,27 @@ impl Plan {
             let closing_mps = own_mps + each.track.speed_bound_mps().unwrap_or(0.0);
             sight.of_volume(each.volume, closing_mps, name)
         });
-        let (_, worst) = warnings.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        worst
+        warnings.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
 impl VehicleModel {
     /// Warnings about the aircraft among crewed traffic.
     pub fn warnings(&self) -> Vec<String> {
+        self.among_crewed().1.into_iter().collect()
+    }
+
+    /// The distance at which the aircraft must see crewed traffic that comes head-on, metres.
+    pub fn must_see_m(&self) -> f64 {
+        self.among_crewed().0
+    }
+
+    /// The distance at which crewed traffic must be seen, metres, and a warning if it is not.
+    fn among_crewed(&self) -> (f64, Option<String>) {
         let closing_mps = self.vehicle.airspeed_mps + CREWED_MPS;
         let whom = format!("crewed traffic at {CREWED_MPS} m/s");
         let sight = Sight::of(&self.vehicle, &self.settings.avoider, &self.sensor);
-        let (_, warning) = sight.of_volume(self.protection, closing_mps, &whom);
-        warning.into_iter().collect()
+        sight.of_volume(self.protection, closing_mps, &whom)
     }
 }
 
