@@ -284,14 +284,12 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Whether a text is one of areas, by its beginning.
 pub fn is_areas(text: &str) -> bool {
     let begin = text.trim_start_matches('\u{feff}').trim_start();
-    let words = [
-        "\"FeatureCollection\"",
-        "\"Feature\"",
-        "\"horizontalProjection\"",
-    ];
+    let zones = "\"horizontalProjection\"";
+    let words = ["\"FeatureCollection\"", "\"Feature\"", zones];
     let roots = ["<kml", ":kml", "AIXMBasicMessage"];
     let has = |all: &[&str]| all.iter().any(|word| begin.contains(word));
     (begin.starts_with('{') && has(&words))
+        || (begin.starts_with('[') && has(&[zones]))
         || (begin.starts_with('<') && has(&roots))
         || openair::is_openair(begin)
         || fences::fence_points(begin).is_some()
@@ -333,7 +331,7 @@ pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
     } else if missions::is_mission(text) {
         areas.take_fences(text)?;
     } else if text.contains("\"horizontalProjection\"") {
-        areas.take_ed269(areas.json(text, "ED-269")?)?;
+        areas.take_ed269(text)?;
     } else {
         areas.take_geojson(areas.json(text, "GeoJSON, no ED-269 and no KML")?)?;
     }
@@ -460,7 +458,17 @@ impl Areas<'_> {
     }
 
     fn push(&mut self, outline: AreaOutline) {
-        let like = self.like.clone();
+        let mut like = self.like.clone();
+        // Authorities write 0 to 0 for a zone of all heights.
+        if let [Some(floor), Some(ceiling)] = like.limits
+            && floor == ceiling
+        {
+            let height_m = floor.height_m;
+            self.note(&format!(
+                "has its floor and its ceiling at {height_m} m: the ceiling counts as unknown"
+            ));
+            like.limits[1] = None;
+        }
         self.all.push(NamedArea { outline, ..like });
     }
 
