@@ -15,7 +15,7 @@ const MOST_M: f64 = 2e6;
 
 /// A place of the way.
 #[derive(Debug, Clone, Copy)]
-struct Point {
+struct WayPlace {
     at_m: Vec3,
     /// The waypoint of the file, if it is one.
     passing: Option<Passing>,
@@ -70,8 +70,8 @@ impl MissionFile {
     }
 
     /// The way with a place at each line of posts, metres above the frame's origin.
-    fn points(&self, terrain: &Terrain, frame: &LocalFrame) -> Result<Vec<Point>, String> {
-        let mut points: Vec<Point> = Vec::new();
+    fn points(&self, terrain: &Terrain, frame: &LocalFrame) -> Result<Vec<WayPlace>, String> {
+        let mut points: Vec<WayPlace> = Vec::new();
         let mut followed_m = 0.0;
         for (waypoint, number) in self.waypoints.iter().zip(1..) {
             let place = waypoint.place;
@@ -107,7 +107,7 @@ impl MissionFile {
                     let z = ground_m + height_m - frame.origin().altitude_m;
                     if 0.0 < share && share < 1.0 {
                         let at_m = from.at_m.lerp(at_m, share).with_z(z);
-                        points.push(Point {
+                        points.push(WayPlace {
                             at_m,
                             passing: None,
                             above_ground: true,
@@ -115,7 +115,7 @@ impl MissionFile {
                     }
                 }
             }
-            points.push(Point {
+            points.push(WayPlace {
                 at_m,
                 passing: Some(waypoint.passing),
                 above_ground: waypoint.above_ground,
@@ -126,9 +126,9 @@ impl MissionFile {
 }
 
 /// The way raised so that no part above the ground is steeper than this.
-fn flyable(asked: &[Point], steepest: f64) -> Vec<Point> {
+fn flyable(asked: &[WayPlace], steepest: f64) -> Vec<WayPlace> {
     let mut flown = asked.to_vec();
-    let raise = |point: &mut Point, from: &mut Option<Vec3>| {
+    let raise = |point: &mut WayPlace, from: &mut Option<Vec3>| {
         if let (Some(from), true) = (*from, point.above_ground) {
             let way_m = from.truncate().distance(point.at_m.truncate());
             point.at_m.z = point.at_m.z.max(from.z - steepest * way_m);
@@ -147,14 +147,14 @@ fn flyable(asked: &[Point], steepest: f64) -> Vec<Point> {
 }
 
 /// The waypoints, and of the places between those that it takes.
-fn thinned(points: &[Point]) -> impl Iterator<Item = Point> {
+fn thinned(points: &[WayPlace]) -> impl Iterator<Item = WayPlace> {
     let mut kept = Vec::new();
-    let mut from: Option<Point> = None;
+    let mut from: Option<WayPlace> = None;
     // Slopes from there that pass all places since within reach.
     let mut slopes = (f64::NEG_INFINITY, f64::INFINITY);
-    let mut before: Option<Point> = None;
+    let mut before: Option<WayPlace> = None;
     for point in points {
-        let slope_to = |from: &Point, off_m: f64| {
+        let slope_to = |from: &WayPlace, off_m: f64| {
             let way_m = from.at_m.truncate().distance(point.at_m.truncate());
             (point.at_m.z + off_m - from.at_m.z) / way_m.max(1e-3)
         };
