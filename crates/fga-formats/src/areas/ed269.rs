@@ -3,7 +3,8 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Areas, EdgeLine, NamedArea};
+use super::area::{EdgeLine, NamedArea};
+use super::taken::Areas;
 use crate::error::InputError;
 
 /// A file.

@@ -8,7 +8,7 @@ use geo::{
     MultiPolygon, Point, Polygon, Rect, Simplify,
 };
 
-use super::{AreaOutline, EdgeLine, NamedArea};
+use super::area::{AreaOutline, EdgeLine, NamedArea};
 use crate::geodesy::{Geodetic, LocalFrame};
 use crate::zones::{MAX_CORNERS, with_holes};
 

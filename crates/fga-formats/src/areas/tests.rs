@@ -1,6 +1,8 @@
 //! Files of each kind, and every refusal.
 
 use super::*;
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::units::FOOT_M;
 
 const RING: &str = "[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]";
 
