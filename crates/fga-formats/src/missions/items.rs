@@ -416,14 +416,24 @@ impl<'a> ItemReader<'a> {
                 self.file.rally.push(place);
                 Ok(())
             }
-            // Where ArduPlane returns to after it has left a fence, or above ground that is not known here.
-            other => {
-                let name = if other == 5100 {
-                    "rally point above the terrain"
-                } else {
-                    "fence return point"
+            // A circle around home, wherever that is.
+            5005 if let Some(home) = self.file.home => {
+                let outline = FenceOutline::Circle {
+                    center_deg: [home.latitude_deg, home.longitude_deg],
+                    radius_m: item.first_parameter.unwrap_or(0.0),
                 };
-                *self.left_out.entry(name.into()).or_default() += 1;
+                let keep_in = true;
+                self.add_fence(item, MissionFence { outline, keep_in })
+            }
+            // Where ArduPlane returns to after it has left a fence, or what needs ground or a home that is not known here.
+            other => {
+                let name = match other {
+                    5000 => "fence return point".into(),
+                    5005 => "fence around a home that the file does not give".into(),
+                    5100 => "rally point above the terrain".into(),
+                    other => format!("command {other}"),
+                };
+                *self.left_out.entry(name).or_default() += 1;
                 Ok(())
             }
         }

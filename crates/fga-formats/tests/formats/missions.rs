@@ -14,7 +14,7 @@ use core::fmt::Write as _;
 
 use fga::situation::Passing;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_formats::missions::{FenceOutline, MissionFile, Waypoint, is_mission, parse};
+use fga_formats::missions::{FenceOutline, MissionFence, MissionFile, Waypoint, is_mission, parse};
 use fga_formats::terrain::{self, Given, Terrain};
 use proptest::prelude::*;
 use std::path::Path;
@@ -230,6 +230,28 @@ fn n8_fences_and_rally_points_of_mission_planner_are_read() {
         file.notes[0].ends_with("rally point above the terrain 1"),
         "{:?}",
         file.notes
+    );
+    // A circle around home, where the file has one; a file of fences alone says what it does not read.
+    let around = text.replace("4\t0\t3\t5004\t80", "4\t0\t3\t5005\t80");
+    let file = parse(&around, Path::new("fence.waypoints")).unwrap();
+    let center_deg = [45.0, 5.0];
+    let outline = FenceOutline::Circle {
+        center_deg,
+        radius_m: 80.0,
+    };
+    assert_eq!(
+        file.fences[1],
+        MissionFence {
+            outline,
+            keep_in: true
+        }
+    );
+    let alone = "QGC WPL 110\n0 0 0 5005 50 0 0 0 0 0 0 0\n";
+    let file = parse(alone, Path::new("fence.waypoints")).unwrap();
+    let told = "1 item without a leg not flown: fence around a home that the file does not give 1";
+    assert_eq!(
+        (file.fences.len(), &file.notes[..]),
+        (0, &[told.to_owned()][..])
     );
     let unfinished = text.replace("3\t0\t3\t5001", "3\t0\t3\t5003");
     let error = parse(&unfinished, Path::new("f.waypoints")).unwrap_err();
