@@ -134,20 +134,7 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
         return folder(path);
     }
     if missions::is_mission_file(path) {
-        let mut mission = missions::read(path)?;
-        if mission.waypoints.is_empty() {
-            let holds = format!("holds {}, expected a mission", mission.holds());
-            if mission.fences.is_empty() && mission.rally.is_empty() {
-                return Err(InputError::in_file(path, holds).into());
-            }
-            if !mission.fences.is_empty() {
-                areas_in(path)?;
-            }
-            mission.notes.push(format!("not for fga run: {holds}"));
-        } else {
-            mission.notes.extend(Plan::read(path, None)?.warnings());
-        }
-        return Ok(Usable::new("mission", mission.holds()).with(mission.notes));
+        return mission(path);
     }
     match ending_of(path).as_str() {
         "toml" => {
@@ -225,6 +212,33 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
 
 /// The first section of an encounter model.
 const MODEL: &str = "# labels_initial";
+
+/// A mission, and what of it is not flown.
+fn mission(path: &Path) -> Result<Usable, Failure> {
+    let mut mission = missions::read(path)?;
+    if mission.waypoints.is_empty() {
+        let holds = format!("holds {}, expected a mission", mission.holds());
+        let is_empty = mission.fences.is_empty() && mission.rally.is_empty();
+        if is_empty && mission.notes.is_empty() {
+            return Err(InputError::in_file(path, holds).into());
+        }
+        if !mission.fences.is_empty() {
+            areas_in(path)?;
+        }
+        mission.notes.push(format!("not for fga run: {holds}"));
+    } else if mission.above_ground() > 0 {
+        let above = counted(mission.above_ground(), "waypoint");
+        mission.notes.push(format!(
+            "{above} above the ground: fga run --terrain flies them over files of its heights"
+        ));
+        if !mission.fences.is_empty() {
+            areas_in(path)?;
+        }
+    } else {
+        mission.notes.extend(Plan::read(path, None)?.warnings());
+    }
+    Ok(Usable::new("mission", mission.holds()).with(mission.notes))
+}
 
 /// Whether a file is one of areas.
 fn holds_areas(path: &Path) -> bool {

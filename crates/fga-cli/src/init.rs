@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use fga_files::from_mission::scenario_text;
+use fga_files::from_mission::{over, scenario_text};
 use fga_formats::{OutputError, missions};
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
@@ -26,6 +26,9 @@ pub(crate) struct InitArgs {
     /// The mission that a scenario flies: a plan of QGroundControl (.plan) or a list of Mission Planner (.waypoints).
     #[arg(long, value_name = "MISSION")]
     from: Option<PathBuf>,
+    /// Files of heights under the mission, which waypoints above the ground are above; again for each file.
+    #[arg(long, value_name = "FILE", requires = "from")]
+    terrain: Vec<PathBuf>,
     #[command(flatten)]
     answer: AnswerArgs,
 }
@@ -41,12 +44,12 @@ fn text_of(args: &InitArgs) -> Result<(String, Vec<String>), Failure> {
             from.display()
         )));
     }
+    let vehicle = VehicleModel::built_in()?.vehicle;
     let mission = missions::read(from)?;
-    let airspeed_mps = match mission.cruise_mps {
-        Some(cruise_mps) => cruise_mps,
-        None => VehicleModel::built_in()?.vehicle.airspeed_mps,
-    };
-    Ok((scenario_text(&mission, from, airspeed_mps)?, mission.notes))
+    let mission = over(mission, from, &args.terrain, &vehicle)?;
+    let airspeed_mps = mission.cruise_mps.unwrap_or(vehicle.airspeed_mps);
+    let text = scenario_text(&mission, from, airspeed_mps, &args.terrain)?;
+    Ok((text, mission.notes))
 }
 
 /// Writes the file; never overwrites one.

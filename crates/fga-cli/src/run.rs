@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga::situation::ProtectedVolume;
+use fga_files::from_mission::over;
 use fga_formats::number::fixed;
 use fga_formats::words::counted;
 use fga_formats::{InputError, conf, missions};
@@ -33,6 +34,9 @@ pub(crate) struct RunArgs {
     /// The aircraft of a recording that is the ownship; without it the file's first one.
     #[arg(long, value_name = "NAME")]
     ownship: Option<String>,
+    /// Files of heights under a mission, which waypoints above the ground are above; again for each file.
+    #[arg(long, value_name = "FILE")]
+    terrain: Vec<PathBuf>,
     #[command(flatten)]
     policy: PolicyArgs,
     #[command(flatten)]
@@ -67,7 +71,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let policy = args.policy.choice()?;
     let overlay = args.overlay.choices(&policy)?;
     let guidance = args.config.as_deref().map(conf::read).transpose()?;
-    let (plan, read) = Plan::read_once(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
+    let (ownship, terrain) = (args.ownship.as_deref(), args.terrain.as_slice());
+    let (plan, read) = Plan::read_once(&args.file, args.vehicle.given()?, ownship, terrain)?;
     let input_hash = fingerprint(&read);
     if let Some(refusal) = plan.refusal() {
         return Err(InputError::in_file(&args.file, refusal).into());
@@ -127,7 +132,9 @@ fn say_beforehand(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
         eprintln!("a {kind} names no vehicle: {name} flies it; --vehicle names another");
     }
     if is_mission {
-        for note in missions::read(&args.file)?.notes {
+        let mission = missions::read(&args.file)?;
+        let mission = over(mission, &args.file, &args.terrain, &plan.model.vehicle)?;
+        for note in mission.notes {
             eprintln!("fga: {shown}: {note}");
         }
     }

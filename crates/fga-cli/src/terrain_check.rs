@@ -84,9 +84,10 @@ struct Check<'a> {
 }
 
 /// The places of a mission in a local frame.
-fn read_mission(path: &Path) -> Result<(LocalFrame, Vec<Vec3>), InputError> {
+fn read_mission(terrain: &Terrain, path: &Path) -> Result<(LocalFrame, Vec<Vec3>), InputError> {
     if missions::is_mission_file(path) {
-        let mission = missions::read(path)?;
+        let mission = missions::read(path)?.over(terrain, f64::INFINITY);
+        let mission = mission.map_err(|message| InputError::in_file(path, message))?;
         let Some(first) = mission.waypoints.first() else {
             let message = format!("holds {}, expected a mission", mission.holds());
             return Err(InputError::in_file(path, message));
@@ -117,7 +118,7 @@ impl<'a> Check<'a> {
             let path = terrain.files().first().map_or(mission, |file| &file.path);
             return Err(InputError::in_file(path, message));
         }
-        let (frame, waypoints_m) = read_mission(mission)?;
+        let (frame, waypoints_m) = read_mission(terrain, mission)?;
         let legs = waypoints_m
             .windows(2)
             .filter_map(|leg| match leg {

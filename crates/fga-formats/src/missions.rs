@@ -8,11 +8,12 @@
 //! What an aircraft in the simulator flies is a list of places, so that the items of a mission become one: a take-off
 //! begins it, a landing or an item that circles for ever ends it, a return leads over home, circles are flown past,
 //! and an item without a place (`DO_*`) is left out. Whatever is left out is counted in [`MissionFile::notes`].
-//! Waypoints above the ground (frames 10 and 11) are refused: a vehicle follows the ground from one to the next. Fences have no
+//! Waypoints above the ground (frames 10 and 11) are flown over ground that is known: [`MissionFile::over`]. Fences have no
 //! heights, whatever their frame.
 
 mod items;
 mod mission_file;
+mod over;
 mod plan;
 mod waypoints;
 

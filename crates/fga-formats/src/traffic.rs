@@ -3,13 +3,15 @@
 //! | module | wire |
 //! |---|---|
 //! | [`sbs`] | BaseStation lines, usually TCP port 30003 |
+//! | [`gdl90`] | GDL 90 messages, usually UDP port 4000 |
 //! | `beast` (with the feature of this name) | Beast binary frames, usually TCP port 30005 |
 //!
-//! Both give [`TrafficReport`]s: the content of one message, in SI units. Memory stays bounded
+//! All give [`TrafficReport`]s: the content of one message, in SI units. Memory stays bounded
 //! whatever the network sends; what cannot be used is counted by reason ([`Tally`](crate::tally::Tally)).
 
 #[cfg(feature = "beast")]
 pub mod beast;
+pub mod gdl90;
 mod generations;
 pub mod sbs;
 #[cfg(feature = "beast")]
@@ -77,6 +79,26 @@ impl TrafficReport {
         let speed_mps = self.ground_speed_mps?;
         Some([speed_mps * cos, speed_mps * sin])
     }
+}
+
+/// The estimated position uncertainty of a navigation accuracy category, metres (DO-260B, table
+/// 2-71).
+const fn position_error_m(category: u8) -> Option<f64> {
+    Some(match category {
+        0 => f64::INFINITY,
+        1 => 18_520.0,
+        2 => 7_408.0,
+        3 => 3_704.0,
+        4 => 1_852.0,
+        5 => 926.0,
+        6 => 555.6,
+        7 => 185.2,
+        8 => 92.6,
+        9 => 30.0,
+        10 => 10.0,
+        11 => 3.0,
+        _ => return None,
+    })
 }
 
 /// An altitude and its datum.

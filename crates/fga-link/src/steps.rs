@@ -15,7 +15,7 @@ use crate::traffic::{AltitudeReference, PlaceReport, ReportSender, ReportSource}
 
 /// Bytes that one message holds.
 const MOST_BYTES: usize = 253;
-const SOURCES: [ReportSource; 2] = [ReportSource::Sbs, ReportSource::Beast];
+const SOURCES: [ReportSource; 3] = [ReportSource::Sbs, ReportSource::Beast, ReportSource::Gdl90];
 const ALTITUDES: [AltitudeReference; 5] = [
     AltitudeReference::MeanSeaLevel,
     AltitudeReference::Ellipsoid,

@@ -48,7 +48,7 @@ fn read_plan(
     vehicle: Option<&Bound<'_, PyAny>>,
     ownship: Option<&str>,
 ) -> PyResult<(Plan, Vec<u8>)> {
-    Plan::read_once(path, model_of(vehicle)?, ownship).map_err(input)
+    Plan::read_once(path, model_of(vehicle)?, ownship, &[]).map_err(input)
 }
 
 /// A scenario (.toml) or recording (.daa) that waits for each decision.

@@ -7,12 +7,12 @@ pub use crate::plan::Plan;
 pub use conflict::RunConflict;
 pub use decision::DecisionLog;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fga::avoider::{Decision, SettingsError, State};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_files::TomlText;
-use fga_files::from_mission::scenario_text;
+use fga_files::from_mission::{over, scenario_text};
 use fga_formats::error::{read_bytes, text_of};
 use fga_formats::{InputError, gzip, missions};
 
@@ -33,23 +33,30 @@ impl Plan {
     /// # Errors
     /// A file of no such kind, or an unusable one.
     pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
-        Ok(Self::read_once(path, vehicle, None)?.0)
+        Ok(Self::read_once(path, vehicle, None, &[])?.0)
     }
 
-    /// The same, with the name of a recording's ownship (without it the first aircraft), and the bytes that were read.
+    /// The same, with the name of a recording's ownship (without it the first aircraft), the files of heights under a mission, and the bytes
+    /// that were read.
     ///
     /// # Errors
-    /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for another file.
+    /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship or heights for another file.
     pub fn read_once(
         path: &Path,
         vehicle: Option<VehicleModel>,
         ownship: Option<&str>,
+        terrain: &[PathBuf],
     ) -> Result<(Self, Vec<u8>), InputError> {
         let refused = |reason| Err(InputError::in_file(path, reason));
         let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         let ending = ending.as_ref().and_then(|ending| ending.to_str());
         if ownship.is_some() && ending.is_some_and(|ending| ending != "daa") {
             return refused("is no recording, expected a .daa recording with --ownship");
+        }
+        if !terrain.is_empty() && matches!(ending, Some("toml" | "daa")) {
+            return refused(
+                "is no mission, expected a mission with --terrain; [terrain] is the ground of a scenario",
+            );
         }
         if !matches!(ending, Some("toml" | "daa")) {
             if path.is_dir() {
@@ -74,7 +81,8 @@ impl Plan {
             _ => {
                 let model = vehicle.map_or_else(VehicleModel::built_in, Ok)?;
                 let mission = missions::parse(&text, path)?;
-                let text = scenario_text(&mission, path, model.vehicle.airspeed_mps)?;
+                let mission = over(mission, path, terrain, &model.vehicle)?;
+                let text = scenario_text(&mission, path, model.vehicle.airspeed_mps, terrain)?;
                 let plan = scenario::parse(TomlText::new(path, &text), Some(model));
                 // Lines of the text that was made are no lines of the file.
                 plan.map_err(|error| InputError {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{data, errors, fga_in};
+use crate::support::{data, errors, fga_in, repository};
 
 /// Home, and two waypoints 1,112 m apart.
 const LIST: &str = "QGC WPL 110
@@ -69,6 +69,98 @@ fn n8_a_mission_is_checked_flown_and_made_a_scenario() {
         said(at, &["check", "fence.waypoints"], 0).contains("0 waypoints, 1 fence, 0 rally points")
     );
     assert!(said(at, &["run", "fence.waypoints"], 1).contains("expected a mission"));
+}
+
+/// Home in the valley of `scenarios/ridge.tif`, and two waypoints above the ground.
+const ABOVE_GROUND: &str = "QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t47.3\t10.5\t800\t1
+1\t0\t10\t16\t0\t0\t0\t0\t47.3\t10.51\t120\t1
+2\t0\t10\t16\t0\t0\t0\t0\t47.302\t10.53\t150\t1
+";
+
+#[test]
+fn a_mission_above_the_ground_is_flown_over_the_heights_that_are_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::copy(
+        repository().join("scenarios/ridge.tif"),
+        at.join("ridge.tif"),
+    )
+    .unwrap();
+    fs::write(at.join("low.waypoints"), ABOVE_GROUND).unwrap();
+    let checked = said(at, &["check", "low.waypoints"], 0);
+    assert!(
+        checked.contains("3 waypoints above the ground: fga run --terrain"),
+        "{checked}"
+    );
+    let refused = said(at, &["run", "low.waypoints"], 1);
+    assert!(
+        refused.contains("has 3 waypoints above the ground, expected --terrain"),
+        "{refused}"
+    );
+    let run = [
+        "run",
+        "low.waypoints",
+        "--terrain",
+        "ridge.tif",
+        "--out",
+        "flown",
+    ];
+    let flown = said(at, &run, 0);
+    assert!(flown.contains("mission flown to its end"), "{flown}");
+    assert!(
+        flown.contains("3 waypoints above the ground, with "),
+        "{flown}"
+    );
+    let least_m = flown.split_once("ground: least height ").unwrap().1;
+    let least_m: f64 = least_m.split_once(" m at").unwrap().0.parse().unwrap();
+    assert!((110.0..=125.0).contains(&least_m), "{flown}");
+    // The scenario that is made of it flies the same.
+    let made = [
+        "init",
+        "scenario",
+        "made.toml",
+        "--from",
+        "low.waypoints",
+        "--terrain",
+        "ridge.tif",
+    ];
+    said(at, &made, 0);
+    let again = said(at, &["run", "made.toml"], 0);
+    assert!(
+        again.contains(&format!("least height {least_m} m")),
+        "{again}"
+    );
+    let clear = [
+        "terrain",
+        "check",
+        "ridge.tif",
+        "--mission",
+        "low.waypoints",
+        "--clearance",
+        "90",
+    ];
+    assert!(said(at, &clear, 0).contains("clear"), "no answer");
+    // Heights are for missions.
+    let refused = said(at, &["run", "made.toml", "--terrain", "ridge.tif"], 1);
+    assert!(refused.contains("is no mission"), "{refused}");
+}
+
+/// A mission whose items have no places of their own, as those of a take-off on the spot, and an empty one.
+#[test]
+fn a_mission_without_places_is_read_and_an_empty_one_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let list = "QGC WPL 110\n0 1 0 16 0 0 0 0 0 0 0 1\n1 0 3 22 0 0 0 0 0 0 40 1\n";
+    fs::write(at.join("up.waypoints"), list).unwrap();
+    let checked = said(at, &["check", "up.waypoints"], 0);
+    assert!(checked.contains("the take-off is not flown"), "{checked}");
+    assert!(
+        checked.contains("not for fga run: holds 0 waypoints"),
+        "{checked}"
+    );
+    fs::write(at.join("empty.waypoints"), "QGC WPL 110\n").unwrap();
+    assert!(said(at, &["check", "empty.waypoints"], 1).contains("holds 0 waypoints"));
 }
 
 #[test]

@@ -4,8 +4,9 @@ use roxmltree::{Document, Node};
 use serde_json::Value;
 
 use super::arcs::CircleArc;
+use super::area::{EdgeLine, NamedArea};
 use super::limits::SaidLimit;
-use super::{Areas, EdgeLine, NamedArea};
+use super::taken::Areas;
 use crate::error::{InputError, shown};
 use crate::units::{Dimension, Unit};
 

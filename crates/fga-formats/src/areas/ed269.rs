@@ -3,13 +3,14 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Areas, EdgeLine, NamedArea};
+use super::area::{EdgeLine, NamedArea};
+use super::taken::Areas;
 use crate::error::InputError;
 
 /// A file.
 #[derive(Debug, Deserialize)]
 #[serde(expecting = "an object with features")]
-pub(super) struct Ed269File {
+struct Ed269File {
     #[serde(alias = "UASZoneList")]
     features: Vec<Ed269Zone>,
 }
@@ -46,8 +47,14 @@ enum Projection {
 }
 
 impl Areas<'_> {
-    pub(super) fn take_ed269(&mut self, file: Ed269File) -> Result<(), InputError> {
-        for zone in file.features {
+    /// Zones of a file, which some authorities write as a list alone.
+    pub(super) fn take_ed269(&mut self, text: &str) -> Result<(), InputError> {
+        let zones = if text.trim_start().starts_with('[') {
+            self.json::<Vec<Ed269Zone>>(text, "ED-269")?
+        } else {
+            self.json::<Ed269File>(text, "ED-269")?.features
+        };
+        for zone in zones {
             let names = [zone.name, zone.identifier].into_iter();
             self.like = NamedArea {
                 name: names.flatten().find_map(|name| Self::name(&name)),

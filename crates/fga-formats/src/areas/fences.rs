@@ -1,6 +1,7 @@
 //! The fences of a mission.
 
-use super::{AreaOutline, Areas};
+use super::area::AreaOutline;
+use super::taken::Areas;
 use crate::error::InputError;
 use crate::missions::{self, FenceOutline};
 

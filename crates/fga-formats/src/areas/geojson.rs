@@ -3,8 +3,9 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use super::area::NamedArea;
 use super::ed269::is_timed;
-use super::{Areas, NamedArea};
+use super::taken::Areas;
 use crate::error::InputError;
 
 /// Names of the coordinate system of GeoJSON.

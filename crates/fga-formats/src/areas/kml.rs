@@ -4,7 +4,8 @@ use roxmltree::{Document, Node};
 
 use serde_json::Value;
 
-use super::{Areas, EdgeLine, NamedArea};
+use super::area::{EdgeLine, NamedArea};
+use super::taken::Areas;
 use crate::error::{InputError, shown};
 
 impl Areas<'_> {

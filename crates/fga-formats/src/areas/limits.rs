@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value};
 
-use super::{AreaLimit, Areas, Reference};
+use super::area::{AreaLimit, Reference};
+use super::taken::Areas;
 use crate::error::shown;
 use crate::units::{Dimension, FOOT_M, Unit};
 

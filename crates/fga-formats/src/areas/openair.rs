@@ -3,8 +3,9 @@
 use openair::{Airspace, Altitude, Coord, Direction, Geometry, PolygonSegment};
 
 use super::arcs::CircleArc;
+use super::area::{AreaLimit, EdgeLine, NamedArea, Reference};
 use super::limits::SaidLimit;
-use super::{AreaLimit, Areas, EdgeLine, NamedArea, Reference};
+use super::taken::Areas;
 use crate::error::InputError;
 use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 

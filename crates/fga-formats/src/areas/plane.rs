@@ -8,7 +8,7 @@ use geo::{
     MultiPolygon, Point, Polygon, Rect, Simplify,
 };
 
-use super::{AreaOutline, EdgeLine, NamedArea};
+use super::area::{AreaOutline, EdgeLine, NamedArea};
 use crate::geodesy::{Geodetic, LocalFrame};
 use crate::zones::{MAX_CORNERS, with_holes};
 
@@ -22,6 +22,14 @@ const NEAR_DEG: f64 = 6.0;
 const ON_EDGE_DEG: f64 = 1e-5;
 /// An outline with too many corners grows by at most this, metres.
 const MOST_GROWN_M: f64 = 1000.0;
+/// One to keep out of that would grow by more than this is cut into parts instead, metres.
+const CUT_GROWN_M: f64 = 16.0;
+/// The parts of an outline that is cut lie on each other by this, metres.
+const LAPPED_M: f64 = 1.0;
+/// A part is halved at most this often.
+const CUT: u32 = 8;
+/// Most parts.
+const PARTS: usize = 64;
 
 /// An area on the plane.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -69,14 +77,15 @@ impl NamedArea {
             // What is simplified by less than it has grown holds all of the outline.
             let style = BufferStyle::new(outwards * half_m).line_join(LineJoin::Miter(1.0));
             let grown = whole.buffer_with_style(style).simplify(0.98 * half_m);
-            let polygons: Vec<_> = grown.iter().map(rings_of).collect();
-            let is_zone = |rings: &Vec<Vec<Vec2>>| {
-                let (outline, holes) = rings.split_first().unzip();
-                let holes = holes.unwrap_or_default().to_vec();
-                with_holes(outline.cloned().unwrap_or_default(), holes).is_ok()
+            let grown_m = 2.0 * half_m;
+            let cuts = if keep_in || grown_m < CUT_GROWN_M {
+                0
+            } else {
+                CUT
             };
-            if !polygons.is_empty() && polygons.iter().all(is_zone) {
-                let grown_m = 2.0 * half_m;
+            if let Some(polygons) =
+                zones(grown, cuts).filter(|zones| (1..=PARTS).contains(&zones.len()))
+            {
                 return PlaneArea { polygons, grown_m };
             }
             half_m *= 2.0;
@@ -227,6 +236,32 @@ fn near(polygon: &Polygon<f64>, window: &Rect<f64>) -> Vec<Polygon<f64>> {
             .collect()
     });
     parts.collect()
+}
+
+/// The rings of zones that are these polygons together, each halved at most so often where it is no zone; `None` where that does not do.
+fn zones(polygons: MultiPolygon<f64>, cuts: u32) -> Option<Vec<Vec<Vec<Vec2>>>> {
+    let mut all = Vec::new();
+    for polygon in polygons {
+        let rings = rings_of(&polygon);
+        let (outline, holes) = rings.split_first()?;
+        if with_holes(outline.clone(), holes.to_vec()).is_ok() {
+            all.push(rings);
+            continue;
+        }
+        let bounds = polygon.bounding_rect().filter(|_| cuts > 0)?;
+        let (min, max) = (bounds.min(), bounds.max());
+        let (low, high) = if bounds.width() > bounds.height() {
+            let middle = 0.5 * (min.x + max.x);
+            ((middle + LAPPED_M, max.y), (middle, min.y))
+        } else {
+            let middle = 0.5 * (min.y + max.y);
+            ((max.x, middle + LAPPED_M), (min.x, middle))
+        };
+        for half in [Rect::new(min, low.into()), Rect::new(high.into(), max)] {
+            all.extend(zones(polygon.intersection(&half.to_polygon()), cuts - 1)?);
+        }
+    }
+    Some(all)
 }
 
 fn polygon_of(rings: &[Vec<Vec2>]) -> Polygon<f64> {

@@ -1,6 +1,8 @@
 //! Files of each kind, and every refusal.
 
 use super::*;
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::units::FOOT_M;
 
 const RING: &str = "[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]";
 
@@ -589,6 +591,66 @@ fn an_outline_of_twenty_thousand_corners_grows_by_the_metres_that_it_says() {
     }
 }
 
+/// A town whose outline is as jagged as its plots is no smooth one, however far it grows.
+#[test]
+fn a_jagged_outline_is_cut_into_zones_that_hold_all_of_it() {
+    let corner = |k: u32| {
+        let angle = f64::from(k) * core::f64::consts::TAU / 1600.0;
+        let jagged = 1.0 + 0.02 * f64::from(k * 7919 % 13) - 0.03 * f64::from(k % 2);
+        [
+            47.0 + 0.1 * jagged * libm::sin(angle),
+            8.0 + 0.14 * jagged * libm::cos(angle),
+        ]
+    };
+    let area = NamedArea {
+        outline: AreaOutline::Polygon(vec![(0..1600).map(corner).collect()]),
+        ..NamedArea::default()
+    };
+    let frame = frame(47.0, 8.0);
+    let plane = area.on_plane(&frame, false);
+    assert!(plane.grown_m <= 16.0, "{}", plane.grown_m);
+    assert!(
+        (2..=64).contains(&plane.polygons.len()),
+        "{}",
+        plane.polygons.len()
+    );
+    let outline_m: Vec<fga::Vec2> = (0..1600)
+        .map(|k| {
+            let [latitude_deg, longitude_deg] = corner(k);
+            let place = Geodetic::new(latitude_deg, longitude_deg, 0.0).unwrap();
+            frame.to_local_m(place).truncate()
+        })
+        .collect();
+    let holds = |rings: &Vec<Vec<fga::Vec2>>, at: fga::Vec2| {
+        rings
+            .iter()
+            .filter(|ring| crate::zones::surrounds(ring, at))
+            .count()
+            % 2
+            == 1
+    };
+    let mut inside = 0;
+    for k in 0_u32..40_000 {
+        // Places all over the outline's square.
+        let [x, y] = [k % 200, k / 200].map(|n| (f64::from(n) + 0.37) / 100.0 - 1.0);
+        let at = 15_000.0 * fga::Vec2::new(x, y);
+        let held = plane.polygons.iter().any(|rings| holds(rings, at));
+        if crate::zones::surrounds(&outline_m, at) {
+            inside += 1;
+            assert!(held, "{at}");
+        } else if held {
+            assert!(beside_m(&outline_m, at) <= plane.grown_m + 1.0, "{at}");
+        }
+    }
+    assert!(inside > 10_000, "{inside}");
+    for rings in plane.polygons {
+        let zone = crate::zones::with_holes(rings[0].clone(), rings[1..].to_vec());
+        assert!(zone.unwrap().len() <= 256);
+    }
+    // One to stay in is whole.
+    assert_eq!(area.on_plane(&frame, true).polygons.len(), 1);
+}
+
 #[test]
 fn repeated_corners_are_one_and_names_are_one_line() {
     let ring = "[[8.5,47.3],[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3,9],[8.5,47.3]]";
@@ -656,6 +718,35 @@ fn zones_of_ed269_have_volumes_limits_and_times() {
     assert_eq!(found[0].limits, [ground, None]);
     assert_eq!(found[0].name.as_deref(), Some("AAA001"));
     assert_eq!((found[0].is_free, found[0].is_timed), (true, false));
+}
+
+#[test]
+fn zones_of_ed269_may_be_a_list_alone() {
+    let ring =
+        "{\"type\":\"Polygon\",\"coordinates\":[[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]]}";
+    let whole = ed269(&volume(ring));
+    let (_, list) = whole.split_once("\"features\":").unwrap();
+    let list = list.trim_end().strip_suffix('}').unwrap();
+    assert!(is_areas(list), "{list}");
+    assert_eq!(areas(list), areas(&whole));
+    assert!(!is_areas("[{\"icao24\":\"4b1617\"}]"));
+}
+
+/// A zone from 0 to 0 m, as ENAIRE writes one of all heights, is no flat one.
+#[test]
+fn a_floor_at_its_ceiling_has_no_ceiling() {
+    let layer = "\"layer\":{\"lower\":0,\"lowerReference\":\"AGL\",\"upper\":0,\"upperReference\":\"AGL\",\"uom\":\"\"}";
+    let text = ed318(&format!(
+        "{{\"type\":\"Polygon\",\"coordinates\":[{RING}],{layer}}}"
+    ));
+    let file = file(&text).unwrap();
+    assert_eq!(
+        file.areas[0].limits,
+        [Some(above(Reference::Ground, 0.0)), None]
+    );
+    let told = "area 1 (yard) has its floor and its ceiling at 0 m: the ceiling counts as unknown";
+    assert_eq!(file.notes, [told]);
+    assert!(file.areas[0].check().is_ok());
 }
 
 #[test]

@@ -127,7 +127,13 @@ impl<'a> ItemReader<'a> {
                 self.note("the return ends over home at the height of the last waypoint");
                 if let (Some(home), Some(last)) = (self.file.home, self.file.waypoints.last()) {
                     let altitude_m = last.place.altitude_m;
-                    self.add(Geodetic { altitude_m, ..home }, Passing::FlyBy);
+                    let place = Geodetic { altitude_m, ..home };
+                    let passing = Passing::FlyBy;
+                    self.add(Waypoint {
+                        place,
+                        passing,
+                        ..*last
+                    });
                 }
                 Ok(())
             }
@@ -209,21 +215,27 @@ impl<'a> ItemReader<'a> {
             self.repeated += 1;
             return Ok(());
         }
-        let place = self.place(item)?;
-        self.begin(place);
-        self.add(place, passing);
+        let waypoint = Waypoint {
+            passing,
+            ..self.waypoint(item)?
+        };
+        self.begin(waypoint);
+        self.add(waypoint);
         Ok(())
     }
 
     /// The flight begins over home at the height of the first place.
-    fn begin(&mut self, first: Geodetic) {
+    fn begin(&mut self, first: Waypoint) {
         if !self.begun {
             self.begun = true;
             if let Some(home) = self.file.home {
-                let altitude_m = first.altitude_m;
-                self.file.waypoints.push(Waypoint {
-                    place: Geodetic { altitude_m, ..home },
-                    passing: Passing::FlyBy,
+                let altitude_m = first.place.altitude_m;
+                let place = Geodetic { altitude_m, ..home };
+                let passing = Passing::FlyBy;
+                self.add(Waypoint {
+                    place,
+                    passing,
+                    ..first
                 });
             }
         }
@@ -244,13 +256,14 @@ impl<'a> ItemReader<'a> {
         } else if item.at[0].unwrap_or(0.0) == 0.0 && item.at[1].unwrap_or(0.0) == 0.0 {
             return Ok(());
         }
-        let place = self.place(&item)?;
+        let waypoint = self.waypoint(&item)?;
         self.begun = true;
-        self.add(place, Passing::FlyBy);
+        self.add(waypoint);
         Ok(())
     }
 
-    fn add(&mut self, place: Geodetic, passing: Passing) {
+    fn add(&mut self, waypoint: Waypoint) {
+        let place = waypoint.place;
         let same = self.file.waypoints.last().is_some_and(|last| {
             let north_m = (place.latitude_deg - last.place.latitude_deg) * DEGREE_M;
             let east_m = (place.longitude_deg - last.place.longitude_deg)
@@ -263,11 +276,16 @@ impl<'a> ItemReader<'a> {
             // An aeroplane does not climb on the spot: the later height counts.
             self.file.waypoints.pop();
         }
-        self.file.waypoints.push(Waypoint { place, passing });
+        self.file.waypoints.push(waypoint);
     }
 
-    /// Where an item leads, above mean sea level.
+    /// A place of an item that is not above the ground.
     fn place(&mut self, item: &Item) -> Result<Geodetic, InputError> {
+        Ok(self.waypoint(item)?.place)
+    }
+
+    /// Where an item leads, flown by.
+    fn waypoint(&mut self, item: &Item) -> Result<Waypoint, InputError> {
         let [Some(latitude_deg), Some(longitude_deg), given_m] = item.at else {
             return Err(self.error(
                 item,
@@ -281,28 +299,23 @@ impl<'a> ItemReader<'a> {
             ));
         };
         let altitude_m = match item.frame {
-            0 | 5 => given_m,
+            0 | 5 | 10 | 11 => given_m,
             3 | 6 => {
                 if self.file.home.is_none() {
                     self.note("the file gives no home: heights above home count from sea level");
                 }
                 given_m + self.file.home.map_or(0.0, |home| home.altitude_m)
             }
-            10 | 11 => {
-                return Err(self.error(
-                    item,
-                    "has a height above the terrain, which the vehicle follows and a straight leg does not, expected heights above home \
-                     (frame 3) or above mean sea level (frame 0)",
-                ));
-            }
             frame => {
                 let message = format!(
-                    "has frame {frame}, expected 0 or 5 (above mean sea level), 3 or 6 (above home)"
+                    "has frame {frame}, expected 0 or 5 (above mean sea level), 3 or 6 (above home), 10 or 11 (above the terrain)"
                 );
                 return Err(self.error(item, &message));
             }
         };
-        if let Some(home) = self.file.home
+        let above_ground = matches!(item.frame, 10 | 11);
+        if !above_ground
+            && let Some(home) = self.file.home
             && home.altitude_m - altitude_m > BELOW_HOME_M
         {
             let sentence = format!(
@@ -313,7 +326,11 @@ impl<'a> ItemReader<'a> {
             );
             self.note(&sentence);
         }
-        self.on_earth(item, [latitude_deg, longitude_deg, altitude_m])
+        Ok(Waypoint {
+            place: self.on_earth(item, [latitude_deg, longitude_deg, altitude_m])?,
+            passing: Passing::FlyBy,
+            above_ground,
+        })
     }
 
     /// A place that a mission can have: latitude and longitude, degrees; altitude, metres.
@@ -399,14 +416,24 @@ impl<'a> ItemReader<'a> {
                 self.file.rally.push(place);
                 Ok(())
             }
-            // Where ArduPlane returns to after it has left a fence, or above ground that is not known here.
-            other => {
-                let name = if other == 5100 {
-                    "rally point above the terrain"
-                } else {
-                    "fence return point"
+            // A circle around home, wherever that is.
+            5005 if let Some(home) = self.file.home => {
+                let outline = FenceOutline::Circle {
+                    center_deg: [home.latitude_deg, home.longitude_deg],
+                    radius_m: item.first_parameter.unwrap_or(0.0),
                 };
-                *self.left_out.entry(name.into()).or_default() += 1;
+                let keep_in = true;
+                self.add_fence(item, MissionFence { outline, keep_in })
+            }
+            // Where ArduPlane returns to after it has left a fence, or what needs ground or a home that is not known here.
+            other => {
+                let name = match other {
+                    5000 => "fence return point".into(),
+                    5005 => "fence around a home that the file does not give".into(),
+                    5100 => "rally point above the terrain".into(),
+                    other => format!("command {other}"),
+                };
+                *self.left_out.entry(name).or_default() += 1;
                 Ok(())
             }
         }
@@ -444,6 +471,9 @@ impl<'a> ItemReader<'a> {
 const fn name_of(command: u16) -> Option<&'static str> {
     Some(match command {
         30 => "CONTINUE_AND_CHANGE_ALT",
+        33 => "FOLLOW",
+        36 => "ARC_WAYPOINT",
+        42 => "SCRIPT_TIME",
         83 => "ALTITUDE_WAIT",
         92 => "GUIDED_ENABLE",
         93 => "DELAY",
@@ -463,15 +493,22 @@ const fn name_of(command: u16) -> Option<&'static str> {
         205 => "DO_MOUNT_CONTROL",
         206 => "DO_SET_CAM_TRIGG_DIST",
         207 => "DO_FENCE_ENABLE",
+        208 => "DO_PARACHUTE",
         210 => "DO_INVERTED_FLIGHT",
         211 => "DO_GRIPPER",
         212 => "DO_AUTOTUNE_ENABLE",
+        216 => "DO_SPRAYER",
+        218 => "DO_AUX_FUNCTION",
+        222 => "DO_GUIDED_LIMITS",
         530 => "SET_CAMERA_MODE",
+        600 => "JUMP_TAG",
+        601 => "DO_JUMP_TAG",
         1000 => "DO_GIMBAL_MANAGER_PITCHYAW",
         2000 => "IMAGE_START_CAPTURE",
         2001 => "IMAGE_STOP_CAPTURE",
         2500 => "VIDEO_START_CAPTURE",
         2501 => "VIDEO_STOP_CAPTURE",
+        3000 => "DO_VTOL_TRANSITION",
         _ => return None,
     })
 }

@@ -7,10 +7,12 @@ use crate::geodesy::Geodetic;
 /// A place of a mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
-    /// Where; the altitude is above mean sea level.
+    /// Where; the altitude is above mean sea level, or above the ground.
     pub place: Geodetic,
     /// How it is passed.
     pub passing: Passing,
+    /// Whether its altitude is above the ground, and the leg to it follows the ground; [`MissionFile::over`] makes altitudes above the sea of them.
+    pub above_ground: bool,
 }
 
 /// The outline of a fence; latitudes and longitudes in degrees.

@@ -36,19 +36,18 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         .filter(|(_, line)| !line.starts_with('#'))
         .map(|(number, line)| item(line, number, path))
         .collect::<Result<Vec<Item>, _>>()?;
-    // Stations fly the lines in their order, and write the numbers in it.
-    for (before, item) in items.iter().zip(items.iter().skip(1)) {
-        if item.number != before.number + 1 {
-            let message = format!(
-                "holds item {} after item {}, expected item {}",
-                item.number,
-                before.number,
-                before.number + 1
-            );
-            return Err(InputError::at_line(path, item.line.unwrap_or(1), message));
-        }
-    }
     let mut reader = ItemReader::new(path);
+    // Stations fly the lines in their order, and mostly number them so.
+    let next = items.iter().zip(items.iter().skip(1));
+    let mut odd = next.filter(|(before, item)| item.number != before.number + 1);
+    if let Some((before, item)) = odd.next() {
+        reader.note(&format!(
+            "line {} holds item {} after item {}: the items are flown in the order of their lines, as stations do; is one missing?",
+            item.line.unwrap_or(1),
+            item.number,
+            before.number
+        ));
+    }
     let items = match items.split_first() {
         Some((first, rest)) if (first.number, first.command) == (0, 16) => {
             if first.frame != 0 {

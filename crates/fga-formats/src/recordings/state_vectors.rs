@@ -170,7 +170,7 @@ impl StateVectorReader<'_> {
                 None => match rows_of(object) {
                     Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
                     None => wrong(
-                        "is a JSON object of something else, expected state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
+                        "is a JSON object of something else, expected areas (GeoJSON, ED-269, ED-318), a mission (.plan), or state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
                     ),
                 },
             },

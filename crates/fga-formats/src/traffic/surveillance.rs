@@ -1,7 +1,7 @@
 //! Turns Mode S messages into reports: only extended squitters (downlink formats 17 and 18), because
 //! only they carry a checksum that verifies them and the aircraft's position.
 
-use super::{Altitude, Callsign, Generations, NON_ICAO, TrafficReport};
+use super::{Altitude, Callsign, Generations, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::{Geodetic, course_from_compass_rad};
 use crate::tally::LeftOut;
 use crate::units::{Feet, FeetPerMinute, Knots};
@@ -198,26 +198,6 @@ fn target_state(message: &[u8; 14]) -> Option<TrafficReport> {
         position_error_m: position_error_m((fourth & 1) << 3 | fifth >> 5),
         source_integrity: Some((fifth >> 2) & 3),
         ..TrafficReport::default()
-    })
-}
-
-/// The estimated position uncertainty of a navigation accuracy category, metres (DO-260B, table
-/// 2-71).
-const fn position_error_m(category: u8) -> Option<f64> {
-    Some(match category {
-        0 => f64::INFINITY,
-        1 => 18_520.0,
-        2 => 7_408.0,
-        3 => 3_704.0,
-        4 => 1_852.0,
-        5 => 926.0,
-        6 => 555.6,
-        7 => 185.2,
-        8 => 92.6,
-        9 => 30.0,
-        10 => 10.0,
-        11 => 3.0,
-        _ => return None,
     })
 }
 

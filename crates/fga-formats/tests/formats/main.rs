@@ -14,6 +14,7 @@ mod encounters;
 #[cfg(feature = "export")]
 mod export;
 mod flight_log;
+mod gdl90;
 mod missions;
 mod mutated;
 mod recordings;

@@ -4,11 +4,18 @@
     clippy::indexing_slicing,
     reason = "tests fail by panicking"
 )]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "numbers of steps"
+)]
 
 use core::fmt::Write as _;
 
 use fga::situation::Passing;
-use fga_formats::missions::{FenceOutline, is_mission, parse};
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_formats::missions::{FenceOutline, MissionFence, MissionFile, Waypoint, is_mission, parse};
+use fga_formats::terrain::{self, Given, Terrain};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -224,6 +231,28 @@ fn n8_fences_and_rally_points_of_mission_planner_are_read() {
         "{:?}",
         file.notes
     );
+    // A circle around home, where the file has one; a file of fences alone says what it does not read.
+    let around = text.replace("4\t0\t3\t5004\t80", "4\t0\t3\t5005\t80");
+    let file = parse(&around, Path::new("fence.waypoints")).unwrap();
+    let center_deg = [45.0, 5.0];
+    let outline = FenceOutline::Circle {
+        center_deg,
+        radius_m: 80.0,
+    };
+    assert_eq!(
+        file.fences[1],
+        MissionFence {
+            outline,
+            keep_in: true
+        }
+    );
+    let alone = "QGC WPL 110\n0 0 0 5005 50 0 0 0 0 0 0 0\n";
+    let file = parse(alone, Path::new("fence.waypoints")).unwrap();
+    let told = "1 item without a leg not flown: fence around a home that the file does not give 1";
+    assert_eq!(
+        (file.fences.len(), &file.notes[..]),
+        (0, &[told.to_owned()][..])
+    );
     let unfinished = text.replace("3\t0\t3\t5001", "3\t0\t3\t5003");
     let error = parse(&unfinished, Path::new("f.waypoints")).unwrap_err();
     assert!(error.message.contains("2 of 3 corners"), "{error}");
@@ -238,10 +267,6 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
         (
             of_list("110", "120"),
             "a.waypoints, line 1: is version \"120\", expected QGC WPL 110",
-        ),
-        (
-            of_list("2\t0\t3\t16", "2\t0\t10\t16"),
-            "a.waypoints, line 4: item 2 has a height above the terrain",
         ),
         (
             of_list("2\t0\t3\t16", "2\t0\t7\t16"),
@@ -372,20 +397,29 @@ fn n8_an_unknown_version_or_order_is_refused() {
             "a.plan, line 11: is no plan of QGroundControl: found integer `3`",
         ),
         (
-            list("2\t0\t3\t16", "3\t0\t3\t16"),
-            "a.waypoints, line 4: holds item 3 after item 1, expected item 2",
-        ),
-        (
-            list("5\t0\t3\t18", "4\t0\t3\t18"),
-            "a.waypoints, line 7: holds item 4 after item 4, expected item 5",
-        ),
-        (
             list("QGC WPL 110", "\r\nQGC WPL x 110"),
             "a.waypoints, line 2: is version \"x 110\", expected QGC WPL 110",
         ),
     ] {
         let error = found.expect_err(expected);
         assert!(error.starts_with(expected), "{error}\n{expected}");
+    }
+    // Stations fly the lines of a list in their order; a number out of it may be a line that is lost.
+    for (from, to, told) in [
+        (
+            "2\t0\t3\t16",
+            "3\t0\t3\t16",
+            "line 4 holds item 3 after item 1: ",
+        ),
+        (
+            "5\t0\t3\t18",
+            "4\t0\t3\t18",
+            "line 7 holds item 4 after item 4: ",
+        ),
+    ] {
+        let file = list(from, to).unwrap();
+        assert!(file.notes[0].starts_with(told), "{:?}", file.notes);
+        assert_eq!(file.waypoints.len(), 5);
     }
     // A station that knows no ground writes no altitude of home.
     let level = plan("8.5456, 488.1", "8.5456, null").unwrap();
@@ -407,6 +441,118 @@ fn n8_a_mission_of_one_place_has_a_way_to_it() {
     assert_eq!(file.waypoints.len(), 2);
     assert_eq!(file.waypoints[1].place.altitude_m, 200.0);
     assert!(file.notes[0].contains("begins 1000 m south of it"));
+}
+
+/// A mission over the file `strips.tif`, whose formula is in `terrain/fixtures.py`: from above the sea to 80 m and to 120 m above the ground, and
+/// above the sea again.
+const ABOVE_GROUND: &str = "QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t46.51\t9.21\t1000\t1
+1\t0\t0\t16\t0\t0\t0\t0\t46.51\t9.21\t1500\t1
+2\t0\t10\t16\t0\t0\t0\t0\t46.51\t9.29\t80\t1
+3\t0\t11\t17\t0\t0\t0\t0\t46.56\t9.30\t120\t1
+";
+
+fn heights(name: &str, bytes: &[u8]) -> Terrain {
+    let file = terrain::parse(bytes, Path::new(name), &Given::default()).unwrap();
+    Terrain::new(vec![file]).unwrap()
+}
+
+#[test]
+fn a_mission_above_the_ground_follows_it() {
+    let file = parse(ABOVE_GROUND, Path::new("a.waypoints")).unwrap();
+    assert_eq!((file.waypoints.len(), file.above_ground()), (3, 2));
+    let ground = heights("strips.tif", include_bytes!("terrain/strips.tif"));
+    let frame = LocalFrame::new(file.home.unwrap(), Earth::Wgs84);
+    // The places of the way each few metres, and the waypoints of the file by their index.
+    let way = |flown: &MissionFile| -> Vec<(Geodetic, usize)> {
+        let at = |waypoint: &Waypoint| frame.to_local_m(waypoint.place);
+        let mut leg = 0;
+        let pairs = flown.waypoints.windows(2);
+        let places = pairs.flat_map(|pair| {
+            let (from, to) = (at(&pair[0]), at(&pair[1]));
+            let begun = leg;
+            let place = pair[1].place;
+            let is_file_s = |known: &Waypoint| {
+                (known.place.latitude_deg - place.latitude_deg).abs() < 1e-8
+                    && (known.place.longitude_deg - place.longitude_deg).abs() < 1e-8
+            };
+            leg += usize::from(file.waypoints.iter().any(is_file_s));
+            let steps = libm::ceil(from.distance(to) / 7.0);
+            let shares = (0..=steps as usize).map(move |step| step as f64 / steps);
+            shares
+                .map(move |share| (frame.to_geodetic(from.lerp(to, share)), begun))
+                .collect::<Vec<_>>()
+        });
+        places.collect()
+    };
+    let above_m = |place: Geodetic| {
+        place.altitude_m
+            - ground
+                .height_m(place.latitude_deg, place.longitude_deg)
+                .unwrap()
+    };
+    // As steep as the ground.
+    let flown = file.clone().over(&ground, f64::INFINITY).unwrap();
+    assert_eq!(flown.above_ground(), 0);
+    assert!(flown.waypoints.len() > 8, "{}", flown.waypoints.len());
+    let first_m = above_m(flown.waypoints[0].place);
+    assert!((flown.waypoints[0].place.altitude_m - 1500.0).abs() < 1e-6);
+    let corners = [file.waypoints[0], file.waypoints[1], file.waypoints[2]];
+    for (place, leg) in way(&flown) {
+        let at = |waypoint: Waypoint| {
+            let to = Geodetic {
+                altitude_m: 0.0,
+                ..waypoint.place
+            };
+            Geodetic {
+                altitude_m: 0.0,
+                ..place
+            }
+            .distance_m(to)
+        };
+        let (from, to) = (at(corners[leg]), at(corners[leg + 1]));
+        let share = from / (from + to);
+        let asked_m = [[first_m, 80.0], [80.0, 120.0]][leg];
+        let asked_m = asked_m[0] + share * (asked_m[1] - asked_m[0]);
+        // Two metres by the places between, a decimetre by the bend of the earth along a leg.
+        assert!(
+            (above_m(place) - asked_m).abs() < 2.2,
+            "{place:?} {asked_m} {}",
+            above_m(place)
+        );
+    }
+    assert!(
+        flown
+            .notes
+            .iter()
+            .any(|note| note.starts_with("2 waypoints above the ground, with "))
+    );
+    // An aircraft that climbs less steeply than the ground begins earlier; it is nowhere lower.
+    let gentle = file.clone().over(&ground, 0.08).unwrap();
+    let told = gentle.notes.last().unwrap();
+    assert!(
+        told.starts_with("the ground is steeper than the aircraft flies"),
+        "{told}"
+    );
+    for (place, leg) in way(&gentle) {
+        assert!(above_m(place) > [80.0, 80.0][leg] - 2.2, "{place:?}");
+    }
+    for pair in gentle.waypoints.windows(2).skip(1) {
+        let [from, to] = [&pair[0], &pair[1]].map(|each| frame.to_local_m(each.place));
+        let way_m = from.truncate().distance(to.truncate());
+        assert!((to.z - from.z).abs() <= 0.08 * way_m + 2.0, "{from} {to}");
+    }
+    // What the files do not know, and what is not above the sea, is refused.
+    let away = ABOVE_GROUND.replace("46.56", "47.56");
+    let away = parse(&away, Path::new("a.waypoints")).unwrap();
+    let error = away.over(&ground, 1.0).unwrap_err();
+    assert!(
+        error.starts_with("leads over unknown ground to waypoint 3"),
+        "{error}"
+    );
+    let ellipsoid = heights("ellipsoid.tif", include_bytes!("terrain/ellipsoid.tif"));
+    let error = file.clone().over(&ellipsoid, 1.0).unwrap_err();
+    assert!(error.contains("expected mean sea level"), "{error}");
 }
 
 proptest! {

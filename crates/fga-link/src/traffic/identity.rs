@@ -11,6 +11,8 @@ pub enum ReportSource {
     Sbs,
     /// A Beast stream.
     Beast,
+    /// GDL 90 messages.
+    Gdl90,
     /// A radar or a camera on board.
     Sensor,
     /// A receiver of Remote ID.
@@ -25,6 +27,7 @@ impl ReportSource {
             Self::AutopilotList => "autopilot",
             Self::Sbs => "sbs",
             Self::Beast => "beast",
+            Self::Gdl90 => "gdl90",
             Self::Sensor => "sensor",
             Self::RemoteId => "remote-id",
         }

@@ -1,4 +1,4 @@
-//! Receivers of ADS-B on the network: BaseStation and Beast over TCP.
+//! Receivers of ADS-B on the network: BaseStation and Beast over TCP, GDL 90 over UDP.
 
 use core::str::FromStr;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use fga_formats::geodesy::Geodetic;
 use fga_formats::tally::{LeftOut, Tally};
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
-use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
+use fga_formats::traffic::{Altitude, Generations, TrafficReport, gdl90, sbs};
 
 use super::report::{
     AltitudeReference, PlaceReport, Quality, ReportSender, ReportSource, SIGMAS_IN_95,
@@ -17,7 +17,7 @@ use super::report::{
 };
 use crate::endpoint::{Endpoint, LinkRead, open};
 
-/// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
+/// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`, which are connected to; `gdl90:HOST:PORT`, where datagrams are waited for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceiverEndpoint {
     /// The kind of wire.
@@ -29,7 +29,7 @@ pub struct ReceiverEndpoint {
 /// Text that names no receiver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is no receiver, expected sbs:HOST:PORT, or beast:HOST:PORT where the program was built with it"
+    "'{0}' is no receiver, expected sbs:HOST:PORT, gdl90:HOST:PORT, or beast:HOST:PORT where the program was built with it"
 )]
 pub struct ReceiverError(String);
 
@@ -41,6 +41,7 @@ impl FromStr for ReceiverEndpoint {
         let (kind, address) = text.split_once(':').ok_or_else(error)?;
         let source = match kind {
             "sbs" => ReportSource::Sbs,
+            "gdl90" => ReportSource::Gdl90,
             "beast" if cfg!(feature = "beast") => ReportSource::Beast,
             _ => return Err(error()),
         };
@@ -52,6 +53,16 @@ impl FromStr for ReceiverEndpoint {
             source,
             address: address.to_owned(),
         })
+    }
+}
+
+impl ReceiverEndpoint {
+    fn socket(&self) -> Endpoint {
+        let address = self.address.clone();
+        match self.source {
+            ReportSource::Gdl90 => Endpoint::UdpIn(address),
+            _ => Endpoint::Tcp(address),
+        }
     }
 }
 
@@ -234,6 +245,7 @@ const COUNTS_EVERY_S: f64 = 10.0;
 /// The lines or frames of a receiver.
 struct Wire {
     lines: sbs::LineStream,
+    messages: gdl90::Datagrams,
     #[cfg(feature = "beast")]
     frames: beast::Stream,
     source: ReportSource,
@@ -243,6 +255,7 @@ impl Wire {
     fn new(source: ReportSource) -> Self {
         Self {
             lines: sbs::LineStream::new(),
+            messages: gdl90::Datagrams::new(),
             #[cfg(feature = "beast")]
             frames: beast::Stream::new(),
             source,
@@ -253,6 +266,7 @@ impl Wire {
         match self.source {
             #[cfg(feature = "beast")]
             ReportSource::Beast => self.frames.push(bytes, now_s, report),
+            ReportSource::Gdl90 => self.messages.push(bytes, report),
             _ => {
                 let _ = now_s;
                 self.lines.push(bytes, report);
@@ -262,6 +276,7 @@ impl Wire {
 
     fn reconnect(&mut self) {
         self.lines.reconnect();
+        self.messages.reconnect();
         #[cfg(feature = "beast")]
         self.frames.reconnect();
     }
@@ -270,6 +285,7 @@ impl Wire {
         match self.source {
             #[cfg(feature = "beast")]
             ReportSource::Beast => self.frames.tally(),
+            ReportSource::Gdl90 => self.messages.tally(),
             _ => self.lines.tally(),
         }
     }
@@ -308,7 +324,7 @@ pub fn read(
         }
         let Some(open_reader) = &mut reader else {
             // The name may become resolvable later.
-            match open(&Endpoint::Tcp(endpoint.address.clone())) {
+            match open(&endpoint.socket()) {
                 Ok((mut new, _)) => {
                     new.set_silent(SILENT);
                     reader = Some(new);
@@ -321,6 +337,8 @@ pub fn read(
             LinkRead::Bytes(count) => {
                 let bytes = buffer.get(..count).unwrap_or_default();
                 let now_s = clock_s();
+                // Datagrams come without a connection.
+                status.was_connected = true;
                 let mut goes_on = true;
                 wire.push(bytes, now_s, |message: TrafficReport| {
                     status.positions += u64::from(message.place_deg.is_some());
@@ -354,6 +372,8 @@ mod tests {
             "beast:h:30005".parse::<ReceiverEndpoint>().is_ok(),
             cfg!(feature = "beast")
         );
+        let parsed: ReceiverEndpoint = "gdl90:0.0.0.0:4000".parse().unwrap();
+        assert_eq!(parsed.socket(), Endpoint::UdpIn("0.0.0.0:4000".into()));
         for wrong in ["localhost:30003", "sbs:host", "sbs::1", "avr:h:1"] {
             assert!(wrong.parse::<ReceiverEndpoint>().is_err());
         }

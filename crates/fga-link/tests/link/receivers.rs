@@ -1,13 +1,15 @@
-//! Receivers over TCP on loopback: a server's data arrives as reports, whole and in order, and
+//! Receivers over TCP and UDP on loopback: a server's data arrives as reports, whole and in order, and
 //! agrees with an independent decode.
 
 use alloc::collections::{BTreeMap, BTreeSet};
-use core::sync::atomic::AtomicBool;
+use alloc::sync::Arc;
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
 use std::io::Write as _;
-use std::net::TcpListener;
+use std::net::{TcpListener, UdpSocket};
 
-use fga_link::traffic::PlaceReport;
 use fga_link::traffic::receiver;
+use fga_link::traffic::{AltitudeReference, PlaceReport};
 
 /// A receiver's reports from bytes that a server sends in pieces of `piece` bytes, up to the report
 /// of `last`, all at one moment.
@@ -81,6 +83,49 @@ fn a_recorded_sbs_log_arrives_whole() {
         assert!((report.place.longitude_deg - longitude).abs() < 1e-9);
         assert!((report.place.altitude_m - altitude_m).abs() < 1e-6);
     }
+}
+
+/// The traffic report of the specification of GDL 90 (3.5.4), with its checksum, in datagrams of a receiver on board.
+#[test]
+fn datagrams_of_gdl90_arrive() {
+    const MESSAGE: [u8; 32] = [
+        0x7E, 0x14, 0x00, 0xAB, 0x45, 0x49, 0x1F, 0xEF, 0x15, 0xA8, 0x89, 0x78, 0x0F, 0x09, 0xA9,
+        0x07, 0xB0, 0x01, 0x20, 0x01, 0x4E, 0x38, 0x32, 0x35, 0x56, 0x20, 0x20, 0x20, 0x00, 0x57,
+        0xD6, 0x7E,
+    ];
+    let free = UdpSocket::bind("127.0.0.1:0").expect("a port");
+    let address = free.local_addr().expect("an address");
+    drop(free);
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopped = Arc::clone(&stop);
+    let sending = std::thread::spawn(move || {
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
+        while !stopped.load(Ordering::Relaxed) {
+            // Nobody listens yet, perhaps.
+            let _ = socket.send_to(&MESSAGE, address);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    });
+    let endpoint = format!("gdl90:{address}").parse().expect("a receiver");
+    let mut reports = Vec::new();
+    let take = |report| {
+        reports.push(report);
+        false
+    };
+    receiver::read(&endpoint, || 0.0, &AtomicBool::new(false), take, |_| true);
+    stop.store(true, Ordering::Relaxed);
+    sending.join().expect("sent");
+    let [report] = &reports[..] else {
+        panic!("{reports:?}");
+    };
+    assert_eq!(
+        (report.icao, report.callsign.as_str()),
+        (0x00AB_4549, "N825V")
+    );
+    assert_eq!(report.quality.altitude, AltitudeReference::Pressure);
+    assert!((report.place.altitude_m - 1524.0).abs() < 1e-9);
+    let velocity_mps = report.velocity_mps.expect("a velocity");
+    assert!((velocity_mps.x - velocity_mps.y).abs() < 1e-9 && velocity_mps.x > 44.0);
 }
 
 #[cfg(feature = "beast")]

@@ -1,0 +1,214 @@
+//! The areas of a file as its reader takes them, and what each must be.
+
+use alloc::collections::BTreeMap;
+use core::fmt::Display;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::area::{AreaFile, AreaLimit, AreaOutline, NamedArea, Reference};
+use crate::error::{InputError, json_sentence};
+use crate::units::FOOT_M;
+use crate::words::counted;
+
+/// A circle has at most this radius, metres.
+const LARGEST_M: f64 = 1e7;
+
+/// The areas of a file so far.
+pub(super) struct Areas<'a> {
+    pub(super) path: &'a Path,
+    /// What the file says of the next one.
+    pub(super) like: NamedArea,
+    pub(super) all: Vec<NamedArea>,
+    pub(super) notes: Vec<String>,
+    /// How often what is no area stands beside areas, by its kind.
+    pub(super) others: BTreeMap<String, usize>,
+}
+
+impl Areas<'_> {
+    /// The areas, and what else the file holds.
+    pub(super) fn finish(mut self) -> Result<AreaFile, InputError> {
+        let others = self.others.iter();
+        let others = others.map(|(what, count)| format!("{} left out", counted(*count, what)));
+        let others: Vec<String> = others.collect();
+        if self.all.is_empty() {
+            let beside = others.iter().map(|other| format!("{other}, "));
+            let beside: String = beside.collect();
+            let message = format!("has no area, {beside}expected at least one");
+            return Err(InputError::in_file(self.path, message));
+        }
+        self.notes.extend(others);
+        let Self {
+            all: areas, notes, ..
+        } = self;
+        Ok(AreaFile { areas, notes })
+    }
+
+    /// Counts what is no area.
+    pub(super) fn leave_out(&mut self, what: &str) {
+        *self
+            .others
+            .entry(Self::name(what).unwrap_or_default())
+            .or_default() += 1;
+    }
+
+    /// Notes something about the next area.
+    pub(super) fn note(&mut self, message: &str) {
+        let number = self.all.len() + 1;
+        let name = self.like.name.as_ref();
+        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
+        self.notes.push(format!("area {number}{name} {message}"));
+    }
+
+    pub(super) fn json<T: DeserializeOwned>(
+        &self,
+        text: &str,
+        kind: &str,
+    ) -> Result<T, InputError> {
+        serde_json::from_str(text).map_err(|error| {
+            let line = u64::try_from(error.line()).unwrap_or_default();
+            self.unreadable(line, kind, Some(&json_sentence(&error)))
+        })
+    }
+
+    /// What is wrong with the text of a kind, as one line whatever it quotes.
+    pub(super) fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
+        let told = told.unwrap_or_default().replace(char::is_control, " ");
+        InputError {
+            line: Some(line).filter(|line| *line > 0),
+            ..InputError::in_file(self.path, format!("is no {kind}: {told}"))
+        }
+    }
+
+    pub(super) fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {
+        let number = self.all.len() + 1;
+        let name = self.like.name.as_ref();
+        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
+        let message = format!("area {number}{name} {message}");
+        Err(InputError::in_file(self.path, message))
+    }
+
+    /// Takes a polygon by its rings, the first of which is its outline.
+    pub(super) fn take(&mut self, rings: &[Vec<Vec<f64>>]) -> Result<(), InputError> {
+        let mut rings_deg = Vec::new();
+        for ring in rings {
+            let corners = ring.iter().zip(1..);
+            let corners =
+                corners.map(|(at, number)| self.place(at, format_args!("corner {number}")));
+            let mut corners_deg = corners.collect::<Result<Vec<_>, _>>()?;
+            if corners_deg.is_empty() {
+                return self.refuse("has no corners, expected a ring");
+            }
+            if corners_deg.len() == 1 || corners_deg.first() != corners_deg.last() {
+                return self.refuse("is not closed, expected its first corner at its end again");
+            }
+            // Published outlines repeat a corner.
+            corners_deg.dedup();
+            if corners_deg.len() > 1 && corners_deg.first() == corners_deg.last() {
+                corners_deg.pop();
+            }
+            rings_deg.push(corners_deg);
+        }
+        if rings_deg.is_empty() {
+            return self.refuse("has no corners, expected a ring");
+        }
+        self.push(AreaOutline::Polygon(rings_deg));
+        Ok(())
+    }
+
+    pub(super) fn take_circle(&mut self, center: &[f64], radius_m: f64) -> Result<(), InputError> {
+        let center_deg = self.place(center, "its centre")?;
+        if !(radius_m > 0.0 && radius_m <= LARGEST_M) {
+            return self.refuse(format_args!(
+                "has a radius of {radius_m} m, expected more than 0, up to 10,000 km"
+            ));
+        }
+        self.push(AreaOutline::Circle {
+            center_deg,
+            radius_m,
+        });
+        Ok(())
+    }
+
+    /// A name as one line, unless it is empty.
+    pub(super) fn name(text: &str) -> Option<String> {
+        let words = text.split(|each: char| each.is_whitespace() || each.is_control());
+        let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
+        (!words.is_empty()).then(|| words.join(" "))
+    }
+
+    pub(super) fn push(&mut self, outline: AreaOutline) {
+        let mut like = self.like.clone();
+        // Authorities write 0 to 0 for a zone of all heights.
+        if let [Some(floor), Some(ceiling)] = like.limits
+            && floor == ceiling
+        {
+            let height_m = floor.height_m;
+            self.note(&format!(
+                "has its floor and its ceiling at {height_m} m: the ceiling counts as unknown"
+            ));
+            like.limits[1] = None;
+        }
+        self.all.push(NamedArea { outline, ..like });
+    }
+
+    /// Latitude and longitude of a place, degrees.
+    pub(super) fn place(&self, at: &[f64], what: impl Display) -> Result<[f64; 2], InputError> {
+        let is_place = |latitude_deg: f64, longitude_deg: f64| {
+            latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 180.0
+        };
+        match *at {
+            [longitude_deg, latitude_deg, ..] if is_place(latitude_deg, longitude_deg) => {
+                Ok([latitude_deg, longitude_deg])
+            }
+            [one, other, ..] if is_place(one, other) => self.refuse(format_args!(
+                "has {what} out of range: latitude and longitude look exchanged, expected the longitude first"
+            )),
+            _ => self.refuse(format_args!(
+                "has {what} out of range, expected longitude from -180 to 180 and latitude from -90 to 90"
+            )),
+        }
+    }
+
+    /// A unit of lengths, metres.
+    pub(super) fn unit_m(&self, unit: &str) -> Result<f64, InputError> {
+        match unit.to_ascii_lowercase().as_str() {
+            "m" => Ok(1.0),
+            "ft" => Ok(FOOT_M),
+            _ => self.refuse(format_args!("has the unit {unit:?}, expected m or ft")),
+        }
+    }
+
+    /// A limit in a unit, metres, above a reference; `None` without one.
+    pub(super) fn limit(
+        &self,
+        value: Option<&Value>,
+        unit_m: f64,
+        reference: Option<&str>,
+    ) -> Result<Option<AreaLimit>, InputError> {
+        let height = match value {
+            None | Some(Value::Null) => return Ok(None),
+            // Some authorities write numbers as texts.
+            Some(Value::String(text)) => text.trim().parse().ok(),
+            Some(other) => other.as_f64(),
+        };
+        let Some(height) = height.filter(|height| height.is_finite()) else {
+            let value = value.unwrap_or(&Value::Null);
+            return self.refuse(format_args!("has the limit {value}, expected a number"));
+        };
+        let above = match reference.map(str::to_ascii_uppercase).as_deref() {
+            Some("AMSL") => Reference::Sea,
+            Some("AGL") => Reference::Ground,
+            Some("WGS84") => Reference::Ellipsoid,
+            other => {
+                let other = other.unwrap_or_default();
+                return self.refuse(format_args!(
+                    "has a limit above {other:?}, expected the vertical reference AGL, AMSL or WGS84"
+                ));
+            }
+        };
+        let height_m = height * unit_m;
+        Ok(Some(AreaLimit { height_m, above }))
+    }
+}
