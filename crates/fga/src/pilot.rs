@@ -3,7 +3,7 @@
 //! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone, the paper's rules, a peer, or one
 //! of your own.
 
-use crate::avoider::{Avoider, Decision, Places};
+use crate::avoider::{Avoider, BeliefAvoider, Decision, Places};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
@@ -44,6 +44,26 @@ impl<P: Places + 'static> Pilot for Avoider<P> {
 
     fn replace_mission(&mut self, kept: usize) {
         (**self).replace_mission(kept);
+    }
+
+    fn restart(&mut self) {
+        self.forget_flight();
+    }
+}
+
+impl Pilot for BeliefAvoider {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        let mut decision = Decision::default();
+        self.step_into(situation, &mut decision);
+        decision
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        self.avoider_mut().retune(vehicle);
+    }
+
+    fn replace_mission(&mut self, kept: usize) {
+        Pilot::replace_mission(self.avoider_mut(), kept);
     }
 
     fn restart(&mut self) {

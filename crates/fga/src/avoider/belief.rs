@@ -19,7 +19,6 @@ use crate::list::List;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
 use crate::mission::Route;
-use crate::pilot::Pilot;
 use crate::situation::{Obstacle, Obstacles, Situation};
 use crate::vehicle::Vehicle;
 use crate::{Vec3, assumptions::Assumptions};
@@ -112,6 +111,19 @@ impl BeliefAvoider {
         &self.avoider
     }
 
+    /// The avoider among what is exact, to change its limits or its mission.
+    pub const fn avoider_mut(&mut self) -> &mut Avoider {
+        &mut self.avoider
+    }
+
+    /// Forgets everything but its settings, its errors and the limits of its vehicle.
+    pub(crate) fn forget_flight(&mut self) {
+        self.avoider.forget_flight();
+        self.beliefs.forget();
+        self.chooser = Chooser::new();
+        self.choice = Choice::NONE;
+    }
+
     /// Decides into the place of another decision, which is large.
     pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
         if !situation.is_usable() {
@@ -146,29 +158,6 @@ impl BeliefAvoider {
             },
         );
         decision.record.work.limit_met |= left_out > 0;
-    }
-}
-
-impl Pilot for BeliefAvoider {
-    fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        let mut decision = Decision::default();
-        self.step_into(situation, &mut decision);
-        decision
-    }
-
-    fn retune(&mut self, vehicle: &Vehicle) {
-        self.avoider.retune(vehicle);
-    }
-
-    fn replace_mission(&mut self, kept: usize) {
-        Pilot::replace_mission(&mut self.avoider, kept);
-    }
-
-    fn restart(&mut self) {
-        self.avoider.restart();
-        self.beliefs.forget();
-        self.chooser = Chooser::new();
-        self.choice = Choice::NONE;
     }
 }
 
