@@ -1,6 +1,7 @@
 //! Policies by name, and the step that all of them share.
 use crate::mission_pilot::MissionPilot;
-use fga::avoider::{Avoider, BeliefAvoider, Settings, SettingsError, Start};
+use fga::avoider::belief::BeliefAvoider;
+use fga::avoider::{Avoider, Settings, SettingsError, Start};
 pub use fga::pilot::Pilot;
 use fga::vehicle::Vehicle;
 use fga_paper::pilot::{PaperPilot, Rule};

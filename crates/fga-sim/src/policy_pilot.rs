@@ -1,6 +1,7 @@
 //! The pilot of a policy.
 
-use fga::avoider::{Avoider, BeliefAvoider};
+use fga::avoider::Avoider;
+use fga::avoider::belief::BeliefAvoider;
 use fga::pilot::Pilot;
 use fga_paper::pilot::PaperPilot;
 

@@ -9,7 +9,7 @@
 //! ```
 
 mod against;
-mod belief;
+pub mod belief;
 mod demand;
 mod drift;
 mod intruders;
@@ -20,7 +20,6 @@ mod turn_aware;
 
 pub use crate::limit::SettingsError;
 pub use against::Against;
-pub use belief::BeliefAvoider;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};

@@ -3,7 +3,8 @@
 //! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone, the paper's rules, a peer, or one
 //! of your own.
 
-use crate::avoider::{Avoider, BeliefAvoider, Decision, Places};
+use crate::avoider::belief::BeliefAvoider;
+use crate::avoider::{Avoider, Decision, Places};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 

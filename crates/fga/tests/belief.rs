@@ -1,6 +1,7 @@
 //! What is flown among aircraft that may do many things.
 
-use fga::avoider::{BeliefAvoider, Decision, Settings, State};
+use fga::avoider::belief::BeliefAvoider;
+use fga::avoider::{Decision, Settings, State};
 use fga::meter::Meter;
 use fga::pilot::Pilot;
 use fga::prediction::{Flyer, MotionState};

@@ -108,7 +108,7 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_index::situation::Situation,
         fga::avoider::Against,
         fga::avoider::Avoider,
-        fga::avoider::BeliefAvoider,
+        fga::avoider::belief::BeliefAvoider,
         fga::avoider::Candidate,
         fga::avoider::Decision,
         fga::avoider::Known,

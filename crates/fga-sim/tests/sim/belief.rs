@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use fga::avoider::{BeliefAvoider, Decision, State};
+use fga::avoider::belief::BeliefAvoider;
+use fga::avoider::{Decision, State};
 use fga::pilot::Pilot;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
