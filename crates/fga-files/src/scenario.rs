@@ -132,8 +132,9 @@ pub struct ObstacleTable {
     /// Name for people.
     pub name: Option<String>,
     /// What it is.
-    #[serde(default)]
-    pub kind: KindName,
+    pub nature: Option<KindName>,
+    /// The name of `nature` until 0.2.
+    pub kind: Option<Spanned<KindName>>,
     /// East, north, up at time 0, metres.
     pub position_m: Option<Spanned<[f64; 3]>>,
     /// Latitude and longitude, degrees, altitude, metres, at time 0.
@@ -153,6 +154,14 @@ pub struct ObstacleTable {
     /// How it may move.
     #[serde(default)]
     pub movement: MovementName,
+}
+
+impl ObstacleTable {
+    /// What the obstacle is, by either name.
+    pub fn nature(&self) -> KindName {
+        let old = self.kind.as_ref().map(|kind| *kind.get_ref());
+        self.nature.or(old).unwrap_or_default()
+    }
 }
 
 /// `[[zone]]`

@@ -114,6 +114,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     let (terrain, ground) = terrain.transpose()?.unzip();
     let reach_m = (start.position_m, flies_m);
     let (zones, mut notes) = zones::all(&file.zone, &places, terrain.as_ref(), reach_m)?;
+    notes.extend(old_names(&file.obstacle));
     let (mut names, mut obstacles) = (Vec::new(), Vec::<WorldObstacle>::new());
     for (entry, number) in file.obstacle.iter().zip(1..) {
         let obstacle = obstacle(entry, number, &places, &model)?;
@@ -390,7 +391,11 @@ fn obstacle(
         track,
         volume,
     );
-    obstacle.kind = table.kind.into();
+    if let (Some(_), Some(kind)) = (table.nature, &table.kind) {
+        let message = "kind and nature are given, expected nature alone: they are one key";
+        return Err(text.error_at(kind, message));
+    }
+    obstacle.kind = table.nature().into();
     obstacle.movement = table.movement.into();
     obstacle.charted_sigma_m = charted_sigma_m(table, &text)?;
     if let Some(appears) = &table.appears_s {
@@ -399,16 +404,22 @@ fn obstacle(
     Ok(obstacle)
 }
 
+/// A note about keys that have other names now; one, however many obstacles have them.
+fn old_names(obstacles: &[Spanned<ObstacleTable>]) -> Option<String> {
+    let is_old = obstacles.iter().any(|each| each.get_ref().kind.is_some());
+    is_old.then(|| "kind of an obstacle is called nature now: kind is read as before".to_owned())
+}
+
 /// The error of an obstacle that stands on a chart: one that is said to be still, and a natural barrier at rest.
 fn charted_sigma_m(table: &ObstacleTable, text: &TomlText<'_>) -> Result<Option<f64>, InputError> {
     let is_at_rest = table.velocity_mps.is_none() && table.track_m.is_none();
     let is_still = matches!(table.movement, MovementName::Still);
-    let is_charted = is_at_rest && (is_still || matches!(table.kind, KindName::NaturalBarrier));
+    let is_charted = is_at_rest && (is_still || matches!(table.nature(), KindName::NaturalBarrier));
     match &table.chart_error_m {
         Some(error) if !is_charted => Err(text.error_at(
             error,
             "chart_error_m is given for an obstacle that is on no chart, expected movement = \"still\" or \
-             kind = \"natural-barrier\", and neither velocity_mps nor track_m",
+             nature = \"natural-barrier\", and neither velocity_mps nor track_m",
         )),
         Some(error) => text.not_negative("chart_error_m", error).map(Some),
         None => Ok(is_charted.then_some(0.0)),

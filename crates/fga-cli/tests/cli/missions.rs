@@ -503,3 +503,35 @@ fn areas_of_zones_are_checked_by_themselves() {
         assert!(said.contains(words), "{said}");
     }
 }
+
+/// The old name of an obstacle's nature is read and named once; both names are refused.
+#[test]
+fn the_old_name_of_an_obstacles_nature_is_read_and_named_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let of = |obstacle: &str| {
+        format!(
+            "name = 'a'\nduration_s = 60.0\n[mission]\nwaypoints_m = [[0,0,100],[600,0,100]]\n{}{}",
+            format_args!("[[obstacle]]\nposition_m = [300,90,100]\n{obstacle}\n"),
+            format_args!("[[obstacle]]\nposition_m = [400,90,100]\n{obstacle}\n"),
+        )
+    };
+    fs::write(at.join("old.toml"), of("kind = 'natural-barrier'")).unwrap();
+    fs::write(at.join("new.toml"), of("nature = 'natural-barrier'")).unwrap();
+    let old = said(at, &["check", "old.toml"], 0);
+    assert_eq!(old.matches("is called nature now").count(), 1, "{old}");
+    assert!(!said(at, &["check", "new.toml"], 0).contains("warning"));
+    let flown = |name: &str| {
+        let flown = fga_in(at, &["run", name, "--out", name.trim_end_matches(".toml")]);
+        assert!(flown.status.success(), "{}", errors(&flown));
+        fs::read(at.join(name.trim_end_matches(".toml")).join("track.csv")).unwrap()
+    };
+    assert_eq!(flown("old.toml"), flown("new.toml"));
+    fs::write(
+        at.join("both.toml"),
+        of("kind = 'unknown'\nnature = 'unknown'"),
+    )
+    .unwrap();
+    let both = said(at, &["check", "both.toml"], 1);
+    assert!(both.contains("line 7: kind and nature are given"), "{both}");
+}
