@@ -8,6 +8,9 @@
 /// Turns that begin in straight flight, per second, half of them to either side.
 pub(crate) const TURN_BEGINS_PER_S: f32 = 0.012;
 
+/// The same as the filter sees them, beside what wavers: with more of them it is less sure of recorded flights than it is right.
+pub(crate) const TURN_SEEN_PER_S: f32 = 0.007;
+
 /// Turns that end, per second: they last half a minute.
 pub(crate) const TURN_ENDS_PER_S: f32 = 0.037;
 

@@ -26,7 +26,7 @@ impl Kind {
 
     /// Chance per second to change into another one.
     const fn rate_to(self, other: Self) -> f32 {
-        let turn = 0.5 * prior::TURN_BEGINS_PER_S;
+        let turn = 0.5 * prior::TURN_SEEN_PER_S;
         match (self, other) {
             (Self::Steady, Self::Wavering) => prior::WAVERING_BEGINS_PER_S,
             (Self::Wavering, Self::Steady) => prior::WAVERING_ENDS_PER_S,
