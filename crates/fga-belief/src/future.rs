@@ -247,7 +247,7 @@ impl Belief {
             turn_radps: if kind.side() == 0.0 {
                 0.0
             } else {
-                rate.clamp(-brief_radps, brief_radps)
+                rate.max(-brief_radps).min(brief_radps)
             },
         };
         let second = self.changed(&first, [t1, what1, how1].map(unit));

@@ -119,7 +119,8 @@ impl Turn {
 
     /// Carries it on, seconds.
     pub(crate) fn advance(&mut self, kind: Kind, turn_radps: f32, t: f32) {
-        let rate = self.rate_radps().clamp(-2.0 * turn_radps, 2.0 * turn_radps);
+        let most = 2.0 * turn_radps;
+        let rate = self.rate_radps().max(-most).min(most);
         let (g, f) = turned(rate, t);
         let r = Complex::unit(rate * t);
         let [p, v, a] = self.at;

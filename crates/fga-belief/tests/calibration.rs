@@ -135,3 +135,26 @@ fn weights_add_up_and_the_same_belief_has_the_same_futures() {
         "{mean} {estimate:?}"
     );
 }
+
+/// Bounds that make no sense give futures that make none; they end no program.
+#[test]
+fn no_bounds_end_a_program() {
+    let mut draw = Draw::new(3, 3);
+    let track = flown(Motion::Mixed, 20.0, &mut draw);
+    let sight = Sight::of(10.0, 10);
+    for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300] {
+        let bounds = MovementBounds {
+            turn_rate_radps: odd,
+            brief_turn_rate_radps: odd,
+            turn_rad: odd,
+            climb_change_mps: odd,
+            acceleration_mps2: odd,
+        };
+        let report = sight.report(&track[0], &mut draw).unwrap();
+        let mut belief = Belief::new(&report, &bounds);
+        for moment in track.iter().step_by(10).skip(1) {
+            belief.update(&sight.report(moment, &mut draw).unwrap());
+        }
+        assert_eq!(belief.futures(20.0).all.len(), FUTURES);
+    }
+}

@@ -5,6 +5,7 @@
 use core::panic::PanicInfo;
 
 use fga::Vec3;
+use fga::avoider::belief::{BeliefAvoider, Errors};
 use fga::avoider::{Avoider, Block, Kept, Settings, Start};
 use fga::certificate::Hazard;
 use fga::pilot::Pilot;
@@ -104,6 +105,16 @@ fn start_s(pilot: &mut dyn Pilot, x_m: f64, y_m: f64, radius_m: f64) -> f64 {
 #[unsafe(no_mangle)]
 pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
     let Ok(mut avoider) = Avoider::new(Settings::default(), Vehicle::table_4()) else {
+        return -1.0;
+    };
+    start_s(&mut avoider, x_m, y_m, radius_m)
+}
+
+/// One decision on beliefs.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_belief_start_s(x_m: f64, y_m: f64, radius_m: f64, nac_p: u8) -> f64 {
+    let errors = Errors::of_adsb(nac_p, nac_p);
+    let Ok(mut avoider) = BeliefAvoider::new(Settings::default(), Vehicle::table_4(), errors) else {
         return -1.0;
     };
     start_s(&mut avoider, x_m, y_m, radius_m)

@@ -5,7 +5,7 @@
 //! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one that keeps clear of what
 //! is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
-use fga_belief::Errors;
+pub use fga_belief::{Errors, Sigma, Source};
 use fga_choice::{Beliefs, Chance, Chooser, Plan, Ranked, Scene};
 
 use crate::avoider::intruders::Freedom;
