@@ -65,10 +65,25 @@ impl AnswerArgs {
         value: &serde_json::Value,
     ) -> Result<(), Failure> {
         if self.json {
+            HAS_ANSWERED.store(true, Ordering::Relaxed);
             print(&format!("{value:#}\n"))
         } else {
             print(&in_words())
         }
+    }
+}
+
+/// Whether an answer in JSON was printed: an answer may say what is wrong, and then the command fails.
+static HAS_ANSWERED: AtomicBool = AtomicBool::new(false);
+
+/// Prints a failure as JSON, where no answer says it.
+pub(crate) fn print_failure(failure: &Failure) {
+    if !HAS_ANSWERED.load(Ordering::Relaxed) {
+        // The exit code says the rest, whoever reads.
+        let _ = print(&format!(
+            "{:#}\n",
+            serde_json::json!({ "error": failure.to_string() })
+        ));
     }
 }
 

@@ -173,11 +173,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Err(failure) => {
             eprintln!("fga: {failure}");
             if is_json {
-                // The exit code says the rest, whoever reads.
-                let _ = common::print(&format!(
-                    "{:#}\n",
-                    serde_json::json!({ "error": failure.to_string() })
-                ));
+                common::print_failure(&failure);
             }
             ExitCode::FAILURE
         }
