@@ -104,7 +104,7 @@ impl Spread {
 pub struct Future {
     /// Its weight; all weights of an aircraft add up to one.
     pub weight: f32,
-    /// How far it may be off along each horizontal axis, and above or below.
+    /// How far it may be off along each horizontal axis.
     pub beside: Spread,
     /// The same for its altitude.
     pub above: Spread,

@@ -13,22 +13,10 @@ const LATER_S: f64 = 1e-6;
 
 /// An aircraft that is known.
 #[derive(Debug, Clone, Copy)]
-pub struct Known {
-    pub(crate) id: u32,
+pub(crate) struct Known {
+    id: u32,
     pub(crate) volume: ProtectedVolume,
     pub(crate) belief: Belief,
-}
-
-impl Known {
-    /// Its identifier.
-    pub const fn id(&self) -> u32 {
-        self.id
-    }
-
-    /// What is believed of it.
-    pub const fn belief(&self) -> &Belief {
-        &self.belief
-    }
 }
 
 /// The beliefs about all aircraft, in the order in which they were first heard.
@@ -59,8 +47,13 @@ impl Beliefs {
         self.left_out = 0;
     }
 
+    /// Whether nobody is known.
+    pub fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
     /// The aircraft.
-    pub fn iter(&self) -> impl Iterator<Item = &Known> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Known> {
         self.known.iter().flatten()
     }
 

@@ -17,7 +17,7 @@ const INNER: (f32, f32) = (0.62, 0.7);
 /// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
 const COLLISION_M: (f32, f32) = (152.4, 30.48);
 
-/// A path is near a future within the radius and so many σ.
+/// Heights count while a future is within the radius and this many σ of its place.
 const NEAR_SIGMAS: f32 = 2.0;
 
 /// Chances of a path.

@@ -63,6 +63,20 @@ struct Looked {
     there: Aside,
 }
 
+impl Looked {
+    /// At the beginning.
+    const fn new(plan: Plan) -> Self {
+        Self {
+            plan,
+            chance: Ranked::NONE.chance,
+            there: Aside {
+                off_m: 0.0,
+                along_m: 0.0,
+            },
+        }
+    }
+}
+
 /// What is near: an aircraft that is believed to be somewhere, or an obstacle that keeps its velocity.
 #[derive(Clone, Copy)]
 enum Other<'a> {
@@ -91,18 +105,10 @@ impl Default for Chooser {
 impl Chooser {
     /// One that has weighed nothing.
     pub const fn new() -> Self {
-        let looked = Looked {
-            plan: Plan::Mission,
-            chance: Ranked::NONE.chance,
-            there: Aside {
-                off_m: 0.0,
-                along_m: 0.0,
-            },
-        };
         Self {
             ahead: Ahead::NONE,
             path: [[0.0; 3]; SECONDS + 1],
-            looked: List::new(looked),
+            looked: List::new(Looked::new(Plan::Mission)),
             ranked: List::new(Ranked::NONE),
             course_rad: 0.0,
             leg_rad: 0.0,
@@ -123,7 +129,7 @@ impl Chooser {
     }
 
     /// Weighs the plans of a moment, where `present` is flown; returns the chances of the mission. The plans are in [`Self::ranked`]:
-    /// none where the mission has no chance of a loss.
+    /// the mission alone where it has no chance of a loss.
     pub fn weigh(
         &mut self,
         scene: &Scene<'_>,
@@ -141,6 +147,7 @@ impl Chooser {
             .first()
             .map_or(Chance::default(), |on| on.chance);
         if hold.loss < price::NO_CHANCE {
+            self.rank(Plan::Mission, &Chance::default(), 0.0);
             return hold;
         }
         let flown = present.way_at(scene.time_s);
@@ -204,31 +211,20 @@ impl Chooser {
 
     /// Puts a plan among the cheapest ones; of two that cost the same the first one stays before.
     fn rank(&mut self, plan: Plan, chance: &Chance, cost_m: f64) {
-        let mut new = Ranked {
+        let chance = *chance;
+        let new = Ranked {
             plan,
-            chance: *chance,
+            chance,
             cost_m,
         };
-        for ranked in self.ranked.iter_mut() {
-            if new.cost_m < ranked.cost_m {
-                core::mem::swap(ranked, &mut new);
-            }
-        }
-        self.ranked.push(new);
+        keep_least(&mut self.ranked, new, |ranked| ranked.cost_m);
     }
 
     /// Takes plans to look at.
     fn begin(&mut self, plans: impl IntoIterator<Item = Plan>) {
         self.looked.clear();
         for plan in plans {
-            self.looked.push(Looked {
-                plan,
-                chance: Chance::default(),
-                there: Aside {
-                    off_m: 0.0,
-                    along_m: 0.0,
-                },
-            });
+            self.looked.push(Looked::new(plan));
         }
     }
 
@@ -264,6 +260,20 @@ impl Chooser {
     }
 }
 
+/// Keeps the items with the least numbers, the least first; of equal ones the first stays before.
+fn keep_least<T: Copy, const N: usize>(
+    kept: &mut List<T, N>,
+    mut new: T,
+    number: impl Fn(&T) -> f64,
+) {
+    for one in kept.iter_mut() {
+        if number(&new) < number(one) {
+            core::mem::swap(one, &mut new);
+        }
+    }
+    kept.push(new);
+}
+
 /// The nearest of what is around, by distance, metres.
 fn others<'a>(
     scene: &Scene<'_>,
@@ -273,13 +283,7 @@ fn others<'a>(
     let own_m = scene.now.position_m;
     let mut nearest = List::new((f64::INFINITY, None));
     let mut keep = |away_m: f64, other| {
-        let mut new = (away_m, Some(other));
-        for other in nearest.iter_mut() {
-            if new.0 < other.0 {
-                core::mem::swap(other, &mut new);
-            }
-        }
-        nearest.push(new);
+        keep_least(&mut nearest, (away_m, Some(other)), |other| other.0);
     };
     for known in beliefs.iter() {
         let at_m = known.belief.at(scene.time_s).position_m;

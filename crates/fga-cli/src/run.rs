@@ -6,7 +6,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga::situation::ProtectedVolume;
-use fga_files::from_mission::over;
 use fga_formats::number::fixed;
 use fga_formats::words::counted;
 use fga_formats::{InputError, conf, missions};
@@ -72,12 +71,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let overlay = args.overlay.choices(&policy)?;
     let guidance = args.config.as_deref().map(conf::read).transpose()?;
     let (ownship, terrain) = (args.ownship.as_deref(), args.terrain.as_slice());
-    let (plan, read) = Plan::read_once(&args.file, args.vehicle.given()?, ownship, terrain)?;
-    let input_hash = fingerprint(&read);
+    let (plan, source) = Plan::read_once(&args.file, args.vehicle.given()?, ownship, terrain)?;
+    let input_hash = fingerprint(&source.bytes);
     if let Some(refusal) = plan.refusal() {
         return Err(InputError::in_file(&args.file, refusal).into());
     }
-    say_beforehand(args, &plan)?;
+    say_beforehand(args, &plan, &source.notes);
     let mut policies = core::iter::once(&policy).chain(&overlay);
     let unknown = match (plan.world.zones.is_empty(), &plan.world.ground) {
         (true, None) => None,
@@ -122,7 +121,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Says on standard error who flies a file that names no vehicle, what of it is not flown, and what probably is not meant.
-fn say_beforehand(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
+fn say_beforehand(args: &RunArgs, plan: &Plan, notes: &[String]) {
     let shown = args.file.display();
     let is_mission = missions::is_mission_file(&args.file);
     let is_recording = args.file.extension().is_some_and(|is| is == "daa");
@@ -131,17 +130,12 @@ fn say_beforehand(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
         let name = &plan.model.name;
         eprintln!("a {kind} names no vehicle: {name} flies it; --vehicle names another");
     }
-    if is_mission {
-        let mission = missions::read(&args.file)?;
-        let mission = over(mission, &args.file, &args.terrain, &plan.model.vehicle)?;
-        for note in mission.notes {
-            eprintln!("fga: {shown}: {note}");
-        }
+    for note in notes {
+        eprintln!("fga: {shown}: {note}");
     }
     for warning in plan.warnings() {
         eprintln!("fga: {shown}: warning: {warning}");
     }
-    Ok(())
 }
 
 fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView, Failure> {

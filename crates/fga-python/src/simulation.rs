@@ -48,7 +48,9 @@ fn read_plan(
     vehicle: Option<&Bound<'_, PyAny>>,
     ownship: Option<&str>,
 ) -> PyResult<(Plan, Vec<u8>)> {
-    Plan::read_once(path, model_of(vehicle)?, ownship, &[]).map_err(input)
+    let read = Plan::read_once(path, model_of(vehicle)?, ownship, &[]);
+    let (plan, source) = read.map_err(input)?;
+    Ok((plan, source.bytes))
 }
 
 /// A scenario (.toml) or recording (.daa) that waits for each decision.

@@ -53,7 +53,7 @@ struct MovingView {
 }
 
 impl MovingView {
-    /// A view of mission, track and obstacles at rest; what flies may come from outside.
+    /// A view that shows the mission, the track and the obstacles at rest. Moving obstacles may enter it from outside.
     fn of(overview: &Overview) -> Option<Self> {
         let at_rest = overview.obstacles.iter().filter(|other| !other.moves());
         let at_rest = at_rest.filter_map(|other| Some(other.track.first()?.position_m));

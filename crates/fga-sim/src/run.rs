@@ -26,6 +26,15 @@ use crate::vehicle_file::VehicleModel;
 use crate::whole::nearest;
 use crate::{recording, scenario};
 
+/// The file of a plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlanSource {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// What of a mission is not flown, or otherwise than it is written; one sentence each.
+    pub notes: Vec<String>,
+}
+
 impl Plan {
     /// Reads a scenario (`.toml`), a recording (`.daa`) or a mission (`.plan`, `.waypoints`). `vehicle` replaces the
     /// vehicle of a scenario, the light aircraft that flies recordings, and Table 4's, which flies missions.
@@ -36,8 +45,7 @@ impl Plan {
         Ok(Self::read_once(path, vehicle, None, &[])?.0)
     }
 
-    /// The same, with the name of a recording's ownship (without it the first aircraft), the files of heights under a mission, and the bytes
-    /// that were read.
+    /// The same, with the name of a recording's ownship (without it the first aircraft) and the files of heights under a mission.
     ///
     /// # Errors
     /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship or heights for another file.
@@ -46,7 +54,7 @@ impl Plan {
         vehicle: Option<VehicleModel>,
         ownship: Option<&str>,
         terrain: &[PathBuf],
-    ) -> Result<(Self, Vec<u8>), InputError> {
+    ) -> Result<(Self, PlanSource), InputError> {
         let refused = |reason| Err(InputError::in_file(path, reason));
         let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         let ending = ending.as_ref().and_then(|ending| ending.to_str());
@@ -72,6 +80,7 @@ impl Plan {
         }
         let bytes = read_bytes(path)?;
         let text = text_of(&gzip::unpacked(&bytes, path)?);
+        let mut notes = Vec::new();
         let plan = match ending {
             Some("toml") => scenario::parse(TomlText::new(path, &text), vehicle)?,
             Some("daa") => {
@@ -83,6 +92,7 @@ impl Plan {
                 let mission = missions::parse(&text, path)?;
                 let mission = over(mission, path, terrain, &model.vehicle)?;
                 let text = scenario_text(&mission, path, model.vehicle.airspeed_mps, terrain)?;
+                notes = mission.notes;
                 let plan = scenario::parse(TomlText::new(path, &text), Some(model));
                 // Lines of the text that was made are no lines of the file.
                 plan.map_err(|error| InputError {
@@ -91,7 +101,7 @@ impl Plan {
                 })?
             }
         };
-        Ok((plan, bytes))
+        Ok((plan, PlanSource { bytes, notes }))
     }
 }
 

@@ -517,7 +517,7 @@ impl Avoider<dyn Places + '_> {
 
     /// Adds what bounds a manoeuvre: limits of altitude, zones and ground. A manoeuvre may be as low and as high as the mission is.
     fn bind(&mut self, situation: &Situation<'_>) {
-        if self.vehicle.climb_min_rad < self.vehicle.climb_max_rad {
+        if self.can_climb() {
             // What it can no longer keep above, or is already below, leads back all the same.
             let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
             let apart_m = 2.0 * self.wanted_m();
@@ -576,6 +576,11 @@ impl Avoider<dyn Places + '_> {
 
     fn climb_limits_rad(&self) -> (f64, f64) {
         (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
+    }
+
+    /// Whether its climb angles differ.
+    fn can_climb(&self) -> bool {
+        self.vehicle.climb_min_rad < self.vehicle.climb_max_rad
     }
 
     /// The same for a manoeuvre, which stays between the limits of altitude.

@@ -145,7 +145,7 @@ fn traffic(bytes: &[u8; TRAFFIC]) -> Result<TrafficReport, LeftOut> {
         return Err(LeftOut::NoAddress);
     }
     let degrees = |field: u32| {
-        // The sign is that of 24 bits.
+        // Extends the sign of 24 bits.
         let signed = (field << 8).cast_signed() >> 8;
         f64::from(signed) * 180.0 / 8_388_608.0
     };

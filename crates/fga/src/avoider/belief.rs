@@ -6,9 +6,10 @@
 //! is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
 pub use fga_belief::{Errors, Sigma, Source};
-use fga_choice::{Beliefs, Chance, Chooser, Plan, Ranked, Scene};
+use fga_choice::{Beliefs, Chooser, Plan, Ranked, Scene};
 
 use crate::avoider::intruders::Freedom;
+use crate::avoider::turn_aware::ENOUGH_M;
 use crate::avoider::{
     Avoider, Candidate, Decision, Now, Places, Reason, Settings, SettingsError, State, Threat,
     Verdict,
@@ -32,9 +33,6 @@ const PROVEN_M: f64 = 1000.0;
 
 /// Most obstacles that are looked at.
 const MOST_SEEN: usize = 64;
-
-/// Margins are capped at this value, metres.
-const ENOUGH_M: f64 = 1e3;
 
 /// Decides on beliefs about aircraft: call it each cycle with a [`Situation`] of reports and fly its [`Decision`]. Among obstacles that are
 /// no aircraft it is an [`Avoider`].
@@ -106,11 +104,6 @@ impl BeliefAvoider {
         })
     }
 
-    /// The avoider among what is exact, with the state of both.
-    pub const fn avoider(&self) -> &Avoider {
-        &self.avoider
-    }
-
     /// The avoider among what is exact, to change its limits or its mission.
     pub const fn avoider_mut(&mut self) -> &mut Avoider {
         &mut self.avoider
@@ -130,7 +123,7 @@ impl BeliefAvoider {
             return self.avoider.step_into(situation, decision);
         }
         let has_news = self.beliefs.hear(situation, &self.errors);
-        if self.beliefs.iter().next().is_none() {
+        if self.beliefs.is_empty() {
             self.choice = Choice::NONE;
             return self.avoider.step_into(situation, decision);
         }
@@ -180,7 +173,7 @@ impl Chooses<'_> {
     ) {
         let (time_s, horizon_s) = (situation.time_s, avoider.settings.horizon_s);
         let mut mission = Maneuver::hold();
-        // A way back is flown to its end: one that is laid anew in each step never comes.
+        // A way back keeps its turns until it ends. Laid anew in each step it might never end.
         let (began_s, until_s) = self.choice.back_s;
         let is_back = avoider.state != State::Recovering || time_s >= until_s;
         if is_back {
@@ -222,7 +215,7 @@ impl Chooses<'_> {
         let before = self.choice.plan;
         let is_kept = !is_due && !self.choice.is_left && {
             scene.set(&before, decision.command.edit());
-            let is_proven = is_proven(avoider, &scene, &before, decision, now);
+            let is_proven = keeps(avoider, &scene, (&before, true), decision, now);
             is_proven || !self.choice.is_proven
         };
         if !is_kept && (is_due || !self.choice.is_left) {
@@ -253,21 +246,14 @@ impl Chooses<'_> {
             let demand = avoider.first_demand();
             avoider.first_threat(scene.mission, now, &demand)
         });
-        let clear = [Ranked {
-            plan: Plan::Mission,
-            chance: Chance::default(),
-            cost_m: 0.0,
-        }];
         let ranked = self.chooser.ranked();
-        let ranked = if ranked.is_empty() { &clear } else { ranked };
         let mut choice = Choice {
             at_s: scene.time_s,
             back_s: self.choice.back_s,
-            is_proven: true,
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
         };
-        // Whether to begin is decided by the cost; what is flown is proven where that costs little.
+        // The least cost decides whether a manoeuvre begins. Among plans that cost little more, a proof decides which one flies.
         let is_off = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
         let cheapest = ranked.first().copied();
         let was_off = self.choice.plan.way_at(scene.time_s).is_some();
@@ -281,8 +267,7 @@ impl Chooses<'_> {
             choice.is_proven = is_wanted;
             for one in ranked.iter().filter(|one| !is_wanted || is_near(one)) {
                 scene.set(&one.plan, decision.command.edit());
-                let keeps = if is_wanted { is_proven } else { keeps_bounds };
-                if keeps(avoider, scene, &one.plan, decision, now) {
+                if keeps(avoider, scene, (&one.plan, is_wanted), decision, now) {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
@@ -313,7 +298,6 @@ impl Chooses<'_> {
         let is_proven = decision.command.proof().is_some();
         avoider.plan = None;
         let was = avoider.state;
-        let can_climb = avoider.vehicle.climb_min_rad < avoider.vehicle.climb_max_rad;
         let (state, reason) = match (choice.plan, choice.plan.way_at(time_s)) {
             (_, Some(_)) if !is_proven => (State::Avoiding, avoider.unproven()),
             (_, Some(_)) if was != State::Avoiding => (State::Avoiding, Reason::ManeuverChosen),
@@ -326,7 +310,7 @@ impl Chooses<'_> {
             }
             (_, None) if was == State::Avoiding => (State::Recovering, Reason::RejoinChosen),
             (_, None) if was == State::Recovering => {
-                if avoider.progress.is_back(now, can_climb) {
+                if avoider.progress.is_back(now, avoider.can_climb()) {
                     (State::Cruise, Reason::Rejoined)
                 } else {
                     (State::Recovering, Reason::RejoinKept)
@@ -339,13 +323,7 @@ impl Chooses<'_> {
         let record = &mut decision.record;
         [record.p_loss_hold, record.p_loss] = choice.p_loss.map(Some);
         let elapsed_s = time_s - choice.at_s;
-        // After the predicted entry the threat is history.
-        let ahead = choice.threat.filter(|threat| threat.entry_s >= elapsed_s);
-        record.threat = ahead.map(|threat| Threat {
-            entry_s: threat.entry_s - elapsed_s,
-            closest_s: threat.closest_s - elapsed_s,
-            ..threat
-        });
+        record.threat = choice.threat.and_then(|threat| threat.later(elapsed_s));
         record.work.threats = u32::from(choice.threat.is_some());
         if let Plan::Off(_, from_s) = choice.plan {
             record.start_s = Some(from_s - time_s);
@@ -372,46 +350,32 @@ fn is_on_mission(avoider: &Avoider<dyn Places + '_>, plan: &Plan) -> bool {
     *plan == Plan::Mission && matches!(avoider.state, State::Cruise | State::Threatened)
 }
 
-/// Whether the command of a decision is proven to keep clear of what is expected and of what is fixed; then it has its proof.
-fn is_proven(
+/// Whether the command of a decision keeps clear of what is fixed; where a proof is wanted, of what is expected too, and then it has its proof.
+fn keeps(
     avoider: &mut Avoider<dyn Places + '_>,
     scene: &Scene<'_>,
-    plan: &Plan,
+    (plan, is_proof_wanted): (&Plan, bool),
     decision: &mut Decision,
     now: &Now<'_>,
 ) -> bool {
-    let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
-    let until_s = walls_s(avoider, scene, plan, &decision.command, now);
-    avoider.within_walls(until_s, |avoider| {
-        let asked = (horizon_s, margin_m, ENOUGH_M);
-        avoider.prove(&mut decision.command, now, asked)
-    })
-}
-
-/// Whether the command of a decision keeps clear of what is fixed.
-fn keeps_bounds(
-    avoider: &mut Avoider<dyn Places + '_>,
-    scene: &Scene<'_>,
-    plan: &Plan,
-    decision: &mut Decision,
-    now: &Now<'_>,
-) -> bool {
-    if is_on_mission(avoider, plan) {
+    if !is_proof_wanted && is_on_mission(avoider, plan) {
         return true;
     }
     let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
+    let asked = (horizon_s, margin_m, ENOUGH_M);
     let until_s = walls_s(avoider, scene, plan, &decision.command, now);
-    avoider.predict(&decision.command, now, horizon_s);
     avoider.within_walls(until_s, |avoider| {
-        let asked = (horizon_s, margin_m, ENOUGH_M);
+        if is_proof_wanted {
+            return avoider.prove(&mut decision.command, now, asked);
+        }
+        avoider.predict(&decision.command, now, horizon_s);
         let around = avoider.tracks.around(now.mission);
         let walls = Assumptions {
             rows: &[],
             ..around
         };
-        let flown = (&avoider.flyer, &avoider.path);
         let mut limits = around.rows.iter().filter(|row| row.id() == u32::MAX);
-        certify_set(flown.0, flown.1, &walls, asked, &avoider.meter).holds(margin_m)
+        certify_set(&avoider.flyer, &avoider.path, &walls, asked, &avoider.meter).holds(margin_m)
             && limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
     })
 }
@@ -432,7 +396,7 @@ fn walls_s(
     }
     let horizon_s = avoider.settings.horizon_s;
     avoider.predict(command, now, horizon_s);
-    let can_climb = avoider.vehicle.climb_min_rad < avoider.vehicle.climb_max_rad;
+    let can_climb = avoider.can_climb();
     let mut seconds = (0..whole(horizon_s, 600)).map(|second| second as f64);
     let back_s = seconds.find(|second| {
         let state = avoider.path.state_at(&avoider.flyer, *second);

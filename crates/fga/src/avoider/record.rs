@@ -85,6 +85,17 @@ pub struct Threat {
     pub margin_m: f64,
 }
 
+impl Threat {
+    /// The same some seconds later; after the predicted entry it is history.
+    pub(super) fn later(&self, elapsed_s: f64) -> Option<Self> {
+        (self.entry_s >= elapsed_s).then_some(Self {
+            entry_s: self.entry_s - elapsed_s,
+            closest_s: self.closest_s - elapsed_s,
+            ..*self
+        })
+    }
+}
+
 /// The result of a candidate manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {

@@ -45,7 +45,7 @@ const MORE_ROOM_S: f64 = 20.0;
 const BEGUN_RAD: f64 = 0.8;
 
 /// Margins are capped at this value, m.
-const ENOUGH_M: f64 = 1e3;
+pub(super) const ENOUGH_M: f64 = 1e3;
 
 /// An obstacle whose entry is later than this after the first one belongs to another encounter,
 /// seconds.
@@ -478,13 +478,7 @@ impl Avoider<dyn Places + '_> {
         self.say(decision, reason);
         let demand = self.demand_of(plan.rung);
         let record = &mut decision.record;
-        // After the predicted entry the threat is history.
-        let ahead = plan.threat.filter(|threat| threat.entry_s >= elapsed_s);
-        record.threat = ahead.map(|threat| Threat {
-            entry_s: threat.entry_s - elapsed_s,
-            closest_s: threat.closest_s - elapsed_s,
-            ..threat
-        });
+        record.threat = plan.threat.and_then(|threat| threat.later(elapsed_s));
         record.in_need = demand.in_need;
         record.straight_aircraft = self.tracks.straight_aircraft(demand.share, &self.meter);
         let is_proven = decision.command.proof().is_some();

@@ -82,9 +82,8 @@ impl Avoider<dyn Places + '_> {
         self.state = State::Cruise;
         self.watch(situation, now, decision);
         if decision.record.reason == Reason::Clear {
-            let can_climb = self.vehicle.climb_min_rad < self.vehicle.climb_max_rad;
             decision.record.reason = Reason::Rejoined;
-            if !self.progress.is_back(now, can_climb) {
+            if !self.progress.is_back(now, self.can_climb()) {
                 self.state = State::Recovering;
                 (decision.state, decision.record.reason) = (self.state, Reason::RejoinKept);
             }
