@@ -119,8 +119,23 @@ pub(crate) fn bounded(
     if nearest.holds(enough_m) {
         return found;
     }
+    let mut margin_m = found.margin_m.min(fixed.margin_m(nearest.margin_m));
+    if margin_m < 0.0 && floor_m < 0.0 {
+        // A chord tells only how far it leads out itself.
+        let until_s = horizon_s.min(fixed.until_s());
+        let end = path.end_line(until_s).filter(|line| line.duration_s > 0.0);
+        let end = end.map(|line| (until_s, line.from_m + line.velocity_mps * line.duration_s));
+        let states = path.nodes().iter().map(|node| node.state);
+        let places = states
+            .map(|state| (state.time_s, state.position_m))
+            .chain(end);
+        let meter = effort.1;
+        margin_m = places.fold(margin_m, |least_m, place| {
+            least_m.min(-fixed.depth_m(place, meter))
+        });
+    }
     Closest {
-        margin_m: found.margin_m.min(fixed.margin_m(nearest.margin_m)),
+        margin_m,
         ..nearest
     }
 }

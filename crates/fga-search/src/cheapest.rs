@@ -4,8 +4,11 @@
 //! least, that turn is flown. Where the flight is not certified, it rules out more of the row. The search ends once no row may cost
 //! less than the best manoeuvre so far.
 
+use core::f64::consts::FRAC_PI_2;
+
 use fga_proof::angle::Side;
-use fga_proof::certificate::STEEPEST;
+use fga_proof::assumptions::Assumptions;
+use fga_proof::certificate::{STEEPEST, certify_set};
 use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
@@ -158,14 +161,19 @@ impl Search<'_> {
         let least = |aside_m: f64, behind_m: f64| {
             Departure { aside_m, behind_m }.length_m(scene.objective) / WORTH
         };
-        for first_rad in ASIDE_RAD {
-            let (sin, cos) = libm::sincos(first_rad);
-            // With tightest turns, and back at once.
-            let cost = least(
-                2.0 * radius_m * (1.0 - cos),
-                2.0 * radius_m * (first_rad - sin),
-            );
-            for side in Side::BOTH {
+        let between_rad = Side::BOTH.map(|side| self.widest_rad(side));
+        let asides_rad = ASIDE_RAD.map(|first_rad| [Some(first_rad); 2]);
+        for aside_rad in asides_rad.into_iter().chain([between_rad]) {
+            for (side, first_rad) in Side::BOTH.into_iter().zip(aside_rad) {
+                let Some(first_rad) = first_rad else {
+                    continue;
+                };
+                let (sin, cos) = libm::sincos(first_rad);
+                // With tightest turns, and back at once.
+                let cost = least(
+                    2.0 * radius_m * (1.0 - cos),
+                    2.0 * radius_m * (first_rad - sin),
+                );
                 let turn_rad = side.sign() * first_rad;
                 let prefix = self.after_first((turn_rad, level_rad), first_rad / rate_radps);
                 let back_rad = self.ahead_rad(&prefix.entry, side.other());
@@ -206,6 +214,38 @@ impl Search<'_> {
                 lattice.put(&Row { cost, ..row });
             }
         }
+    }
+
+    /// Between walls, the largest first turn to a side after which a turn back into the mission's direction still stays between them, radians.
+    #[inline(never)]
+    fn widest_rad(&mut self, side: Side) -> Option<f64> {
+        let scene = self.scene;
+        if scene.around.fixed.is_empty() {
+            return None;
+        }
+        let walls = Assumptions {
+            rows: &[],
+            ..scene.around
+        };
+        let (level_rad, target_m) = (scene.original.1, scene.target_m);
+        let asked = (scene.horizon_s, target_m, target_m);
+        let (mut widest_rad, mut most_rad) = (0.0, FRAC_PI_2);
+        for _ in 0..=HALVINGS {
+            let first_rad = 0.5 * (widest_rad + most_rad);
+            let after_s = first_rad / scene.flyer.course_rate_radps();
+            let prefix = self.after_first((side.sign() * first_rad, level_rad), after_s);
+            let mut row = self.row(&prefix, level_rad, side.other())?;
+            row.at_rad = row.at_rad.max(self.ahead_rad(&prefix.entry, side.other()));
+            self.predict(&prefix.turns(&row), prefix.from_rad);
+            let holds =
+                certify_set(scene.flyer, self.path, &walls, asked, &self.meter).holds(target_m);
+            *(if holds {
+                &mut widest_rad
+            } else {
+                &mut most_rad
+            }) = first_rad;
+        }
+        (widest_rad > 0.0).then_some(widest_rad)
     }
 
     /// The row of one member, a climb or descent straight ahead that levels off, if its line stays clear.

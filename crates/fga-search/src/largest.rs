@@ -50,7 +50,8 @@ impl Search<'_> {
         let hazards = self.scene.around.rows;
         let target_m = self.scene.target_m;
         // A volume that grows with uncertainty may be too large today and not tomorrow.
-        let is_certain = hazards.iter().all(|hazard| hazard.growth_mps == 0.0);
+        let is_certain = hazards.iter().all(|hazard| hazard.growth_mps == 0.0)
+            && self.scene.around.fixed.is_empty();
         let (mut best, mut work) = (None::<Found>, 0);
         for round in 0..=most {
             // A part that may not be finished is left to the next search.

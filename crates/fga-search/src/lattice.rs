@@ -8,7 +8,7 @@ use super::tuned::{ASIDE_RAD, CLIMBS, LEVEL_AFTER, STARTS};
 use super::{SecondTurn, Turns};
 
 /// Most prefixes: starts, first turns to either side, and climbs and descents that level off.
-const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len();
+const PREFIXES: usize = STARTS.len() + 2 * (ASIDE_RAD.len() + 1) + 2 * LEVEL_AFTER.len();
 
 /// Most rows: a start has one for each side and climb target, twice where turns may also lead less far than back to the
 /// mission's direction.

@@ -298,8 +298,7 @@ fn a_fence_and_the_ground_are_kept_in_eight_metres_a_second_of_wind() {
             ..MissionItem::waypoint(&home, [x, y, 0.0])
         });
         world.emulator.set_fence(fence.to_vec());
-        // In wind across the corridor it may turn round and fly back for a minute first.
-        let flown = fly(&mut world, &terrain, 220.0);
+        let flown = fly(&mut world, &terrain, 140.0);
         assert!(
             world.least_m[0].0 >= PROTECTED_M,
             "{wind_mps:?} {:?}",

@@ -141,6 +141,21 @@ impl Fixed<'_> {
         least
     }
 
+    /// How deep a place at a moment, seconds, lies in a zone, metres; 0 outside of all, and where the meter refuses work.
+    pub(super) fn depth_m(&self, (at_s, at_m): (f64, Vec3), meter: &Meter) -> f64 {
+        let zones = self.zones;
+        let over_m = at_m + zones.wind_mps * at_s;
+        let all = zones
+            .all
+            .iter()
+            .filter_map(|near| self.mission.get(usize::from(near.zone)));
+        let counted = all.filter(|zone| at_s <= zones.until_s && meter.take(2 * zone.work()));
+        let entered = counted.filter(|zone| zone.is_entered(over_m));
+        entered
+            .map(|zone| zone.way_out_m(over_m).length())
+            .fold(0.0, f64::max)
+    }
+
     /// The margin of a flight at a distance, metres.
     pub(super) fn margin_m(&self, distance_m: f64) -> f64 {
         let is_entered = distance_m < 0.0;
