@@ -50,6 +50,9 @@ const AWAY: [(f64, f64); 6] = [
     (0.0, 36.0),
 ];
 
+/// Detours between walls that are looked at in one cycle: an odd number, so that each second look has one.
+const LOOKS: usize = 9;
+
 /// Memory of a way back: one that led back to the same obstacle is not repeated within this time,
 /// seconds.
 const TRIED_S: f64 = 60.0;
@@ -109,29 +112,36 @@ impl Avoider<dyn Places + '_> {
         let rung = (WANTED + given_up).min(RUNGS - 2);
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
+        let has_detours = !look.is_multiple_of(2) && self.has_walls(now);
+        let more = if has_detours { LOOKS } else { 1 };
         self.before = self.progress;
         let waited_s = situation.time_s - plan.start_s;
-        let asked = (look, given_up, waited_s, latest_s.is_finite());
-        let mut found = *plan;
-        let joined = self.way(situation, now, asked, back).filter(|joined| {
-            situation.time_s + joined.joined_s <= latest_s
-                && self.fly_back(joined, &mut found, (situation, now), rung, back)
-                // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
-                // then what is clear of the expected motion.
-                && (self.is_robust_back((back, joined.joined_s), now, rung)
-                    || given_up > 2 && self.has_reserve(back, now)
-                    || waited_s > FLEES_S)
-                && (latest_s.is_infinite()
-                    || found.next_start_s.is_none() && found.joined_s < latest_s)
-        });
-        let Some(joined) = joined else {
+        for look in (look * LOOKS..).step_by(2).take(more) {
+            let asked = (look, given_up, waited_s, latest_s.is_finite());
+            let mut found = *plan;
+            let joined = self.way(situation, now, asked, back).filter(|joined| {
+                situation.time_s + joined.joined_s <= latest_s
+                    && self.fly_back(joined, &mut found, (situation, now), rung, back)
+                    // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
+                    // then what is clear of the expected motion.
+                    && (self.is_robust_back((back, joined.joined_s), now, rung)
+                        || given_up > 2 && self.has_reserve(back, now)
+                        || waited_s > FLEES_S)
+                    && (latest_s.is_infinite()
+                        || found.next_start_s.is_none() && found.joined_s < latest_s)
+            });
+            if let Some(joined) = joined {
+                self.return_to(&joined, plan.against, (situation, now));
+                *plan = found;
+                return true;
+            }
             self.progress = self.before;
-            self.go_on(plan, situation.time_s, back);
-            return false;
-        };
-        self.return_to(&joined, plan.against, (situation, now));
-        *plan = found;
-        true
+            if !self.has_room_between_walls(now) {
+                break;
+            }
+        }
+        self.go_on(plan, situation.time_s, back);
+        false
     }
 
     /// A way onto the mission, which a manoeuvre takes.
