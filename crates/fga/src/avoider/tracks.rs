@@ -357,9 +357,10 @@ impl<P: Places + ?Sized> Tracks<P> {
         }
     }
 
-    /// Adds what is no obstacle but limits the flight, up to a moment, seconds, where there is room.
-    fn add_limit(&mut self, limit: &Obstacle, until_s: f64) {
-        if self.count < self.all_known().len() {
+    /// Adds what is no obstacle but limits the flight, up to a moment, seconds; false where there is no room.
+    fn add_limit(&mut self, limit: &Obstacle, until_s: f64) -> bool {
+        let has_room = self.count < self.all_known().len();
+        if has_room {
             let known = Known {
                 obstacle: *limit,
                 heard_s: self.time_s,
@@ -368,6 +369,7 @@ impl<P: Places + ?Sized> Tracks<P> {
             };
             self.put(self.count, limit, known);
         }
+        has_room
     }
 
     /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.

@@ -256,6 +256,25 @@ fn a_manoeuvre_inside_leads_out_the_nearest_way() {
     assert!(has_avoided);
 }
 
+/// There is no room for what leads out of the third zone.
+#[test]
+fn among_many_obstacles_nothing_is_proven_inside_of_many_zones() {
+    let zones = [400.0, 420.0, 440.0].map(|y| box_of([-300.0, 2000.0, -80.0, y], OUT));
+    let mut flight = flight(&zones);
+    flight.waypoints_m = vec![Vec3::new(0.0, -200.0, 0.0), Vec3::new(1e5, -200.0, 0.0)];
+    let ahead = sphere(126, Vec3::new(60.0, -90.0, 0.0), Vec3::ZERO, 30.0);
+    let masts = (0..125).map(|id| {
+        let beside_m = Vec3::new(f64::from(id), 200.0, 0.0);
+        sphere(id, beside_m, Vec3::ZERO, 1.0)
+    });
+    let mut obstacles: Vec<Obstacle> = masts.chain([ahead]).collect();
+    for _ in 0..60 {
+        let is_in = zones[0].is_entered(flight.own.position_m);
+        let decision = flight.cycle(&mut obstacles);
+        assert!(!is_in || decision.command.proof().is_none());
+    }
+}
+
 /// The last leg descends, the fence stands beyond its end: the flight past the last waypoint was a threat.
 #[test]
 fn a_fence_beyond_the_end_begins_nothing() {

@@ -115,7 +115,9 @@ impl<P: Places + ?Sized> Tracks<P> {
         let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
         let out_s = (way_m.length() + behind_m + 2.0 * wanted_m) / out_mps;
         self.inside = true;
-        self.add_limit(&plane, out_s);
+        if !self.add_limit(&plane, out_s) {
+            self.zones.enter();
+        }
     }
 }
 

@@ -43,9 +43,7 @@ impl Avoider<dyn Places + '_> {
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        let has_walls = !self.tracks.around(&situation.mission).fixed.is_empty();
-        let is_between_walls = has_walls && waited_rad > 2.0 * AFTER_RAD;
-        if !is_between_walls && !self.is_accompanied(situation) {
+        if !self.is_between_walls(situation, waited_s) && !self.is_accompanied(situation) {
             return None;
         }
         let [aside, along] = SPREAD.map(|spread| {
@@ -58,6 +56,12 @@ impl Avoider<dyn Places + '_> {
         let first = Stage::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + most * libm::sqrt(along)) / rate_radps;
         Some((first, self.after(now, &[first], until_s)))
+    }
+
+    /// Whether zones or ground have kept it from a way back for long, seconds.
+    pub(super) fn is_between_walls(&self, situation: &Situation<'_>, waited_s: f64) -> bool {
+        let has_walls = !self.tracks.around(&situation.mission).fixed.is_empty();
+        has_walls && waited_s * self.flyer.course_rate_radps() > 2.0 * AFTER_RAD
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.

@@ -112,11 +112,11 @@ impl Avoider<dyn Places + '_> {
         let rung = (WANTED + given_up).min(RUNGS - 2);
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
-        let has_detours = !look.is_multiple_of(2) && self.has_walls(now);
+        let waited_s = situation.time_s - plan.start_s;
+        let has_detours = !look.is_multiple_of(2) && self.is_between_walls(situation, waited_s);
         let more = if has_detours { LOOKS } else { 1 };
         self.before = self.progress;
-        let waited_s = situation.time_s - plan.start_s;
-        for look in (look * LOOKS..).step_by(2).take(more) {
+        for look in (look * more..).step_by(2).take(more) {
             let asked = (look, given_up, waited_s, latest_s.is_finite());
             let mut found = *plan;
             let joined = self.way(situation, now, asked, back).filter(|joined| {
