@@ -193,6 +193,7 @@ typedef struct fga_task {
   uint32_t incomplete;      // whether a report had no room since the last step
   uint32_t report_count;
   fga_task_report reports[FGA_TASK_TRAFFIC_MOST];
+  fga_obstacle obstacles[FGA_TASK_TRAFFIC_MOST];  // those of the last step; here to spare the stack
   fga_refusal why;          // the last refusal
   fga_task_counts counts;
 } fga_task;
@@ -327,7 +328,7 @@ static inline void fga_task_hear(fga_task *task, const fga_task_report *report, 
 }
 
 // The obstacles of this moment: each report carried on by its age. Forgets those whose lifetime is over.
-static inline uint32_t fga_task_obstacles(fga_task *task, double now_s, fga_obstacle *obstacles) {
+static inline uint32_t fga_task_obstacles(fga_task *task, double now_s) {
   uint32_t count = 0;
   for (uint32_t k = 0; k < task->report_count; ++k) {
     const fga_task_report report = task->reports[k];
@@ -335,7 +336,7 @@ static inline uint32_t fga_task_obstacles(fga_task *task, double now_s, fga_obst
     const double age_s = fmax(0.0, now_s - report.time_s), carried_s = rests ? 0.0 : age_s;
     if (!rests && age_s > task->settings.traffic_lifetime_s) continue;
     task->reports[count] = report;
-    fga_obstacle *obstacle = &obstacles[count++];
+    fga_obstacle *obstacle = &task->obstacles[count++];
     memset(obstacle, 0, sizeof *obstacle);
     obstacle->size = sizeof(fga_obstacle);
     obstacle->id = report.id;
@@ -432,12 +433,11 @@ static inline void fga_task_release(fga_task *task, double now_s) {
 
 // Decides from a fresh state. A refused step is counted; the last decision is flown on until it is stale.
 static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
-  fga_obstacle obstacles[FGA_TASK_TRAFFIC_MOST];
   fga_situation situation;
   memset(&situation, 0, sizeof situation);
   situation.size = sizeof(fga_situation);
-  situation.obstacle_count = fga_task_obstacles(task, in->time_s, obstacles);
-  situation.obstacles = obstacles;
+  situation.obstacle_count = fga_task_obstacles(task, in->time_s);
+  situation.obstacles = task->obstacles;
   situation.time_s = in->time_s;
   situation.ownship = in->ownship;
   situation.wind_mps = in->wind_mps;
@@ -534,7 +534,7 @@ static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_t
   }
   const int is_unproven = decision->reason == FGA_REASON_BEST_AVAILABLE || decision->reason == FGA_REASON_INSIDE_VOLUME;
   task->alarms &= ~(uint32_t)FGA_TASK_ALARM_NOT_CERTIFIED;
-  if (commands && is_unproven) task->alarms |= FGA_TASK_ALARM_NOT_CERTIFIED;
+  if (commands && task->phase != FGA_TASK_ASKS && is_unproven) task->alarms |= FGA_TASK_ALARM_NOT_CERTIFIED;
   out->alarms = task->alarms;
   out->next_waypoint = fga_task_next_waypoint(task);
 }

@@ -87,11 +87,21 @@ pub(crate) fn library() -> &'static Path {
 
 /// Builds a program with the library.
 pub(crate) fn build_at(source: &Path, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
+    build_all(&[source.to_owned()], compiler, options, into)
+}
+
+/// Builds a program of several files with the library.
+pub(crate) fn build_all(
+    sources: &[PathBuf],
+    compiler: &str,
+    options: &[&str],
+    into: &Path,
+) -> PathBuf {
     let program = into.join("program");
     ran(Command::new(compiler)
-        .args(options)
         .args(WARNINGS)
-        .arg(source)
+        .args(options)
+        .args(sources)
         .arg("-I")
         .arg(folder().join("include"))
         .arg("-L")

@@ -256,7 +256,6 @@ static const char *on_the_leg(void) {
 
 static const char *reports_are_counted(void) {
   fga_task task;
-  fga_obstacle obstacles[FGA_TASK_TRAFFIC_MOST];
   fga_task_report report = {.movement = FGA_MOVEMENT_CREWED, .time_s = 100.0, .velocity_mps = {10, 0, 0}};
   if (begin(&task)) return "no task";
   for (uint32_t k = 0; k < FGA_TASK_TRAFFIC_MOST + 2; ++k) {
@@ -264,13 +263,13 @@ static const char *reports_are_counted(void) {
     report.position_m.east = 100.0 * (FGA_TASK_TRAFFIC_MOST + 1 - k);  // each nearer than the one before
     fga_task_hear(&task, &report, 101.0);
   }
-  if (task.counts.reports_left_out != 2 || fga_task_obstacles(&task, 102.0, obstacles) != FGA_TASK_TRAFFIC_MOST) {
+  if (task.counts.reports_left_out != 2 || fga_task_obstacles(&task, 102.0) != FGA_TASK_TRAFFIC_MOST) {
     return "room is miscounted";
   }
   for (uint32_t k = 0; k < FGA_TASK_TRAFFIC_MOST; ++k) {
-    if (obstacles[k].id < 2) return "the farthest ones stay";
-    const double reported_m = 100.0 * (FGA_TASK_TRAFFIC_MOST + 1 - obstacles[k].id);
-    if (fabs(obstacles[k].position_m.east - reported_m - 20.0) > 1e-9 || obstacles[k].age_s != 2.0) return "not carried on";
+    if (task.obstacles[k].id < 2) return "the farthest ones stay";
+    const double reported_m = 100.0 * (FGA_TASK_TRAFFIC_MOST + 1 - task.obstacles[k].id);
+    if (fabs(task.obstacles[k].position_m.east - reported_m - 20.0) > 1e-9 || task.obstacles[k].age_s != 2.0) return "not carried on";
   }
   report.time_s = 99.0;
   fga_task_hear(&task, &report, 101.0);
@@ -286,8 +285,8 @@ static const char *reports_are_counted(void) {
   // A mast stays, an aircraft that is heard no more goes.
   report.movement = FGA_MOVEMENT_AT_REST;
   fga_task_hear(&task, &report, 101.0);
-  if (fga_task_obstacles(&task, 119.9, obstacles) != FGA_TASK_TRAFFIC_MOST) return "forgotten too early";
-  return fga_task_obstacles(&task, 120.1, obstacles) == 1 ? NULL : "not forgotten";
+  if (fga_task_obstacles(&task, 119.9) != FGA_TASK_TRAFFIC_MOST) return "forgotten too early";
+  return fga_task_obstacles(&task, 120.1) == 1 ? NULL : "not forgotten";
 }
 
 static const char *a_turn_rolls_out(void) {
