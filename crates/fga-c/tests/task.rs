@@ -204,6 +204,60 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
     assert_eq!(said(&landing, "changes"), 0.0);
 }
 
+#[test]
+fn inside_px4s_topics_an_intruder_is_kept_out_and_the_mode_handed_back() {
+    if !have(&[("c++", "build-essential")]) {
+        return;
+    }
+    let module = root().join("examples/px4/fga_module.cpp");
+    let stub = folder().join("tests/px4");
+    let into = tempfile::tempdir().unwrap();
+    // Each header of PX4 that the module includes is the stub.
+    let text = std::fs::read_to_string(&module).unwrap();
+    let headers = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("#include <")?.strip_suffix('>'));
+    for header in headers.filter(|header| header.contains('/')) {
+        let path = into.path().join("stub").join(header);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, "#include \"px4.h\"\n").unwrap();
+    }
+    let (includes, stub_includes) = (
+        format!("-I{}/stub", into.path().display()),
+        format!("-I{}", stub.display()),
+    );
+    let options = [
+        "-std=gnu++14",
+        "-O1",
+        "-fno-exceptions",
+        "-Wno-conversion",
+        "-Wno-float-conversion",
+        "-Wno-unused-parameter",
+        &includes,
+        &stub_includes,
+    ];
+    let options = [options.as_slice(), &SANITIZED].concat();
+    let sources = [module, stub.join("flights.cpp")];
+    let program = build_all(&sources, "c++", &options, into.path());
+    let settings = PlantSettings::default();
+    let fly = |fault: &str, wind: &str| fly(&program, &[fault.into(), wind.into()], settings);
+    for (fault, wind) in [("none", "0"), ("none", "8"), ("silent", "0")] {
+        let text = fly(fault, wind);
+        assert!(said(&text, "least") >= 60.0, "{fault}: {text}");
+        assert_eq!(said(&text, "changes"), 2.0, "{fault}: {text}");
+        assert!(said(&text, "beside") < 18.0, "{fault}: {text}");
+        assert!(said(&text, "answers") > 90.0, "{text}");
+    }
+    for (fault, changes) in [("pilot", 1.0), ("refused", 0.0), ("landing", 0.0)] {
+        assert_eq!(said(&fly(fault, "0"), "changes"), changes, "{fault}");
+    }
+    for fault in ["stick", "state"] {
+        let text = fly(fault, "0");
+        let held_s = said(&text, "back") - said(&text, "taken");
+        assert!((2.0..2.8).contains(&held_s), "{fault}: {text}");
+    }
+}
+
 /// What `apply.sh` adds to a tree of ArduPilot, and once only.
 #[cfg(unix)]
 #[test]
