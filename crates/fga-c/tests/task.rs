@@ -62,7 +62,8 @@ fn fly(program: &Path, arguments: &[String], settings: PlantSettings) -> String 
             }
             _ => {
                 println!("{line}");
-                said += &format!("{line}\n");
+                said.push_str(&line);
+                said.push('\n');
             }
         }
     }
