@@ -23,7 +23,7 @@ int main(void) {
     in.time_s = step * FGA_TASK_PERIOD_S;
     // What a receiver hears, once a second.
     fga_enu other_m = {2250.0 - 20.0 * in.time_s, 0, 100};
-    fga_task_report report = {7, FGA_MOVEMENT_CREWED, in.time_s, other_m, {-20, 0, 0}, 3.0, 0.5};
+    fga_report report = {sizeof report, 7, FGA_MOVEMENT_CREWED, 1, in.time_s, other_m, {-20, 0, 0}, 3.0, 0.5};
     if (step % 10 == 0) fga_task_hear(&task, &report, in.time_s);
 
     fga_task_output out;

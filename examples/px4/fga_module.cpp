@@ -164,7 +164,7 @@ void Fga::step() {
 
 	transponder_report_s other;
 	while (_traffic_sub.update(&other)) {
-		const fga_task_report report {other.icao_address, FGA_MOVEMENT_CREWED, other.timestamp / 1000000.0 - other.tslc,
+		const fga_report report {sizeof(fga_report), other.icao_address, FGA_MOVEMENT_CREWED, 1, other.timestamp / 1000000.0 - other.tslc,
 			enu(other.lat, other.lon, other.altitude),
 			{other.hor_velocity * sin((double)other.heading), other.hor_velocity * cos((double)other.heading), other.ver_velocity}, 15, 1};
 		fga_task_hear(&_task, &report, in.time_s);

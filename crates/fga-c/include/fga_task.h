@@ -13,10 +13,10 @@
 // THE PILOT WINS. A mode that the task did not ask for ends what it does, at once and without a request. A hand on the sticks
 // gives the mode back. After either the task asks for nothing for FGA_TASK_PAUSE_S.
 //
-// TRAFFIC. Reports may be raw or filtered; the task keeps the last one of each aircraft, carries it on by its age, and lets it
-// go after `traffic_lifetime_s`. Do not give it the reports of the aircraft itself.
+// TRAFFIC. Reports may be raw: the task filters them (fga_reports of fga.h), carries each aircraft on by the age of its last report, and
+// lets it go after `traffic_lifetime_s`. Do not give it the reports of the aircraft itself.
 //
-// THREADS. One call at a time on one task, but fga_task_watch, which only reads.
+// THREADS. One call at a time on one task: where the watchdog runs in another thread, the autopilot locks.
 
 #ifndef FGA_TASK_H
 #define FGA_TASK_H
@@ -32,7 +32,8 @@
 #endif
 
 // Bytes of storage for a task whose mission has up to this many waypoints. The storage needs no alignment.
-#define FGA_TASK_BYTES(waypoints) (FGA_AVOIDER_BYTES(FGA_TASK_TRAFFIC_MOST, waypoints) + FGA_ALIGN)
+#define FGA_TASK_BYTES(waypoints) \
+  (FGA_REPORTS_BYTES(FGA_TASK_TRAFFIC_MOST) + FGA_AVOIDER_BYTES(FGA_TASK_TRAFFIC_MOST, waypoints) + FGA_ALIGN)
 
 // Period of the task, seconds.
 #define FGA_TASK_PERIOD_S 0.1
@@ -80,22 +81,6 @@ typedef enum {
   FGA_TASK_ALARM_NOT_CERTIFIED = 8,  // what is flown is the best that there is, not certified
   FGA_TASK_ALARM_INCOMPLETE = 16     // traffic is left out: no room, or unusable numbers
 } fga_task_alarm;
-
-// A report of an aircraft or another obstacle, over the ground.
-typedef struct fga_task_report {
-  // Its identifier, the same in each report, such as the ICAO address.
-  uint32_t id;
-  // Its possible motion: an `fga_movement`, such as FGA_MOVEMENT_CREWED.
-  uint32_t movement;
-  // The moment of its position on the clock of the task, seconds.
-  double time_s;
-  // Position, metres.
-  fga_enu position_m;
-  // Velocity over the ground, metres per second.
-  fga_enu velocity_mps;
-  // Standard deviations of position and velocity along any axis, metres and metres per second.
-  double position_sigma_m, velocity_sigma_mps;
-} fga_task_report;
 
 // Settings of a task. fga_task_settings_default fills it; then adapt it.
 typedef struct fga_task_settings {
@@ -156,7 +141,7 @@ typedef struct fga_task_output {
   uint32_t alarms;
 } fga_task_output;
 
-// What a task has done. The counts never fall.
+// What a task has done; fga_reports_counts(task->reports, ...) has what became of reports. The counts never fall.
 typedef struct fga_task_counts {
   uint32_t maneuvers;           // manoeuvres that the autopilot let the task fly
   uint32_t refusals;            // requests for the mode of avoidance that were not followed in time
@@ -164,10 +149,6 @@ typedef struct fga_task_counts {
   uint32_t stops;               // times that the task was not called for longer than FGA_TASK_STALE_S
   uint32_t steps_refused;       // steps that fga refused; `why` has the last reason
   uint32_t steps_without_state; // steps without a fresh state
-  uint32_t reports;             // reports heard
-  uint32_t reports_unusable;    // of these, with a number that is not finite, without a movement, or from the future
-  uint32_t reports_late;        // of these, older than one of the same aircraft, or than the lifetime
-  uint32_t reports_left_out;    // of these, of farther aircraft without room
 } fga_task_counts;
 
 typedef enum { FGA_TASK_WATCHES, FGA_TASK_ASKS, FGA_TASK_FLIES, FGA_TASK_RETURNS } fga_task_phase;
@@ -175,6 +156,7 @@ typedef enum { FGA_TASK_WATCHES, FGA_TASK_ASKS, FGA_TASK_FLIES, FGA_TASK_RETURNS
 // A task. Its fields are for logs; the functions below change them.
 typedef struct fga_task {
   fga_avoider *avoider;
+  fga_reports *reports;
   fga_task_settings settings;
   fga_mission mission;
   uint32_t first_waypoint;  // the avoider's mission begins at this waypoint
@@ -191,8 +173,6 @@ typedef struct fga_task {
   double held_m;            // the altitude to hold; NAN where none is held
   uint32_t alarms;
   uint32_t incomplete;      // whether a report had no room since the last step
-  uint32_t report_count;
-  fga_task_report reports[FGA_TASK_TRAFFIC_MOST];
   fga_obstacle obstacles[FGA_TASK_TRAFFIC_MOST];  // those of the last step; here to spare the stack
   fga_refusal why;          // the last refusal
   fga_task_counts counts;
@@ -234,7 +214,7 @@ static inline void fga_task_restart(fga_task *task) {
 }
 
 // Begins a task in storage of the caller, FGA_TASK_BYTES of it, without a mission. Task and storage must not be moved.
-// Refuses what fga_avoider_init refuses.
+// Refuses what fga_reports_init and fga_avoider_init refuse.
 static inline fga_status fga_task_begin(fga_task *task, const fga_task_settings *settings, void *storage, size_t storage_bytes,
                                         uint32_t waypoints_most, fga_refusal *why) {
   memset(task, 0, sizeof *task);
@@ -245,11 +225,16 @@ static inline fga_status fga_task_begin(fga_task *task, const fga_task_settings 
   task->pause_until_s = -INFINITY;
   task->on_leg_since_s = task->beside_since_s = task->other_leg_since_s = INFINITY;
   task->held_m = (double)NAN;
-  const size_t skipped = (FGA_ALIGN - (size_t)((uintptr_t)storage % FGA_ALIGN)) % FGA_ALIGN;
-  if (storage_bytes < skipped) return FGA_STATUS_STORAGE_TOO_SMALL;
-  const fga_status status =
-      fga_avoider_init((unsigned char *)storage + skipped, storage_bytes - skipped, FGA_ABI_VERSION, FGA_TASK_TRAFFIC_MOST,
-                       waypoints_most, &settings->decisions, &settings->vehicle, &task->avoider, why);
+  const size_t before = (FGA_ALIGN - (size_t)((uintptr_t)storage % FGA_ALIGN)) % FGA_ALIGN;
+  const size_t filter = FGA_REPORTS_BYTES(FGA_TASK_TRAFFIC_MOST);
+  if (storage_bytes < before + filter) return FGA_STATUS_STORAGE_TOO_SMALL;
+  unsigned char *const at = (unsigned char *)storage + before;
+  fga_status status = fga_reports_init(at, filter, FGA_ABI_VERSION, FGA_TASK_TRAFFIC_MOST, settings->traffic_lifetime_s,
+                                       &task->reports, why);
+  if (status == FGA_STATUS_OK) {
+    status = fga_avoider_init(at + filter, storage_bytes - before - filter, FGA_ABI_VERSION, FGA_TASK_TRAFFIC_MOST, waypoints_most,
+                              &settings->decisions, &settings->vehicle, &task->avoider, why);
+  }
   if (status == FGA_STATUS_OK) fga_task_restart(task);
   return status;
 }
@@ -285,75 +270,11 @@ static inline void fga_task_follow_leg(fga_task *task, uint32_t next_waypoint, d
   if (fga_avoider_set_mission(task->avoider, &rest, &task->why) == FGA_STATUS_OK) task->first_waypoint = next_waypoint - 1;
 }
 
-static inline int fga_task_is_finite(fga_enu v) { return isfinite(v.east) && isfinite(v.north) && isfinite(v.up); }
-
-// Takes a report of traffic, raw or filtered. Each is counted; of more aircraft than there is room for, the nearest stay.
-static inline void fga_task_hear(fga_task *task, const fga_task_report *report, double now_s) {
-  task->counts.reports += 1;
-  const double age_s = now_s - report->time_s;
-  const int is_usable = fga_task_is_finite(report->position_m) && fga_task_is_finite(report->velocity_mps) &&
-                        report->position_sigma_m >= 0.0 && report->velocity_sigma_mps >= 0.0 && age_s >= -1.0 &&
-                        report->movement >= FGA_MOVEMENT_AT_REST && report->movement <= FGA_MOVEMENT_SMALL_UAS;
-  if (!is_usable) {
-    task->counts.reports_unusable += 1;
-    return;
-  }
-  uint32_t place = task->report_count, farthest = 0;
-  double farthest_m = -1.0;
-  for (uint32_t k = 0; k < task->report_count; ++k) {
-    const fga_enu at = task->reports[k].position_m, own = task->ownship.position_m;
-    const double distance_m = hypot(at.east - own.east, at.north - own.north);
-    if (distance_m > farthest_m) {
-      farthest_m = distance_m;
-      farthest = k;
-    }
-    if (task->reports[k].id == report->id) place = k;
-  }
-  const int is_known = place < task->report_count;
-  if ((is_known && report->time_s < task->reports[place].time_s) ||
-      (report->movement != FGA_MOVEMENT_AT_REST && age_s > task->settings.traffic_lifetime_s)) {
-    task->counts.reports_late += 1;
-    return;
-  }
-  if (place == FGA_TASK_TRAFFIC_MOST) {
-    const fga_enu at = report->position_m, own = task->ownship.position_m;
-    task->counts.reports_left_out += 1;
-    task->incomplete = 1;
-    if (hypot(at.east - own.east, at.north - own.north) >= farthest_m) return;
-    place = farthest;
-  } else if (!is_known) {
-    task->report_count += 1;
-  }
-  task->reports[place] = *report;
-}
-
-// The obstacles of this moment: each report carried on by its age. Forgets those whose lifetime is over.
-static inline uint32_t fga_task_obstacles(fga_task *task, double now_s) {
-  uint32_t count = 0;
-  for (uint32_t k = 0; k < task->report_count; ++k) {
-    const fga_task_report report = task->reports[k];
-    const int rests = report.movement == FGA_MOVEMENT_AT_REST;
-    const double age_s = fmax(0.0, now_s - report.time_s), carried_s = rests ? 0.0 : age_s;
-    if (!rests && age_s > task->settings.traffic_lifetime_s) continue;
-    task->reports[count] = report;
-    fga_obstacle *obstacle = &task->obstacles[count++];
-    memset(obstacle, 0, sizeof *obstacle);
-    obstacle->size = sizeof(fga_obstacle);
-    obstacle->id = report.id;
-    obstacle->position_m.east = report.position_m.east + report.velocity_mps.east * carried_s;
-    obstacle->position_m.north = report.position_m.north + report.velocity_mps.north * carried_s;
-    obstacle->position_m.up = report.position_m.up + report.velocity_mps.up * carried_s;
-    obstacle->velocity_mps = report.velocity_mps;
-    obstacle->volume = task->settings.half_height_m > 0.0 ? FGA_VOLUME_CYLINDER : FGA_VOLUME_SPHERE;
-    obstacle->movement = report.movement;
-    obstacle->radius_m = task->settings.radius_m;
-    obstacle->half_height_m = task->settings.half_height_m;
-    obstacle->position_sigma_m = hypot(report.position_sigma_m, report.velocity_sigma_mps * carried_s);
-    obstacle->velocity_sigma_mps = report.velocity_sigma_mps;
-    obstacle->age_s = carried_s;
-  }
-  task->report_count = count;
-  return count;
+// Takes a report of traffic. Each is counted; of more aircraft than there is room for, the nearest stay. A report that cannot be used is
+// refused, and `task->why` says why.
+static inline void fga_task_hear(fga_task *task, const fga_report *report, double now_s) {
+  const fga_status status = fga_reports_hear(task->reports, report, now_s, task->ownship.position_m, &task->why);
+  if (status != FGA_STATUS_OK) task->incomplete = 1;
 }
 
 // Whether the aircraft is on the present leg, by position and by its course over the ground; 1 without a leg.
@@ -433,10 +354,12 @@ static inline void fga_task_release(fga_task *task, double now_s) {
 
 // Decides from a fresh state. A refused step is counted; the last decision is flown on until it is stale.
 static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
+  const fga_task_settings *settings = &task->settings;
   fga_situation situation;
   memset(&situation, 0, sizeof situation);
   situation.size = sizeof(fga_situation);
-  situation.obstacle_count = fga_task_obstacles(task, in->time_s);
+  fga_status status = fga_reports_obstacles(task->reports, in->time_s, settings->radius_m, settings->half_height_m, task->obstacles,
+                                            FGA_TASK_TRAFFIC_MOST, &situation.obstacle_count, &task->why);
   situation.obstacles = task->obstacles;
   situation.time_s = in->time_s;
   situation.ownship = in->ownship;
@@ -444,7 +367,7 @@ static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
   situation.zone_count = in->zone_count;
   situation.zones = in->zones;
   situation.ground = in->ground;
-  const fga_status status = fga_avoider_step(task->avoider, &situation, &task->decision, &task->why);
+  if (status == FGA_STATUS_OK) status = fga_avoider_step(task->avoider, &situation, &task->decision, &task->why);
   if (status != FGA_STATUS_OK && status != FGA_STATUS_INCOMPLETE) {
     task->counts.steps_refused += 1;
     return;

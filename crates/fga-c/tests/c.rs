@@ -2,6 +2,7 @@
 //!
 //! A test whose tool is missing says so and is skipped; with `CI=true` it fails.
 
+#[path = "built/shared.rs"]
 mod built;
 
 use core::fmt::Write as _;

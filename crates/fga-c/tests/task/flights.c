@@ -8,6 +8,8 @@
 
 typedef enum {
   NO_FAULT,
+  SHOWN_LATE,
+  NOISY_REPORTS,
   ANOTHER_LEG,
   TRAFFIC_SILENT_BEFORE,
   TRAFFIC_SILENT_IN_THE_TURN,
@@ -24,6 +26,8 @@ typedef enum {
 } fault;
 
 static const char *const NAMES[] = {"no fault",
+                                    "shown 300 m ahead, a steep bank in need",
+                                    "reports off by 20 m and 3 m/s",
                                     "another leg",
                                     "traffic falls silent before",
                                     "traffic falls silent in the turn",
@@ -49,6 +53,7 @@ typedef struct {
   double least_m, off_m, asked_s, taken_s, back_s, back_beside_m, back_angle_rad;
   unsigned requests, pilot_requests;
   uint32_t alarms;
+  double bank_rad;
 } seen;
 
 // The state of the plant after a period.
@@ -87,6 +92,28 @@ static double nearest_m(fga_enu before, fga_enu after) {
   return least_m;
 }
 
+// About a normal number: mean 0, standard deviation 1.
+static double drawn(void) {
+  static uint32_t state = 1;
+  double sum = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    state = state * 1664525u + 1013904223u;
+    sum += state / 4294967296.0;
+  }
+  return sum - 6.0;
+}
+
+static void make_noisy(fga_report *report) {
+  double *const positions[] = {&report->position_m.east, &report->position_m.north, &report->position_m.up};
+  double *const velocities[] = {&report->velocity_mps.east, &report->velocity_mps.north, &report->velocity_mps.up};
+  report->position_sigma_m = 20.0;
+  report->velocity_sigma_mps = 3.0;
+  for (int k = 0; k < 3; ++k) {
+    *positions[k] += 20.0 * drawn();
+    *velocities[k] += 3.0 * drawn();
+  }
+}
+
 // A flight on which an intruder on this track, degrees from east towards north, is at the same place at the same time.
 static const char *flight(fault fault, double track_deg, double factor, double wind_north_mps) {
   const fga_waypoint *way = fault == ANOTHER_LEG ? WAY : LEG;
@@ -99,6 +126,12 @@ static const char *flight(fault fault, double track_deg, double factor, double w
   fga_task_settings settings;
   if (fga_task_settings_default(&settings, SPEED_MPS, 0.75, NULL)) return "no settings";
   settings.vehicle.turn_rate_factor = factor;
+  if (fault == SHOWN_LATE) {
+    settings.in_need.size = sizeof(fga_vehicle);
+    if (fga_vehicle_from_bank(SPEED_MPS, 1.1, &settings.in_need, NULL)) return "no limits in need";
+    settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
+    settings.in_need.turn_rate_factor = 0.95 * factor;
+  }
   // Storage is aligned by the task.
   if (fga_task_begin(&task, &settings, storage, 8, 4, NULL) != FGA_STATUS_STORAGE_TOO_SMALL ||
       fga_task_begin(&task, &settings, storage + 1, FGA_TASK_BYTES(4), 4, NULL) || fga_task_set_mission(&task, &mission, NULL)) {
@@ -126,14 +159,19 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     const int is_silent = (fault == TRAFFIC_SILENT_BEFORE || fault == TRAFFIC_SILENT_IN_THE_TURN) && now_s >= fault_from_s;
     const fga_enu other_m = plus(meets_m, rate_mps, now_s - meets_s);
     // A receiver reports once a second, half a second late.
-    if (cycle % 10 == 0 && !is_silent) {
-      const fga_task_report report = {.id = 7,
+    const fga_enu apart_m = plus(other_m, own.position_m, -1.0);
+    const int is_shown = fault != SHOWN_LATE || hypot(apart_m.east, apart_m.north) < 300.0;
+    if (cycle % 10 == 0 && is_shown && !is_silent) {
+      fga_report report = {.size = sizeof report,
+                                      .id = 7,
                                       .movement = FGA_MOVEMENT_CREWED,
+                                      .has_velocity = 1,
                                       .time_s = now_s - 0.5,
                                       .position_m = plus(other_m, rate_mps, -0.5),
                                       .velocity_mps = rate_mps,
                                       .position_sigma_m = 3.0,
                                       .velocity_sigma_mps = 0.5};
+      if (fault == NOISY_REPORTS) make_noisy(&report);
       fga_task_hear(&task, &report, now_s);
     }
     if (fault == PILOT_CHOOSES && faulty) mode = FGA_TASK_MODE_OTHER;
@@ -190,6 +228,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     }
     if (mode == FGA_TASK_MODE_AVOID && fault != AVOID_IS_THE_PILOTS) {
       seen.off_m = fmax(seen.off_m, beside_m);
+      seen.bank_rad = fmax(seen.bank_rad, fabs(out.bank_left_rad));
       fly(&own, out.bank_left_rad, out.climb_rad, out.altitude_m);
     } else {
       fly(&own, bank_rad, 0.0, 100.0);
@@ -200,7 +239,8 @@ static const char *flight(fault fault, double track_deg, double factor, double w
   printf("%-38s %4.0f deg: taken %5.1f s, given back %5.1f s %3.0f m beside the leg, least distance %6.1f m, off %4.0f m, %s\n", NAMES[fault],
          track_deg, seen.taken_s, seen.back_s, seen.back_beside_m, seen.least_m, seen.off_m, fga_task_alarm_text(seen.alarms));
   const fga_task_counts *counts = &task.counts;
-  if (counts->reports_unusable || counts->reports_late || counts->reports_left_out) return "a report is lost";
+  fga_report_counts heard = {.size = sizeof heard};
+  if (fga_reports_counts(task.reports, &heard) || heard.unusable || heard.late || heard.left_out) return "a report is lost";
   switch (fault) {
     case AVOID_IS_THE_PILOTS:
       return seen.requests || counts->maneuvers ? "it acts in the pilot's mode" : NULL;
@@ -219,7 +259,15 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     case TASK_STOPS:
       if (counts->stops != 1 || counts->pilot_wins) return "the stop is miscounted";
       return seen.back_s > fault_from_s + FGA_TASK_STALE_S + 2.0 * FGA_TASK_PERIOD_S ? "it is not given back in time" : NULL;
+    case SHOWN_LATE:
+      if (seen.bank_rad < 0.9) return "no steeper bank in need";
+      break;
+    case NOISY_REPORTS:
+      // Without the filter 549 m.
+      if (seen.off_m > 250.0) return "too far from the leg";
+      break;
     default:
+      if (seen.bank_rad > 0.76) return "a steeper bank without need";
       break;
   }
   if (seen.least_m < 60.0) return "inside the volume";
@@ -254,22 +302,30 @@ static const char *on_the_leg(void) {
   return on && !off ? NULL : "on the leg is something else";
 }
 
+static uint32_t obstacles_at(fga_task *task, double now_s) {
+  uint32_t count = 0;
+  return fga_reports_obstacles(task->reports, now_s, 60, 0, task->obstacles, FGA_TASK_TRAFFIC_MOST, &count, NULL) ? 99 : count;
+}
+
 static const char *reports_are_counted(void) {
   fga_task task;
-  fga_task_report report = {.movement = FGA_MOVEMENT_CREWED, .time_s = 100.0, .velocity_mps = {10, 0, 0}};
+  fga_report report = {.size = sizeof report,
+                       .movement = FGA_MOVEMENT_CREWED,
+                       .has_velocity = 1,
+                       .time_s = 100.0,
+                       .velocity_mps = {10, 0, 0}};
+  fga_report_counts counts = {.size = sizeof counts};
   if (begin(&task)) return "no task";
   for (uint32_t k = 0; k < FGA_TASK_TRAFFIC_MOST + 2; ++k) {
     report.id = k;
     report.position_m.east = 100.0 * (FGA_TASK_TRAFFIC_MOST + 1 - k);  // each nearer than the one before
     fga_task_hear(&task, &report, 101.0);
   }
-  if (task.counts.reports_left_out != 2 || fga_task_obstacles(&task, 102.0) != FGA_TASK_TRAFFIC_MOST) {
-    return "room is miscounted";
-  }
+  if (obstacles_at(&task, 102.0) != FGA_TASK_TRAFFIC_MOST || !task.incomplete) return "room is miscounted";
   for (uint32_t k = 0; k < FGA_TASK_TRAFFIC_MOST; ++k) {
     if (task.obstacles[k].id < 2) return "the farthest ones stay";
     const double reported_m = 100.0 * (FGA_TASK_TRAFFIC_MOST + 1 - task.obstacles[k].id);
-    if (fabs(task.obstacles[k].position_m.east - reported_m - 20.0) > 1e-9 || task.obstacles[k].age_s != 2.0) return "not carried on";
+    if (fabs(task.obstacles[k].position_m.east - reported_m - 20.0) > 0.1 || task.obstacles[k].age_s != 2.0) return "not carried on";
   }
   report.time_s = 99.0;
   fga_task_hear(&task, &report, 101.0);
@@ -281,12 +337,15 @@ static const char *reports_are_counted(void) {
   report.velocity_mps.up = 0.0;
   report.movement = 0;
   fga_task_hear(&task, &report, 101.0);
-  if (task.counts.reports_late != 1 || task.counts.reports_unusable != 3) return "reports are miscounted";
+  if (fga_reports_counts(task.reports, &counts) || counts.heard != FGA_TASK_TRAFFIC_MOST + 6 || counts.left_out != 2 ||
+      counts.late != 1 || counts.unusable != 3) {
+    return "reports are miscounted";
+  }
   // A mast stays, an aircraft that is heard no more goes.
   report.movement = FGA_MOVEMENT_AT_REST;
   fga_task_hear(&task, &report, 101.0);
-  if (fga_task_obstacles(&task, 119.9) != FGA_TASK_TRAFFIC_MOST) return "forgotten too early";
-  return fga_task_obstacles(&task, 120.1) == 1 ? NULL : "not forgotten";
+  if (obstacles_at(&task, 119.9) != FGA_TASK_TRAFFIC_MOST) return "forgotten too early";
+  return obstacles_at(&task, 120.1) == 1 ? NULL : "not forgotten";
 }
 
 static const char *a_turn_rolls_out(void) {
@@ -322,7 +381,7 @@ int main(int count, char **arguments) {
   }
   for (int k = 0; k < 12 + FAULTS - 1; ++k) {
     const fault fault_or_none = k < 12 ? NO_FAULT : (fault)(k - 11);
-    const double track_deg = k < 12 ? 30.0 * k : 180.0;
+    const double track_deg = k < 12 ? 30.0 * k : fault_or_none == SHOWN_LATE ? 210.0 : 180.0;
     const char *why = flight(fault_or_none, track_deg, factor, wind_mps);
     if (why) {
       fprintf(stderr, "%s, %.0f deg: %s\n", NAMES[fault_or_none], track_deg, why);
