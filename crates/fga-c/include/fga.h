@@ -6,7 +6,7 @@
 // Obstacles, positions, velocities and wind are over the ground; the course and the climb angle of the aircraft are those of its
 // motion through the air.
 //
-// MEMORY. The library allocates nothing and keeps no pointer of the caller. An avoider or a prover lives in storage that the
+// MEMORY. The library allocates nothing and keeps no pointer of the caller. An avoider, a prover or a filter of reports lives in storage that the
 // caller lends, aligned to FGA_ALIGN, which must not be moved or copied:
 //     static _Alignas(FGA_ALIGN) unsigned char storage[FGA_AVOIDER_BYTES(16, 32)];
 // What lies in the storage is the library's alone.
@@ -39,6 +39,9 @@
 #define FGA_AVOIDER_BYTES(obstacles, waypoints) \
   (FGA_AVOIDER_FIXED_BYTES + (obstacles) * FGA_AVOIDER_OBSTACLE_BYTES + (waypoints) * FGA_AVOIDER_WAYPOINT_BYTES \
    + ((obstacles) < FGA_AVOIDER_TRACKED_MOST ? (obstacles) : FGA_AVOIDER_TRACKED_MOST) * FGA_AVOIDER_TRACKED_BYTES)
+
+// Bytes of storage for the reports of this number of aircraft: for static storage.
+#define FGA_REPORTS_BYTES(aircraft) (FGA_REPORTS_FIXED_BYTES + (aircraft) * FGA_REPORTS_AIRCRAFT_BYTES)
 
 // Version of this interface. It grows when a program compiled with an older header can no longer be linked.
 #define FGA_ABI_VERSION 1
@@ -104,6 +107,12 @@
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128
+
+// Bytes of storage for reports without aircraft; see `FGA_REPORTS_BYTES`.
+#define FGA_REPORTS_FIXED_BYTES 128
+
+// Bytes of storage for reports for each aircraft; see `FGA_REPORTS_BYTES`.
+#define FGA_REPORTS_AIRCRAFT_BYTES 512
 
 // Bytes of `fga_refusal::field`, with the zero at its end.
 #define FGA_REFUSAL_FIELD_BYTES 48
@@ -371,6 +380,9 @@ typedef struct fga_avoider fga_avoider;
 
 // Proves manoeuvres of one vehicle, in storage of the caller. It holds no address of anything else.
 typedef struct fga_prover fga_prover;
+
+// What is known of other aircraft by their reports, in storage of the caller. It holds no address of anything outside of that.
+typedef struct fga_reports fga_reports;
 
 // Settings of the decisions. `fga_settings_default` fills it; then adapt it.
 typedef struct fga_settings {
@@ -732,6 +744,42 @@ typedef struct fga_certificate {
   uint32_t work;
 } fga_certificate;
 
+// A report of an aircraft or another obstacle, raw as it came, over the ground.
+typedef struct fga_report {
+  // `sizeof(fga_report)`.
+  uint32_t size;
+  // Its identifier, the same in each report, such as the ICAO address.
+  uint32_t id;
+  // Its possible motion: an `fga_movement` but `FGA_MOVEMENT_BOUNDED`. There is no default.
+  uint32_t movement;
+  // Whether the report has a velocity (1), or not (0).
+  uint32_t has_velocity;
+  // The moment of its position, seconds, on the clock of the caller.
+  double time_s;
+  // Position, metres.
+  struct fga_enu position_m;
+  // Velocity over the ground, metres per second; without one not read.
+  struct fga_enu velocity_mps;
+  // Standard deviation of the position along any axis, metres, 0 or more.
+  double position_sigma_m;
+  // Standard deviation of the velocity along any axis, metres per second, 0 or more.
+  double velocity_sigma_mps;
+} fga_report;
+
+// What became of reports. The counts stay at their largest value.
+typedef struct fga_report_counts {
+  // `sizeof(fga_report_counts)`.
+  uint32_t size;
+  // Reports given.
+  uint32_t heard;
+  // Of these, refused: a number that is not finite or negative, no such movement, or from the future.
+  uint32_t unusable;
+  // Of these, older than one of the same aircraft, or than the lifetime.
+  uint32_t late;
+  // Times that an aircraft had no room: the farthest one was left out.
+  uint32_t left_out;
+} fga_report_counts;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -898,6 +946,56 @@ fga_status fga_predict(struct fga_prover *prover,
                        double after_s,
                        struct fga_ownship *then,
                        struct fga_refusal *why);
+
+// Bytes of storage for the reports of this number of aircraft; 0 where it is above `FGA_CAPACITY_MOST`. For static storage the macro
+// `FGA_REPORTS_BYTES` gives the same.
+size_t fga_reports_size(uint32_t aircraft_most);
+
+// Constructs a filter of reports in storage of the caller, as `fga_avoider_init` does an avoider. An aircraft that is heard no more is
+// forgotten after `lifetime_s`, above 0, to 600 seconds; what rests is not.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`, `OUT_OF_RANGE`, `TOO_MANY`.
+fga_status fga_reports_init(void *storage,
+                            size_t storage_size,
+                            uint32_t abi_version,
+                            uint32_t aircraft_most,
+                            double lifetime_s,
+                            struct fga_reports **reports,
+                            struct fga_refusal *why);
+
+// Takes a report at a moment, seconds on the clock of the reports, with the own aircraft at `own_m`. Each report is counted. A late one
+// changes nothing.
+//
+// The filter is the interacting multiple model filter of `fga-belief`: it weighs steady flight, wavering and turns by how well each
+// foretold the report, and so knows a velocity better than a noisy report says it, or without one in the report.
+//
+// `FGA_STATUS_INCOMPLETE`: there is no room; of all aircraft the farthest one is left out.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`.
+fga_status fga_reports_hear(struct fga_reports *reports,
+                            const struct fga_report *report,
+                            double now_s,
+                            struct fga_enu own_m,
+                            struct fga_refusal *why);
+
+// The obstacles of a moment, for a step: each aircraft carried on by the age of its last report, with the same volume around each, of
+// `half_height_m` 0 for a sphere. Forgets who is heard no more.
+//
+// Refuses `NULL`, `MISALIGNED`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, and `TOO_MANY` where `obstacle_most` is below the
+// number of aircraft.
+fga_status fga_reports_obstacles(struct fga_reports *reports,
+                                 double now_s,
+                                 double radius_m,
+                                 double half_height_m,
+                                 struct fga_obstacle *obstacles,
+                                 uint32_t obstacle_most,
+                                 uint32_t *obstacle_count,
+                                 struct fga_refusal *why);
+
+// What became of the reports since it was initialized.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`.
+fga_status fga_reports_counts(struct fga_reports *reports, struct fga_report_counts *counts);
 
 // The sentence of a status, for logs; never null, and valid for ever.
 const char *fga_status_text(uint32_t status);

@@ -16,6 +16,7 @@
 //! | `airspace` | which zones and which ground does the caller lend? |
 //! | `avoider` | what to fly until the next step? |
 //! | `decision` | what was decided, and why? |
+//! | `reports` | where are the others, by their reports? |
 //! | `prover` | how close does somebody else's manoeuvre come to the obstacles? |
 #![no_std]
 #![allow(
@@ -43,6 +44,7 @@ mod growable;
 mod input;
 mod memory;
 mod prover;
+mod reports;
 mod status;
 
 pub use abi::{FGA_ABI_VERSION, FGA_ALIGN, fga_abi_version};
@@ -58,6 +60,7 @@ pub use input::{
     fga_waypoint,
 };
 pub use prover::*;
+pub use reports::*;
 pub use status::{
     FGA_REFUSAL_EXPECTED_BYTES, FGA_REFUSAL_FIELD_BYTES, fga_refusal, fga_status, fga_status_text,
 };

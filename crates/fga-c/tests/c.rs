@@ -2,98 +2,20 @@
 //!
 //! A test whose tool is missing says so and is skipped; with `CI=true` it fails.
 
-use core::f64::consts::FRAC_PI_2;
+#[path = "built/shared.rs"]
+mod built;
+
 use core::fmt::Write as _;
 use std::fs;
-use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::sync::OnceLock;
+use std::process::Command;
 
 use fga::avoider::Decision;
 use fga::command::Proof;
-use fga_emulator::{Parameters, PlantSettings, STEP_S, Target, VehiclePlant, Vertical};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, fly};
 
-const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wpedantic"];
-const SANITIZED: [&str; 3] = [
-    "-g",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize-recover=all",
-];
-
-fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn root() -> PathBuf {
-    folder().join("../..")
-}
-
-/// Whether the tools are here.
-fn have(tools: &[(&str, &str)]) -> bool {
-    let missing = |tool: &str| Command::new(tool).arg("--version").output().is_err();
-    for (tool, package) in tools {
-        if missing(tool) {
-            let sentence = format!("{tool} is not installed (Debian: {package}); skipped");
-            assert!(std::env::var_os("CI").is_none(), "{sentence}");
-            println!("{sentence}");
-            return false;
-        }
-    }
-    true
-}
-
-/// What a command printed; it must succeed.
-fn ran(command: &mut Command) -> String {
-    let Output {
-        status,
-        stdout,
-        stderr,
-    } = command
-        .output()
-        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    let printed = String::from_utf8_lossy(&stdout).into_owned();
-    let said = String::from_utf8_lossy(&stderr);
-    assert!(status.success(), "{command:?}: {status}\n{printed}{said}");
-    printed
-}
-
-/// The folder of the static library as it is shipped, built once.
-fn library() -> &'static Path {
-    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
-        ran(Command::new(env!("CARGO"))
-            .args([
-                "rustc",
-                "--quiet",
-                "--package",
-                "fga-c",
-                "--lib",
-                "--profile",
-                "firmware",
-            ])
-            .args([
-                "--crate-type",
-                "staticlib",
-                "--features",
-                "staticlib",
-                "--target-dir",
-            ])
-            .arg(&target)
-            .env_remove("RUSTFLAGS")
-            .current_dir(root()));
-        let built = target.join("firmware/libfga_c.a");
-        let folder = target.join("firmware/sealed");
-        fs::create_dir_all(&folder).unwrap();
-        ran(Command::new(self::folder().join("seal.sh"))
-            .arg(built)
-            .arg(folder.join("libfga_c.a")));
-        folder
-    })
-}
+use built::{SANITIZED, WARNINGS, build_at, folder, have, library, ran, root};
 
 /// Builds an example.
 fn build(name: &str, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
@@ -103,22 +25,6 @@ fn build(name: &str, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
         options,
         into,
     )
-}
-
-/// Builds a program with the library.
-fn build_at(source: &Path, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
-    let program = into.join("program");
-    ran(Command::new(compiler)
-        .args(options)
-        .args(WARNINGS)
-        .arg(source)
-        .arg("-I")
-        .arg(folder().join("include"))
-        .arg("-L")
-        .arg(library())
-        .args(["-lfga_c", "-lm", "-o"])
-        .arg(&program));
-    program
 }
 
 #[test]
@@ -244,9 +150,11 @@ fn the_headers_compile_in_every_standard() {
     };
     for standard in ["c99", "c11", "c17"] {
         compile("cc", "c", standard, "fga.h");
+        compile("cc", "c", standard, "fga_task.h");
     }
     for standard in ["c++11", "c++14", "c++17", "c++20"] {
         compile("c++", "c++", standard, "fga.h");
+        compile("c++", "c++", standard, "fga_task.h");
     }
     for standard in ["c++17", "c++20"] {
         compile("c++", "c++", standard, "fga.hpp");
@@ -392,69 +300,34 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
     assert!(printed.contains("over the village not proven"), "{printed}");
 }
 
+/// The page shows the program, its commands run as they are written, and print what it says.
+#[cfg(unix)]
 #[test]
-fn the_reference_loop_hands_back_whatever_stops() {
-    if !have(&[("cc", "build-essential")]) {
+fn the_first_flight_of_the_page_is_installed_built_and_flown() {
+    if !have(&[("cmake", "cmake"), ("cc", "build-essential")]) {
         return;
     }
-    let into = tempfile::tempdir().unwrap();
-    let options = [&["-std=c11", "-O1"], SANITIZED.as_slice()].concat();
-    let printed = ran(&mut Command::new(build(
-        "reference_loop.c",
-        "cc",
-        &options,
-        into.path(),
-    )));
-    assert_eq!(printed.lines().count(), 4, "{printed}");
-}
-
-#[test]
-fn the_reference_loop_flies_the_plant_of_the_emulator() {
-    if !have(&[("cc", "build-essential")]) {
-        return;
-    }
-    let into = tempfile::tempdir().unwrap();
-    let settings = PlantSettings {
-        airspeed_mps: 15.0,
-        ..PlantSettings::default()
+    let page = fs::read_to_string(root().join("docs/how-to-autopilot.md")).unwrap();
+    let program = fs::read_to_string(root().join("examples/c/first_flight.c")).unwrap();
+    assert!(page.contains(&format!("```c\n{program}```")));
+    assert!(program.lines().count() <= 60);
+    let block = |kind: &str| {
+        let rest = page.split_once(&format!("```{kind}\n")).unwrap().1;
+        rest.split_once("```").unwrap().0.to_owned()
     };
-    let mut loops = Command::new(build("reference_loop.c", "cc", &["-std=c11"], into.path()))
-        .arg(settings.turn_rate_factor.to_string())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let (mut states, set_points) = (loops.stdin.take().unwrap(), loops.stdout.take().unwrap());
-    let start = VehiclePlant::new(settings, [0.0, 0.0, 100.0], FRAC_PI_2, [0.0; 2]);
-    let (mut plant, mut flights) = (start.clone(), 0);
-    for line in BufReader::new(set_points).lines().map(Result::unwrap) {
-        let Some(demands) = line.strip_prefix("fly ") else {
-            (plant, flights) = (start.clone(), flights + 1);
-            println!("{line}");
-            continue;
-        };
-        let mut numbers = demands.split(' ').map(|word| word.parse::<f64>().unwrap());
-        let mut next = || numbers.next().unwrap();
-        let target = Target {
-            bank_rad: -next(),
-            vertical: Vertical::Pitch(next() + settings.level_pitch_rad),
-            airspeed_mps: None,
-        };
-        for _ in 0..5 {
-            plant.step(&target, &Parameters::default(), STEP_S);
-        }
-        let [east, north, up] = plant.position_m();
-        let course_rad = FRAC_PI_2 - plant.heading_rad();
-        let climb_rad = plant.pitch_rad() - settings.level_pitch_rad;
-        let (bank_rad, speed_mps) = (-plant.bank_rad(), plant.airspeed_mps());
-        writeln!(
-            states,
-            "{east} {north} {up} {course_rad} {climb_rad} {bank_rad} {speed_mps}"
-        )
-        .unwrap();
+    let into = tempfile::tempdir().unwrap();
+    for name in ["crates", "examples"] {
+        std::os::unix::fs::symlink(root().join(name), into.path().join(name)).unwrap();
     }
-    assert!(loops.wait().unwrap().success());
-    assert_eq!(flights, 4);
+    let mut printed = String::new();
+    for line in block("sh").lines() {
+        printed = ran(Command::new("sh")
+            .args(["-c", line])
+            .env_remove("RUSTFLAGS")
+            .current_dir(into.path()));
+    }
+    let after = page.split_once("It prints:\n\n```\n").unwrap().1;
+    assert_eq!(printed, after.split_once("```").unwrap().0);
 }
 
 #[test]

@@ -62,7 +62,29 @@ pub(crate) struct FlyArgs {
     quiet: bool,
 }
 
+impl FlyArgs {
+    /// A flight with a status line, on a vehicle alone.
+    pub(crate) fn on(connect: Endpoint, config: Option<PathBuf>, out: PathBuf, live: bool) -> Self {
+        Self {
+            connect: Some(connect),
+            config,
+            traffic: Vec::new(),
+            dry_run: false,
+            replay: None,
+            out,
+            live,
+            listen: SocketAddr::from(([127, 0, 0, 1], 0)),
+            quiet: false,
+        }
+    }
+}
+
 pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
+    run_until(args, &count_interrupts())
+}
+
+/// Flies until the number of signals to end is not 0.
+pub(crate) fn run_until(args: &FlyArgs, signals: &Arc<AtomicU32>) -> Result<ExitCode, Failure> {
     let (config, terrain) = read_config(args.config.as_ref())?;
     if let Some(path) = &args.replay {
         return run_replay(config, terrain, path);
@@ -81,7 +103,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         end_program: || std::process::abort(),
     };
     let mut live = args.live.then(|| begin_live(args.listen)).transpose()?;
-    let flown = fly(&options, &count_interrupts(), &mut |companion| {
+    let flown = fly(&options, signals, &mut |companion| {
         if let Some(live) = &mut live {
             live.show(companion);
         }
@@ -95,7 +117,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
 }
 
 /// The endpoint as `--connect` takes it.
-fn shown(endpoint: &Endpoint) -> String {
+pub(crate) fn shown(endpoint: &Endpoint) -> String {
     match endpoint {
         Endpoint::UdpIn(address) => format!("udpin:{address}"),
         Endpoint::UdpOut(address) => format!("udpout:{address}"),
@@ -123,7 +145,7 @@ pub(crate) fn stop_on_interrupt() -> Arc<AtomicBool> {
 }
 
 /// The number of interrupts so far.
-fn count_interrupts() -> Arc<AtomicU32> {
+pub(crate) fn count_interrupts() -> Arc<AtomicU32> {
     let count = Arc::new(AtomicU32::new(0));
     let counter = Arc::clone(&count);
     let _ = ctrlc::set_handler(move || _ = counter.fetch_add(1, Ordering::Relaxed));

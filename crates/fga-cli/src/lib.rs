@@ -16,6 +16,8 @@ mod campaign_report;
 mod campaign_source;
 mod check;
 mod common;
+#[cfg(feature = "fly")]
+mod emulate;
 mod export;
 mod failure;
 mod file_kind;
@@ -92,6 +94,9 @@ enum FgaCommand {
     /// Fly avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
     #[cfg(feature = "fly")]
     Fly(fly::FlyArgs),
+    /// Emulate an ArduPlane-like vehicle and an intruder in real time (it is not ArduPlane).
+    #[cfg(feature = "fly")]
+    Emulate(emulate::EmulateArgs),
     /// Play intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
     #[cfg(feature = "fly")]
     Traffic(traffic::TrafficArgs),
@@ -153,6 +158,8 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         FgaCommand::View(args) => view::run(&args),
         #[cfg(feature = "fly")]
         FgaCommand::Fly(args) => fly::run(&args),
+        #[cfg(feature = "fly")]
+        FgaCommand::Emulate(args) => emulate::run(&args),
         #[cfg(feature = "fly")]
         FgaCommand::Traffic(args) => traffic::run(&args),
         #[cfg(feature = "fly")]

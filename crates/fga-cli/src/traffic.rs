@@ -83,7 +83,19 @@ pub(crate) fn run(args: &TrafficArgs) -> Result<ExitCode, Failure> {
     };
     let sent = play(&script, &options, &stop_on_interrupt())
         .map_err(|error| Failure::Input(format!("traffic: {error}")))?;
-    eprintln!("{sent} messages sent");
+    let messages = options
+        .to
+        .as_ref()
+        .map(|_| format!("{} messages sent", sent.messages));
+    let lines = options.serve_sbs.as_ref().map(|_| {
+        let plural = if sent.readers == 1 { "" } else { "s" };
+        format!(
+            "{} lines sent to {} reader{plural}",
+            sent.lines, sent.readers
+        )
+    });
+    let told: Vec<String> = messages.into_iter().chain(lines).collect();
+    eprintln!("{}", told.join(", "));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -7,7 +7,7 @@
 //!
 //! The emulator reads no clock and no socket: [`Emulator::receive`] takes a message,
 //! [`Emulator::advance`] advances the time, [`Emulator::drain`] returns its messages. Tests run it in
-//! scaled time; the example `emulator` of `fga-link` puts it behind a socket in real time.
+//! scaled time; `fga emulate` puts it behind a socket in real time.
 //!
 //! Local frame: x east, y north, z up, metres. Internal headings and banks follow the autopilot:
 //! radians, heading clockwise from north, bank positive to the right.

@@ -34,6 +34,7 @@ mod handover;
 mod lacking;
 mod lead;
 mod lists;
+mod nearest;
 mod neighbors;
 mod observe;
 mod others;
@@ -78,6 +79,7 @@ use handover::Handover;
 pub use handover::LONGEST_END_S;
 use lacking::OperatorReports;
 use lead::Lead;
+pub use nearest::LeastSeparation;
 use others::OtherOrders;
 use over_ground::OverGround;
 use passing::PassedItems;
@@ -137,6 +139,7 @@ pub struct Companion {
     gap: Gap,
     others: OtherOrders,
     told: OperatorReports,
+    least: Option<LeastSeparation>,
     hand: Box<dyn Hand>,
     due: Due,
 }
@@ -187,6 +190,7 @@ impl Companion {
             gap: Gap::default(),
             others: OtherOrders::default(),
             told: OperatorReports::default(),
+            least: None,
             hand,
             due: Due::default(),
             config,
@@ -241,6 +245,16 @@ impl Companion {
     /// The defects of reports so far.
     pub const fn defects(&self) -> &Defects {
         self.reports.defects()
+    }
+
+    /// The least separation so far; `None` where nobody was within the surveillance.
+    pub const fn least_separation(&self) -> Option<&LeastSeparation> {
+        self.least.as_ref()
+    }
+
+    /// The least separation in words.
+    pub fn least_in_words(&self) -> String {
+        LeastSeparation::words(self.least.as_ref())
     }
 
     /// Tracks of other aircraft.

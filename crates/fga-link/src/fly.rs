@@ -189,6 +189,7 @@ pub fn fly(
     // The last frames are still on their way.
     thread::sleep(Duration::from_millis(50));
     shared.over.store(true, Ordering::Relaxed);
+    pilot.status.say(&pilot.companion.least_in_words());
     pilot.notebook.end();
     pilot.recorder.end();
     pilot.status.end();

@@ -54,12 +54,23 @@ pub struct PlayOptions {
     pub again: bool,
 }
 
+/// What was sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PlaySent {
+    /// Messages to the endpoint, heartbeats among them.
+    pub messages: u64,
+    /// BaseStation lines, to all readers together.
+    pub lines: u64,
+    /// Readers that connected.
+    pub readers: u64,
+}
+
 struct Outputs {
     writer: Option<LinkWriter>,
     sequence: u8,
     listener: Option<TcpListener>,
     readers: Vec<TcpStream>,
-    messages: u64,
+    sent: PlaySent,
 }
 
 impl Outputs {
@@ -71,13 +82,17 @@ impl Outputs {
             sequence: self.sequence,
         };
         self.sequence = self.sequence.wrapping_add(1);
-        self.messages += 1;
+        self.sent.messages += 1;
         writer.write(encode(header, message, None).raw_bytes());
     }
 
     fn lines(&mut self, text: &str) {
-        self.readers
-            .retain_mut(|reader| reader.write_all(text.as_bytes()).is_ok());
+        let lines = text.lines().count() as u64;
+        self.readers.retain_mut(|reader| {
+            let is_sent = reader.write_all(text.as_bytes()).is_ok();
+            self.sent.lines += if is_sent { lines } else { 0 };
+            is_sent
+        });
     }
 
     fn accept(&mut self) {
@@ -92,6 +107,7 @@ impl Outputs {
                     .is_ok();
             if ready && self.readers.len() < MOST_READERS {
                 self.readers.push(stream);
+                self.sent.readers += 1;
             }
         }
     }
@@ -106,11 +122,11 @@ impl Outputs {
     }
 }
 
-/// Plays until the script ends or `stop` is set; returns the number of sent messages.
+/// Plays until the script ends or `stop` is set; returns what was sent.
 ///
 /// # Errors
 /// An endpoint or an address that cannot be opened.
-pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Result<u64> {
+pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Result<PlaySent> {
     // The reading half only connects.
     let (mut reader, writer) = options.to.as_ref().map(open).transpose()?.unzip();
     let listener = match &options.serve_sbs {
@@ -126,7 +142,7 @@ pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Re
         sequence: 0,
         listener,
         readers: Vec::new(),
-        messages: 0,
+        sent: PlaySent::default(),
     };
     let ended = &AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -149,7 +165,7 @@ pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Re
         }
         ended.store(true, Ordering::Relaxed);
     });
-    Ok(outputs.messages)
+    Ok(outputs.sent)
 }
 
 fn play_aircraft(

@@ -139,7 +139,8 @@ impl Fuzz {
         fga_vehicle {
             size: self.size::<fga_vehicle>(),
             airspeed_mps: self.number(12.0, 60.0),
-            turn_radius_m: self.number(40.0, 400.0),
+            // Wide enough that the longest lag turns no further than a vehicle may: 1.5 radians.
+            turn_radius_m: self.number(80.0, 400.0),
             climb_min_rad: if climbs { self.number(-0.3, 0.0) } else { 0.0 },
             climb_max_rad: if climbs { self.number(0.0, 0.3) } else { 0.0 },
             climb_rate_radps: self.number(0.05, 0.5),

@@ -10,6 +10,7 @@
 mod airspace;
 mod drawn;
 mod lent;
+mod reports;
 
 use core::ffi::CStr;
 use core::ptr;
@@ -48,6 +49,7 @@ struct Fuzz {
     time_s: f64,
     own: fga_ownship,
     around: airspace::Airspace,
+    listener: reports::Listener,
     results: u64,
     refusals: u64,
 }
@@ -75,6 +77,7 @@ impl Fuzz {
                 airspeed_mps: 15.0,
             },
             around: airspace::Airspace::default(),
+            listener: reports::Listener::default(),
             results: 0,
             refusals: 0,
         }
@@ -417,6 +420,8 @@ impl Fuzz {
             20..35 => self.certify(),
             35..50 => self.predict(),
             50..55 => self.words(),
+            55 => self.init_reports(),
+            56..66 => self.hear(),
             _ => self.step(),
         }
     }

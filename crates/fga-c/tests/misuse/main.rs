@@ -7,6 +7,7 @@ extern crate alloc;
 mod airspace;
 mod flight;
 mod mission;
+mod reports;
 
 use alloc::collections::BTreeSet;
 use core::ffi::c_char;

@@ -404,3 +404,69 @@ fn l14_a_compressed_log_is_replayed_and_a_damaged_one_refused() {
         "{said}"
     );
 }
+
+/// A port that nobody listens on.
+fn free_port() -> u16 {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    listener.local_addr().expect("an address").port()
+}
+
+/// The number behind some words.
+fn number_after(said: &str, words: &str) -> f64 {
+    let (_, rest) = said.split_once(words).unwrap_or_else(|| panic!("{said}"));
+    let number = rest.split_whitespace().find_map(|word| word.parse().ok());
+    number.unwrap_or_else(|| panic!("{said}"))
+}
+
+/// The first manoeuvre, by the command of the page, towards an intruder that is nearer.
+#[test]
+fn emulate_flies_a_first_manoeuvre_and_says_the_least_separation() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_fga"))
+        .args(["emulate", "--fly", "--seconds", "300"])
+        .args(["--serve", &format!("tcpin:127.0.0.1:{}", free_port())])
+        .args(["--intruder", "ABC123,37.6350,-122.375,104,180,25"])
+        .current_dir(folder.path())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{said}");
+    let changes: Vec<&str> = said.lines().filter(|l| l.contains("emulator: ")).collect();
+    assert!(changes[0].contains("Guided") && changes[1].contains("Auto"));
+    // The companion says it from reports, the emulator from the places.
+    let reported_m = number_after(&said, "least separation ");
+    let true_m = number_after(&said, "least distance to ABC123 ");
+    assert!(true_m >= 152.4, "{said}");
+    assert!(said.contains("fga: avoiding ABC123, "), "{said}");
+    assert!((reported_m - true_m).abs() < 15.0, "{said}");
+    assert!(folder.path().join("out/fly").is_dir());
+}
+
+#[test]
+fn traffic_counts_the_lines_that_it_served() {
+    let port = free_port();
+    let child = Command::new(env!("CARGO_BIN_EXE_fga"))
+        .args(["traffic", "--serve-sbs", &format!("127.0.0.1:{port}")])
+        .args(["--line", "ABC123,37.6350,-122.375,104,180,25"])
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut program = Program(child.expect("the program starts"));
+    let since = Instant::now();
+    let mut reader = loop {
+        match TcpStream::connect(("127.0.0.1", port)) {
+            Ok(reader) => break reader,
+            Err(error) => assert!(since.elapsed() < Duration::from_secs(20), "{error}"),
+        }
+        thread::sleep(Duration::from_millis(20));
+    };
+    let mut heard = [0; 200];
+    reader.read_exact(&mut heard).unwrap();
+    program.signal("INT");
+    assert!(program.ended().success());
+    let mut said = String::new();
+    let errors = program.0.stderr.as_mut().expect("a pipe");
+    errors.read_to_string(&mut said).unwrap();
+    assert!(number_after(&said, "") >= 2.0, "{said}");
+    assert!(said.ends_with(" lines sent to 1 reader\n"), "{said}");
+}

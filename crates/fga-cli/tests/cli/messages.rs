@@ -88,6 +88,12 @@ fn options_say_what_they_expect() {
         (&["traffic"], "expected a FILE or --line"),
         (&["traffic", "--line", line], "expected --to or --serve-sbs"),
         (
+            &["emulate", "--fly", "--serve", "udpout:127.0.0.1:14998"],
+            "expected --serve tcpin:HOST:PORT",
+        ),
+        (&["emulate", "--seconds", "0"], "--seconds must be above 0"),
+        (&["emulate", "--intruder", "x"], "is no line"),
+        (
             &["traffic", "--line", line, "--serve-sbs", "foo"],
             "'foo' for '--serve-sbs <HOST:PORT>': expected HOST:PORT",
         ),

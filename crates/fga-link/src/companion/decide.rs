@@ -13,6 +13,7 @@ use serde_json::json;
 use super::Companion;
 use super::decider::CompanionPilot;
 use super::decisions::Decided;
+use super::nearest::LeastSeparation;
 use super::route::RouteMoment;
 use crate::mode::Mode;
 use crate::ownship::OwnState;
@@ -161,6 +162,10 @@ impl Companion {
         let at = (state, self.lead.acts_s(now_s));
         let (frame, route, voice) = (self.ownship.frame(), &self.route, &mut self.voice);
         self.around.gather(at, frame, route, &self.config, voice);
+        let (around, own_m) = (&self.around, state.ownship.position_m);
+        LeastSeparation::watch(&mut self.least, own_m, now_s, around.obstacles(), |id| {
+            around.name(id)
+        });
         let vehicle = self.decisions.pilot().map(CompanionPilot::vehicle);
         if vehicle.is_some_and(Vehicle::can_climb) {
             self.around.add_layers(state, route, &self.config);
