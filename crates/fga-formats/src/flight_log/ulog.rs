@@ -1,6 +1,6 @@
 //! Logs of PX4 (`ULog`), which describe themselves: `F` messages say what topics hold, `A` messages give them numbers.
 //!
-//! Every message begins with its length, two bytes, and its kind. Source: the ULog file format of the PX4 guide. The crate `px4-ulog`
+//! Every message begins with its length, two bytes, and its kind. Source: the `ULog` file format of the PX4 guide. The crate `px4-ulog`
 //! panics on some damaged messages and ends at the first one; it is not used.
 
 use core::f64::consts::FRAC_PI_2;

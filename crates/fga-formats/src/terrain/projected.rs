@@ -2,6 +2,7 @@
 //!
 //! Definitions are those of EPSG. Shifts of old datums are Helmert's, true within about 5 m; a datum that needs a grid of shifts is refused.
 
+use fga::Vec2;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
@@ -25,10 +26,10 @@ impl Map {
             return Err(format!("{name}, which is no known grid, {expected}"));
         };
         let words = found.proj4;
-        // Without the first, the datum is unknown; the second lacks its grid of shifts.
         let is_shifted = ["+towgs84=", "+nadgrids=@null", "+datum="]
             .iter()
             .any(|word| words.contains(word));
+        // NAD27 needs a grid of shifts, and would be taken without one.
         if !is_shifted || words.contains("+datum=NAD27") {
             return Err(format!(
                 "{name}, whose datum cannot be shifted to WGS84 without a grid of shifts, {expected}"
@@ -46,18 +47,17 @@ impl Map {
     }
 
     /// Longitude and latitude of a place of the map, degrees.
-    fn degrees(&self, [east, north]: [f64; 2]) -> Option<[f64; 2]> {
-        let mut place = (east, north, 0.0);
+    fn degrees(&self, place: Vec2) -> Option<Vec2> {
+        let mut place = (place.x, place.y, 0.0);
         transform(&self.map, &self.earth, &mut place).ok()?;
-        Some([place.0, place.1].map(f64::to_degrees))
+        Some(Vec2::new(place.0.to_degrees(), place.1.to_degrees()))
     }
 
     /// East and north of a longitude and latitude on the map.
-    fn place(&self, degrees: [f64; 2]) -> Option<[f64; 2]> {
-        let [longitude, latitude] = degrees.map(f64::to_radians);
-        let mut place = (longitude, latitude, 0.0);
+    fn place(&self, degrees: Vec2) -> Option<Vec2> {
+        let mut place = (degrees.x.to_radians(), degrees.y.to_radians(), 0.0);
         transform(&self.earth, &self.map, &mut place).ok()?;
-        Some([place.0, place.1])
+        Some(Vec2::new(place.0, place.1))
     }
 }
 
@@ -65,131 +65,150 @@ impl Map {
 pub(super) fn field(
     code: u16,
     [west, north, east_step, north_step]: [f64; 4],
-    [rows, columns]: [usize; 2],
+    size: [usize; 2],
     heights: &Heights,
 ) -> Result<HeightField, String> {
-    let map = Map::new(code)?;
-    let at = |row: usize, column: usize| {
-        [
-            west + column as f64 * east_step,
-            north - row as f64 * north_step,
-        ]
+    if !(east_step > 0.0 && north_step > 0.0) || size.into_iter().any(|count| count < 2) {
+        let [rows, columns] = size;
+        return Err(format!(
+            "has {rows} x {columns} heights with the spacing {east_step} x {north_step}, expected at least 2 x 2 and a spacing above 0"
+        ));
+    }
+    let source = MapGrid {
+        map: Map::new(code)?,
+        first: Vec2::new(west, north),
+        step: Vec2::new(east_step, -north_step),
+        size,
+        heights,
     };
     let beyond = || {
         format!(
             "has places outside of the grid EPSG:{code} or across the antimeridian, expected places within it"
         )
     };
-    if !(east_step > 0.0 && north_step > 0.0) {
-        return Err(format!(
-            "has the spacing {east_step} x {north_step}, expected one above 0"
-        ));
+    let grid = source.posts().ok_or_else(beyond)?;
+    let mut posts = source.sampled(&grid);
+    source.raise(&grid, &mut posts);
+    HeightField::new(grid, Heights::Fraction(posts))
+}
+
+/// Heights on a map's grid.
+struct MapGrid<'a> {
+    map: Map,
+    /// East and north of the first post, and the steps to the next column and row.
+    first: Vec2,
+    step: Vec2,
+    /// Rows and columns.
+    size: [usize; 2],
+    heights: &'a Heights,
+}
+
+impl MapGrid<'_> {
+    fn at(&self, row: usize, column: usize) -> Vec2 {
+        self.first + self.step * Vec2::new(column as f64, row as f64)
     }
-    if rows < 2 || columns < 2 {
-        return Err(format!(
-            "has {rows} x {columns} heights, expected at least 2 x 2"
-        ));
-    }
-    let (last_row, last_column) = (rows - 1, columns - 1);
-    let border = (0..rows)
-        .flat_map(|row| [(row, 0), (row, last_column)])
-        .chain((0..columns).flat_map(|column| [(0, column), (last_row, column)]));
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for (row, column) in border {
-        let place = map.degrees(at(row, column)).ok_or_else(beyond)?;
-        for axis in 0..2 {
-            low[axis] = low[axis].min(place[axis]);
-            high[axis] = high[axis].max(place[axis]);
-        }
-    }
-    // The steps in the middle.
-    let [middle, east, top] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[right, up]| {
-        let [x, y] = at(rows / 2, columns / 2);
-        map.degrees([x + right * east_step, y + up * north_step])
-    });
-    let (middle, east, top) = (
-        middle.ok_or_else(beyond)?,
-        east.ok_or_else(beyond)?,
-        top.ok_or_else(beyond)?,
-    );
-    let level = libm::cos(middle[1].to_radians());
-    let apart = |to: [f64; 2]| libm::hypot(level * (to[0] - middle[0]), to[1] - middle[1]);
-    let (step_east_deg, step_north_deg) = (apart(east) / level, apart(top));
-    let count = |axis: usize, step: f64| libm::ceil((high[axis] - low[axis]) / step) + 1.0;
-    let (wide, tall) = (count(0, step_east_deg), count(1, step_north_deg));
-    // Also false for what is not a number.
-    if !(wide * tall * 4.0 <= MOST_BYTES as f64 && wide >= 2.0 && tall >= 2.0) {
-        return Err(beyond());
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 2 to the bytes of a file"
-    )]
-    let grid = HeightGrid {
-        south_deg: low[1],
-        west_deg: low[0],
-        step_north_deg,
-        step_east_deg,
-        rows: tall as usize,
-        columns: wide as usize,
-    };
-    let post_m = |row: usize, column: usize| match heights {
-        Heights::Whole(all) => {
-            let post_m = all
-                .get(row * columns + column)
-                .filter(|post| **post != HOLE);
-            post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
-        }
-        Heights::Fraction(all) => {
-            let post_m = all.get(row * columns + column);
-            post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
-        }
-    };
-    let mut posts = vec![f32::NAN; grid.rows * grid.columns];
-    for (row, line) in posts.chunks_mut(grid.columns).enumerate() {
-        let latitude_deg = grid.latitude_deg(row);
-        let place = |column: usize| map.place([grid.longitude_deg(column), latitude_deg]);
-        along(line.len(), place, |column, [x, y]| {
-            let steps = [(north - y) / north_step, (x - west) / east_step];
-            let around = around(steps, [rows, columns]);
-            if let (Some(around), Some(post)) = (around, line.get_mut(column)) {
-                let height_m = around
-                    .iter()
-                    .filter(|(_, _, weight)| *weight > 0.0)
-                    .map(|(row, column, weight)| weight * post_m(*row, *column));
-                *post = single(height_m.sum());
+
+    fn post_m(&self, row: usize, column: usize) -> f64 {
+        let index = row * self.size[1] + column;
+        let post_m = match self.heights {
+            Heights::Whole(all) => {
+                let post_m = all.get(index).filter(|post_m| **post_m != HOLE);
+                post_m.map(|post_m| f64::from(*post_m))
             }
-        });
+            Heights::Fraction(all) => all.get(index).map(|post_m| f64::from(*post_m)),
+        };
+        post_m.unwrap_or(f64::NAN)
     }
-    // Where the ground between the new posts is below a post of the file, they are raised.
-    let north_deg = grid.latitude_deg(0);
-    for row in 0..rows {
-        let place = |column: usize| map.degrees(at(row, column));
-        along(columns, place, |column, [x, y]| {
-            let steps = [
-                (north_deg - y) / step_north_deg,
-                (x - grid.west_deg) / step_east_deg,
-            ];
-            let Some(around) = around(steps, [grid.rows, grid.columns]) else {
-                return;
+
+    /// Posts of latitude and longitude over all of it, as far apart as in its middle; `None` beyond the map.
+    fn posts(&self) -> Option<HeightGrid> {
+        let [rows, columns] = self.size;
+        let (last_row, last_column) = (rows - 1, columns - 1);
+        let sides = (0..rows).flat_map(|row| [(row, 0), (row, last_column)]);
+        let ends = (0..columns).flat_map(|column| [(0, column), (last_row, column)]);
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for (row, column) in sides.chain(ends) {
+            let place = self.map.degrees(self.at(row, column))?;
+            (low, high) = (low.min(place), high.max(place));
+        }
+        let middle = self.map.degrees(self.at(rows / 2, columns / 2))?;
+        let level = Vec2::new(libm::cos(middle.y.to_radians()), 1.0);
+        let apart = |row: usize, column: usize| {
+            let next = self
+                .map
+                .degrees(self.at(rows / 2 + row, columns / 2 + column))?;
+            Some((level * (next - middle)).length())
+        };
+        let step = Vec2::new(apart(0, 1)?, apart(1, 0)?) / level;
+        let count = ((high - low) / step).ceil() + 1.0;
+        // Also false for what is not a number.
+        if !(4.0 * count.element_product() <= MOST_BYTES as f64 && count.min_element() >= 2.0) {
+            return None;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 2 to the bytes of a file"
+        )]
+        let (rows, columns) = (count.y as usize, count.x as usize);
+        Some(HeightGrid {
+            south_deg: low.y,
+            west_deg: low.x,
+            step_north_deg: step.y,
+            step_east_deg: step.x,
+            rows,
+            columns,
+        })
+    }
+
+    /// The bilinear heights at new posts, metres; not a number outside and beside holes.
+    fn sampled(&self, grid: &HeightGrid) -> Vec<f32> {
+        let mut posts = vec![f32::NAN; grid.rows * grid.columns];
+        for (row, line) in posts.chunks_mut(grid.columns).enumerate() {
+            let latitude_deg = grid.latitude_deg(row);
+            let place = |column: usize| {
+                let longitude_deg = grid.longitude_deg(column);
+                self.map.place(Vec2::new(longitude_deg, latitude_deg))
             };
-            let index = |row: usize, column: usize| row * grid.columns + column;
-            let new_m = around.iter().map(|(row, column, weight)| {
-                let post_m = posts.get(index(*row, *column));
-                weight * f64::from(post_m.copied().unwrap_or(f32::NAN))
+            along(line.len(), place, |column, place| {
+                let around = around((place - self.first) / self.step, self.size);
+                if let (Some(around), Some(post)) = (around, line.get_mut(column)) {
+                    let weighted = around.iter().filter(|(_, _, weight)| *weight > 0.0);
+                    let heights_m =
+                        weighted.map(|(row, column, weight)| weight * self.post_m(*row, *column));
+                    *post = single(heights_m.sum());
+                }
             });
-            let lacks_m = single(post_m(row, column) - new_m.sum::<f64>());
-            if lacks_m > 0.0 {
-                for (row, column, _) in around {
-                    if let Some(post) = posts.get_mut(index(row, column)) {
-                        *post += lacks_m;
+        }
+        posts
+    }
+
+    /// Raises new posts where the ground between them is below a post of the file.
+    fn raise(&self, grid: &HeightGrid, posts: &mut [f32]) {
+        let first = Vec2::new(grid.west_deg, grid.latitude_deg(0));
+        let step = Vec2::new(grid.step_east_deg, -grid.step_north_deg);
+        let index = |row: usize, column: usize| row * grid.columns + column;
+        for row in 0..self.size[0] {
+            let place = |column: usize| self.map.degrees(self.at(row, column));
+            along(self.size[1], place, |column, place| {
+                let Some(around) = around((place - first) / step, [grid.rows, grid.columns]) else {
+                    return;
+                };
+                let new_m = around.iter().map(|(row, column, weight)| {
+                    let post_m = posts.get(index(*row, *column));
+                    weight * f64::from(post_m.copied().unwrap_or(f32::NAN))
+                });
+                let lacks_m = single(self.post_m(row, column) - new_m.sum::<f64>());
+                if lacks_m > 0.0 {
+                    for (row, column, _) in around {
+                        if let Some(post) = posts.get_mut(index(row, column)) {
+                            *post += lacks_m;
+                        }
                     }
                 }
-            }
-        });
+            });
+        }
     }
-    HeightField::new(grid, Heights::Fraction(posts))
 }
 
 #[expect(
@@ -201,19 +220,14 @@ const fn single(height_m: f64) -> f32 {
 }
 
 /// Calls `each` with the places of a row: each [`EXACT_POSTS`]th exact, those between them linear.
-fn along(
-    count: usize,
-    place: impl Fn(usize) -> Option<[f64; 2]>,
-    mut each: impl FnMut(usize, [f64; 2]),
-) {
+fn along(count: usize, place: impl Fn(usize) -> Option<Vec2>, mut each: impl FnMut(usize, Vec2)) {
     let mut first = 0;
     while first < count {
         let last = (first + EXACT_POSTS).min(count);
         if let (Some(from), Some(to)) = (place(first), place(last)) {
             for index in first..last {
                 let share = (index - first) as f64 / (last - first) as f64;
-                let of = |axis: usize| from[axis] + share * (to[axis] - from[axis]);
-                each(index, [of(0), of(1)]);
+                each(index, from.lerp(to, share));
             }
         }
         first = last;
@@ -221,26 +235,22 @@ fn along(
 }
 
 /// The four posts around a place in steps from the first one, with their weights; `None` outside.
-fn around(
-    [down, right]: [f64; 2],
-    [rows, columns]: [usize; 2],
-) -> Option<[(usize, usize, f64); 4]> {
+fn around(steps: Vec2, [rows, columns]: [usize; 2]) -> Option<[(usize, usize, f64); 4]> {
     const ON_LINE: f64 = 1e-3;
     let within = |steps: f64, count: usize| {
         let last = count.saturating_sub(1) as f64;
         let inside = steps.clamp(0.0, last);
-        if !((steps - inside).abs() < ON_LINE) {
-            return None;
-        }
+        // Not a number is not within either.
+        let is_within = (steps - inside).abs() < ON_LINE;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "within the posts"
         )]
         let low = (libm::floor(inside) as usize).min(count.saturating_sub(2));
-        Some((low, inside - low as f64))
+        is_within.then_some((low, inside - low as f64))
     };
-    let ((row, down), (column, right)) = (within(down, rows)?, within(right, columns)?);
+    let ((row, down), (column, right)) = (within(steps.y, rows)?, within(steps.x, columns)?);
     Some([
         (row, column, (1.0 - down) * (1.0 - right)),
         (row, column + 1, (1.0 - down) * right),
