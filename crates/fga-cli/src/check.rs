@@ -197,12 +197,19 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
             let message = format!("is {kind}, which is not read");
             Err(InputError::in_file(path, message).into())
         }
+        "scn" => {
+            let mut usable = encounters_in(path)?;
+            if let recordings::Content::States(received) = recordings::read_content(path)? {
+                usable.warnings.extend(received.notes);
+            }
+            Ok(usable)
+        }
         "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
         _ => {
             // A missing file is said first.
             let _ = read_text(path)?;
             Err(Failure::Input(format!(
-                "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .conf, \
+                "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .scn, .conf, \
                  .tlog, .bin, heights (.hgt, .tif, .dt2, .DAT), areas (.geojson, .kml, .kmz, AIXM, OpenAir), a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
                 path.display()
             )))
@@ -247,7 +254,7 @@ fn holds_areas(path: &Path) -> bool {
 
 /// What a file is that no command reads, by its first bytes or its ending.
 fn unread(path: &Path) -> Option<&'static str> {
-    const KINDS: [(&[u8], &str, &str); 16] = [
+    const KINDS: [(&[u8], &str, &str); 15] = [
         (b"GRIB", "grb", "GRIB weather"),
         (
             b"\0\0\x27\x0a",
@@ -273,11 +280,6 @@ fn unread(path: &Path) -> Option<&'static str> {
             b"\xd4\xc3\xb2\xa1",
             "pcap",
             "a capture of packets, expected Beast or BaseStation",
-        ),
-        (
-            b"00:00:00.00>",
-            "scn",
-            "a scenario of BlueSky, expected encounters as CSV",
         ),
         (b"AXXX", "igc", "a flight of IGC, expected a recording"),
         (

@@ -67,6 +67,8 @@ pub struct Received {
     pub tracks: Vec<ReceivedTrack>,
     /// What became of the log's lines or state vectors.
     pub tally: Tally,
+    /// What of it is not read, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Collects positions by aircraft.
@@ -114,8 +116,11 @@ impl Collector {
             }
             track
         });
-        let tracks = tracks.collect();
-        Received { tracks, tally }
+        Received {
+            tracks: tracks.collect(),
+            tally,
+            notes: Vec::new(),
+        }
     }
 }
 
