@@ -28,6 +28,10 @@ const CUT_GROWN_M: f64 = 16.0;
 const LAPPED_M: f64 = 1.0;
 /// A part is halved at most this often.
 const CUT: u32 = 8;
+/// A long outline grows by twice this at least, metres: less seldom does, and each try takes long.
+const LONG_GROWN_M: f64 = 4.0;
+/// A ring is simplified in pieces of so many corners.
+const PIECE: usize = 512;
 /// An outline with more corners is long.
 const LONG: usize = 4096;
 /// Most parts.
@@ -77,11 +81,15 @@ impl NamedArea {
         // Grown from the last one, which is simpler, where the outline is long: by more in all, with less work.
         let is_long = near.iter().map(corners).sum::<usize>() > LONG;
         let mut before_m = 0.0;
-        let mut half_m = 0.5;
+        let mut half_m = if is_long { LONG_GROWN_M } else { 0.5 };
         while before_m + 2.0 * half_m <= MOST_GROWN_M {
             // What is simplified by less than it has grown holds all of the outline.
             let style = BufferStyle::new(outwards * half_m).line_join(LineJoin::Miter(1.0));
-            let grown = whole.buffer_with_style(style).simplify(0.98 * half_m);
+            let grown = whole.buffer_with_style(style);
+            let grown: MultiPolygon = grown
+                .iter()
+                .map(|one| simplified(one, 0.98 * half_m))
+                .collect();
             let grown_m = before_m + 2.0 * half_m;
             if is_long && grown_m >= CUT_GROWN_M {
                 before_m = grown_m;
@@ -245,6 +253,27 @@ fn near(polygon: &Polygon<f64>, window: &Rect<f64>) -> Vec<Polygon<f64>> {
             .collect()
     });
     parts.collect()
+}
+
+/// A polygon with fewer corners, off by at most this, metres; a long ring in pieces, with which the work grows as their square.
+fn simplified(polygon: &Polygon<f64>, by_m: f64) -> Polygon<f64> {
+    let simpler = |ring: &LineString<f64>| {
+        let last = ring.0.len().saturating_sub(1);
+        if last <= PIECE {
+            let alone = Polygon::new(ring.clone(), Vec::new());
+            return alone.simplify(by_m).into_inner().0;
+        }
+        let mut corners = Vec::new();
+        for first in (0..last).step_by(PIECE) {
+            let piece = ring.0.get(first..=(first + PIECE).min(last));
+            // The corner that two pieces have.
+            corners.pop();
+            corners.extend(LineString::from(piece.unwrap_or_default().to_vec()).simplify(by_m));
+        }
+        LineString::new(corners)
+    };
+    let holes = polygon.interiors().iter().map(simpler).collect();
+    Polygon::new(simpler(polygon.exterior()), holes)
 }
 
 /// The rings of zones that are these polygons together, each halved at most so often where it is no zone; `None` where that does not do.

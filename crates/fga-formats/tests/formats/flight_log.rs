@@ -527,8 +527,13 @@ fn turned(bank_rad: f64, course_rad: f64) -> [f32; 4] {
     [cy * c, cy * s, sy * s, sy * c].map(|part| part as f32)
 }
 
+/// A short log of PX4.
+pub(crate) fn ulog() -> Vec<u8> {
+    px4_log(&flight(120, 0.1))
+}
+
 /// A log of PX4 in a mission: its first seconds disarmed, a second airspeed sensor that is wrong.
-fn ulog(rows: &[[f64; 6]]) -> Vec<u8> {
+fn px4_log(rows: &[[f64; 6]]) -> Vec<u8> {
     let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
     bytes.extend(px4(b'B', &[0; 40]));
     for format in [
@@ -589,7 +594,7 @@ fn ulog(rows: &[[f64; 6]]) -> Vec<u8> {
 #[test]
 fn ulog_of_px4_is_read_with_its_mission_and_its_first_sensors() {
     let rows = flight(400, 0.05);
-    let bytes = ulog(&rows);
+    let bytes = px4_log(&rows);
     let log = parsed(&bytes).unwrap();
     // Disarmed for 2 s, a take-off until 4 s.
     near(&log, &rows[80..], 1e-3);
