@@ -38,7 +38,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 /// Bytes that a field of a type takes.
-const fn width(code: u8) -> Option<usize> {
+pub(super) const fn width(code: u8) -> Option<usize> {
     Some(match code {
         b'b' | b'B' | b'M' => 1,
         b'h' | b'H' | b'c' | b'C' | b'g' => 2,

@@ -6,7 +6,7 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
-use super::dataflash::{MessageFormat, SLOWEST_MPS};
+use super::dataflash::{MessageFormat, SLOWEST_MPS, width};
 use super::phases::Phases;
 use super::series::{Series, Signals};
 use super::tlog::bank_rad;
@@ -31,67 +31,46 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
     bytes.starts_with(BEGIN)
 }
 
-/// What the formats of a log say of a topic; nested ones are at most two deep.
-fn format_of(topic: &str, formats: &HashMap<&str, &str>) -> Option<MessageFormat> {
-    fn add(
-        (topic, prefix, depth): (&str, &str, usize),
-        formats: &HashMap<&str, &str>,
-        fields: &mut Vec<(String, u8, usize)>,
-        begin: &mut usize,
-    ) -> Option<()> {
-        for field in formats
-            .get(topic)?
-            .split(';')
-            .filter(|field| !field.is_empty())
-        {
-            let (kind, name) = field.split_once(' ')?;
-            let (kind, count) = match kind.split_once('[') {
-                Some((kind, count)) => (kind, Some(count.strip_suffix(']')?.parse::<u8>().ok()?)),
-                None => (kind, None),
-            };
-            for index in 0..count.unwrap_or(1) {
-                let name = match count {
-                    Some(_) => format!("{prefix}{name}[{index}]"),
-                    None => format!("{prefix}{name}"),
-                };
-                let (code, width) = match kind {
-                    "int8_t" => (b'b', 1),
-                    "uint8_t" | "bool" | "char" => (b'B', 1),
-                    "int16_t" => (b'h', 2),
-                    "uint16_t" => (b'H', 2),
-                    "int32_t" => (b'i', 4),
-                    "uint32_t" => (b'I', 4),
-                    "int64_t" => (b'q', 8),
-                    "uint64_t" => (b'Q', 8),
-                    "float" => (b'f', 4),
-                    "double" => (b'd', 8),
-                    nested if depth < 2 => {
-                        add(
-                            (nested, &format!("{name}."), depth + 1),
-                            formats,
-                            fields,
-                            begin,
-                        )?;
-                        continue;
-                    }
-                    _ => return None,
-                };
-                fields.push((name, code, *begin));
-                *begin += width;
+/// Types of fields with the codes of `dataflash`.
+const TYPES: &str = "int8_t b,uint8_t B,bool B,char B,int16_t h,uint16_t H,int32_t i,uint32_t I,int64_t q,uint64_t Q,float f,double d";
+
+/// Adds what the formats of a log say of a topic to one; topics in it are at most two deep.
+fn add(
+    format: &mut MessageFormat,
+    (topic, prefix, depth): (&str, &str, usize),
+    formats: &HashMap<&str, &str>,
+) -> Option<()> {
+    for field in formats.get(topic)?.split_terminator(';') {
+        let (kind, name) = field.split_once(' ')?;
+        let (kind, count) = match kind.split_once('[') {
+            Some((kind, count)) => (kind, Some(count.strip_suffix(']')?.parse::<u8>().ok()?)),
+            None => (kind, None),
+        };
+        let code_of = |known: &str| known.strip_prefix(kind)?.strip_prefix(' ')?.bytes().next();
+        let code = TYPES.split(',').find_map(code_of);
+        for index in 0..count.unwrap_or(1) {
+            let index = count.map_or_else(String::new, |_| format!("[{index}]"));
+            let name = format!("{prefix}{name}{index}");
+            if let Some(code) = code {
+                format.fields.push((name, code, format.length));
+                format.length += width(code)?;
+            } else {
+                let prefix = format!("{name}.");
+                (depth < 2).then(|| add(format, (kind, &prefix, depth + 1), formats))??;
             }
         }
-        Some(())
     }
-    let mut fields = Vec::new();
-    // The number of the topic comes first.
-    let mut length = 2;
-    add((topic, "", 0), formats, &mut fields, &mut length)?;
-    let name = topic.to_owned();
-    Some(MessageFormat {
-        length,
-        name,
-        fields,
-    })
+    Some(())
+}
+
+/// What the formats of a log say of a topic; its number comes first.
+fn format_of(topic: &str, formats: &HashMap<&str, &str>) -> Option<MessageFormat> {
+    let mut format = MessageFormat {
+        length: 2,
+        name: topic.to_owned(),
+        fields: Vec::new(),
+    };
+    add(&mut format, (topic, "", 0), formats).map(|()| format)
 }
 
 /// Signals that several topics may hold.
@@ -196,9 +175,9 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             })(),
             b'A' => (|| {
                 let ([instance, low, high], name) = content.split_first_chunk::<3>()?;
-                let format = format_of(str::from_utf8(name).ok()?, &formats)?;
+                let format = format_of(str::from_utf8(name).ok()?, &formats);
                 // Other instances are of other sensors and estimators.
-                numbered.insert([*low, *high], Some(format).filter(|_| *instance == 0));
+                numbered.insert([*low, *high], format.filter(|_| *instance == 0));
                 Some(Ok(()))
             })(),
             b'D' => (|| {

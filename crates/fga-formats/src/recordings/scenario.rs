@@ -42,7 +42,7 @@ pub(super) fn is_one(text: &str) -> bool {
 }
 
 /// An aircraft: its first position, and when the first command about it comes, seconds.
-struct Made {
+struct CreatedAircraft {
     begin: Heard,
     end_s: f64,
 }
@@ -50,7 +50,7 @@ struct Made {
 /// The aircraft of a scenario.
 pub(super) fn parse(text: &str) -> Received {
     let mut tally = Tally::default();
-    let mut made: BTreeMap<String, Made> = BTreeMap::new();
+    let mut made: BTreeMap<String, CreatedAircraft> = BTreeMap::new();
     let mut unread: BTreeMap<String, usize> = BTreeMap::new();
     for line in lines(text) {
         let Some((time_s, words)) = command(line) else {
@@ -67,7 +67,7 @@ pub(super) fn parse(text: &str) -> Received {
                 Ok(_) if made.contains_key(*name) => Err(LeftOut::SameTime),
                 Ok(begin) => {
                     let end_s = time_s + STRAIGHT_S;
-                    made.insert((*name).to_owned(), Made { begin, end_s });
+                    made.insert((*name).to_owned(), CreatedAircraft { begin, end_s });
                     Ok(())
                 }
                 Err(reason) => Err(reason),
@@ -93,7 +93,7 @@ pub(super) fn parse(text: &str) -> Received {
         tally.take(&result);
     }
     let mut collector = Collector::default();
-    for (name, Made { begin, end_s }) in &made {
+    for (name, CreatedAircraft { begin, end_s }) in &made {
         let who = Who {
             name,
             address: None,

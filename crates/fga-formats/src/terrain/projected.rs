@@ -6,7 +6,7 @@ use fga::Vec2;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
+use super::field::{HeightField, HeightGrid, Heights};
 use super::file::MOST_BYTES;
 
 /// Posts from one that is projected to the next; between them places are linear, which is within 1/200 of a step of 1 km.
@@ -109,14 +109,7 @@ impl MapGrid<'_> {
     }
 
     fn post_m(&self, row: usize, column: usize) -> f64 {
-        let index = row * self.size[1] + column;
-        let post_m = match self.heights {
-            Heights::Whole(all) => {
-                let post_m = all.get(index).filter(|post_m| **post_m != HOLE);
-                post_m.map(|post_m| f64::from(*post_m))
-            }
-            Heights::Fraction(all) => all.get(index).map(|post_m| f64::from(*post_m)),
-        };
+        let post_m = self.heights.post_m(row * self.size[1] + column);
         post_m.unwrap_or(f64::NAN)
     }
 

@@ -107,16 +107,16 @@ impl OwnPlace {
                 Err(LeftOut::NotNeeded)
             }
             ["PGRMZ", feet, "F" | "f", ..] => {
-                self.pressure_m = None;
-                self.pressure_m = number(feet)?.map(|feet| Feet(feet).to_m());
+                let feet = number(feet);
+                self.pressure_m = feet.ok().flatten().map(|feet| Feet(feet).to_m());
                 self.ages[1] = 0;
-                Err(LeftOut::NotNeeded)
+                feet.and(Err(LeftOut::NotNeeded))
             }
             [kind, rest @ ..] if kind.len() == 5 && kind.ends_with("GGA") => {
-                self.place = None;
-                self.place = Self::of_satellites(rest)?;
+                let place = Self::of_satellites(rest);
+                self.place = place.ok().flatten();
                 self.ages[0] = 0;
-                Err(LeftOut::NotNeeded)
+                place.and(Err(LeftOut::NotNeeded))
             }
             _ => Err(LeftOut::NotNeeded),
         }
