@@ -8,13 +8,12 @@ use alloc::collections::BTreeMap;
 use glam::DVec3;
 
 use super::received::{Collector, Heard, Received, Who};
-use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
+use crate::geodesy::{Geodetic, course_from_compass_rad};
 use crate::tally::{LeftOut, Tally};
 use crate::units::{Feet, Knots};
 
-/// An aircraft flies straight for this long, with a position each so often, seconds.
+/// An aircraft flies straight for this long, seconds.
 const STRAIGHT_S: f64 = 600.0;
-const EVERY_S: f64 = 10.0;
 
 /// The time and the command of a line.
 fn command(line: &str) -> Option<(f64, &str)> {
@@ -100,18 +99,9 @@ pub(super) fn parse(text: &str) -> Received {
             callsign: Some(name),
             is_by_pressure: true,
         };
-        let frame = LocalFrame::new(begin.place, Earth::Wgs84);
-        let velocity_mps = begin.velocity_mps.unwrap_or_default();
-        let mut after_s = 0.0;
-        while begin.time_s + after_s <= *end_s {
-            let heard = Heard {
-                time_s: begin.time_s + after_s,
-                place: frame.to_geodetic(velocity_mps * after_s),
-                velocity_mps: begin.velocity_mps.filter(|_| after_s == 0.0),
-            };
-            collector.push(who, heard);
-            after_s += EVERY_S;
-        }
+        collector.push(who, *begin);
+        let later = begin.straight(end_s - begin.time_s);
+        later.for_each(|heard| collector.push(who, heard));
     }
     let unread: Vec<String> = unread
         .iter()
