@@ -18,6 +18,8 @@ const TRUE_M: f64 = 0.5;
 const HALVED: u32 = 14;
 /// Of an outline that reaches farther from the origin, the part within is taken, degrees of latitude: a mission leads at most 500 km away.
 const NEAR_DEG: f64 = 6.0;
+/// An edge whose places are all farther from the origin reaches nothing near, metres, whatever line it is.
+const FAR_M: f64 = 2e6;
 /// A place is on the edge of what is near within this, degrees.
 const ON_EDGE_DEG: f64 = 1e-5;
 /// An outline with too many corners grows by at most this, metres.
@@ -52,7 +54,9 @@ impl NamedArea {
         let AreaOutline::Polygon(rings) = &self.outline else {
             return PlaneArea::default();
         };
-        let rings = rings.iter().map(|ring| self.as_degrees(ring));
+        let rings = rings
+            .iter()
+            .map(|ring| self.as_degrees(ring, frame.origin()));
         let mut rings = rings.collect::<Vec<_>>().into_iter();
         let outline = rings.next().unwrap_or(LineString::new(Vec::new()));
         let polygon = Polygon::new(outline, rings.collect());
@@ -113,8 +117,8 @@ impl NamedArea {
         }
     }
 
-    /// A ring in degrees, x the longitude, whose edges are straight there.
-    fn as_degrees(&self, ring: &[[f64; 2]]) -> LineString<f64> {
+    /// A ring in degrees, x the longitude, whose edges are straight there; those that are far from an origin may be off.
+    fn as_degrees(&self, ring: &[[f64; 2]], origin: Geodetic) -> LineString<f64> {
         let corner = |[latitude_deg, longitude_deg]: &[f64; 2]| Coord {
             x: *longitude_deg,
             y: *latitude_deg,
@@ -143,7 +147,11 @@ impl NamedArea {
             }
         };
         let off_m = |[from, to]: [Coord<f64>; 2], at: Coord<f64>, share: f64| {
-            place(from + (to - from) * share, 0.0).distance_m(place(at, 0.0))
+            let [begin, end, at] = [from, to, at].map(|at| place(at, 0.0));
+            if at.distance_m(origin) > FAR_M + 4.0 * begin.distance_m(end) {
+                return 0.0;
+            }
+            place(from + (to - from) * share, 0.0).distance_m(at)
         };
         LineString::new(halved(&line, &middle, &off_m))
     }
