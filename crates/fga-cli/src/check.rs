@@ -30,6 +30,7 @@ use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 use crate::terrain_ground::Facts;
+use crate::unread_kind;
 
 /// Options of `fga check`.
 #[derive(Args, Debug)]
@@ -192,17 +193,22 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
         }
         "geojson" | "kml" | "kmz" | "xml" => areas_in(path),
         _ if holds_areas(path) => areas_in(path),
-        _ if unread(path).is_some() => {
-            let kind = unread(path).unwrap_or_default();
-            let message = format!("is {kind}, which is not read");
+        ending if let Some(message) = unread_kind::of(path, ending) => {
             Err(InputError::in_file(path, message).into())
+        }
+        "scn" => {
+            let mut usable = encounters_in(path)?;
+            if let recordings::Content::States(received) = recordings::read_content(path)? {
+                usable.warnings.extend(received.notes);
+            }
+            Ok(usable)
         }
         "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
         _ => {
             // A missing file is said first.
             let _ = read_text(path)?;
             Err(Failure::Input(format!(
-                "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .conf, \
+                "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .scn, .conf, \
                  .tlog, .bin, heights (.hgt, .tif, .dt2, .DAT), areas (.geojson, .kml, .kmz, AIXM, OpenAir), a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
                 path.display()
             )))
@@ -243,60 +249,6 @@ fn mission(path: &Path) -> Result<Usable, Failure> {
 /// Whether a file is one of areas.
 fn holds_areas(path: &Path) -> bool {
     read_text(path).is_ok_and(|text| areas::is_areas(&text))
-}
-
-/// What a file is that no command reads, by its first bytes or its ending.
-fn unread(path: &Path) -> Option<&'static str> {
-    const KINDS: [(&[u8], &str, &str); 16] = [
-        (b"GRIB", "grb", "GRIB weather"),
-        (
-            b"\0\0\x27\x0a",
-            "shp",
-            "a shapefile, expected its areas as GeoJSON",
-        ),
-        (
-            b"SQLite format 3",
-            "gpkg",
-            "a GeoPackage or another database, expected its areas as GeoJSON",
-        ),
-        (b"fgb", "fgb", "FlatGeobuf, expected its areas as GeoJSON"),
-        (b"CDF", "nc", "NetCDF, expected heights as GeoTIFF"),
-        (b"\x89HDF", "h5", "HDF5, expected heights as GeoTIFF"),
-        (
-            b"<gpx",
-            "gpx",
-            "GPX, expected a mission of a ground station",
-        ),
-        (b"PK\x03\x04", "zip", "an archive, expected the files in it"),
-        (b"%PDF", "pdf", "a PDF document"),
-        (
-            b"\xd4\xc3\xb2\xa1",
-            "pcap",
-            "a capture of packets, expected Beast or BaseStation",
-        ),
-        (
-            b"00:00:00.00>",
-            "scn",
-            "a scenario of BlueSky, expected encounters as CSV",
-        ),
-        (b"AXXX", "igc", "a flight of IGC, expected a recording"),
-        (
-            b"name,code,country",
-            "cup",
-            "waypoints of SeeYou, expected a mission of a ground station",
-        ),
-        (b"NC=", "asc", "heights of another kind, expected GeoTIFF"),
-        (
-            b"ncols",
-            "asc",
-            "an ASCII grid of Esri, expected heights as GeoTIFF",
-        ),
-        (b"BZh", "bz2", "compressed by bzip2, expected gzip or none"),
-    ];
-    let bytes = std::fs::read(path).ok()?;
-    let ending = ending_of(path);
-    let is = |(first, end, _): &&(&[u8], &str, &str)| bytes.starts_with(first) || ending == *end;
-    KINDS.iter().find(is).map(|(.., kind)| *kind)
 }
 
 /// Areas as a `[[zone]]` of a scenario reads them.

@@ -33,7 +33,7 @@ pub(crate) struct FlyArgs {
     /// The configuration (TOML); without it every key has its default.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// A receiver of traffic: sbs:HOST:PORT, beast:HOST:PORT, or gdl90:0.0.0.0:4000 for its datagrams to this port; may be given several times.
+    /// A receiver of traffic: sbs:HOST:PORT, beast:HOST:PORT, flarm:HOST:PORT, or gdl90:0.0.0.0:4000 for its datagrams to this port; may be given several times.
     #[arg(long, value_name = "RECEIVER")]
     traffic: Vec<ReceiverEndpoint>,
     /// Report only: send no commands.

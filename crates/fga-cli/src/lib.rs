@@ -41,6 +41,7 @@ mod terrain_check;
 mod terrain_ground;
 #[cfg(feature = "fly")]
 mod traffic;
+mod unread_kind;
 mod view;
 
 extern crate alloc;

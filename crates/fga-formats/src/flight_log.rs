@@ -5,7 +5,7 @@
 //! | CSV | any other text | the columns `t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad` |
 //! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` or `SET_ATTITUDE_TARGET` |
 //! | dataflash log (`.bin`) | begins with the bytes A3 95 | `ATT`, `ARSP` or `CTUN`, `XKF1` or `NKF1` |
-//! | `ULog` of PX4 (`.ulg`) | begins with `ULog` | refused by name |
+//! | `ULog` of PX4 (`.ulg`) | begins with `ULog` | `vehicle_attitude` and its setpoint, `airspeed_validated` or `airspeed`, `vehicle_local_position` |
 //!
 //! A file that is compressed with gzip is read as what it holds. The signals of a log have rates of their
 //! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly. Where a
@@ -20,6 +20,7 @@ mod dataflash;
 mod phases;
 mod series;
 mod tlog;
+mod ulog;
 
 use std::path::Path;
 
@@ -28,9 +29,6 @@ use crate::gzip;
 pub use columns::COLUMNS;
 pub use phases::Limits;
 pub use series::{FlightLog, SeriesPiece};
-
-/// The first bytes of a log of PX4.
-const ULOG: &[u8] = b"ULog\x01\x12\x35";
 
 /// Reads a log.
 ///
@@ -47,15 +45,10 @@ pub fn read(path: &Path) -> Result<FlightLog, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<FlightLog, InputError> {
-    if bytes.starts_with(ULOG) {
-        return Err(InputError::in_file(
-            path,
-            "is a ULog of PX4, which is not read, expected a dataflash log or a .tlog of ArduPilot, or CSV with the \
-             columns of `fga identify`",
-        ));
-    }
     let signals = if dataflash::is_one(bytes) {
         dataflash::signals(bytes)
+    } else if ulog::is_one(bytes) {
+        ulog::signals(bytes)
     } else if tlog::is_one(bytes) {
         tlog::signals(bytes)
     } else {

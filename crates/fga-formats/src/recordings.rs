@@ -6,6 +6,7 @@
 //! | DEGAS of MIT-LL | a first line `# xE1,xE2,…` | one |
 //! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` or `MLAT,` | one for each close pair |
 //! | state vectors in JSON: a list of objects, columns, `aircraft` and traces of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
+//! | scenarios of `BlueSky` (`.scn`) | a first line with a time and `>` | one for each close pair |
 //! | history of OpenSky (CSV) | the columns `time,icao24,lat,lon,velocity` | one for each close pair |
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
@@ -16,6 +17,7 @@ mod degas;
 mod encounters;
 pub mod pairs;
 mod received;
+mod scenario;
 mod state_vectors;
 
 use crate::daa;
@@ -31,7 +33,7 @@ pub use received::{Heard, Received, ReceivedTrack};
 const LOOK_AT: usize = 1000;
 
 /// Endings of recordings, besides `.gz` after them.
-const ENDINGS: [&str; 6] = ["daa", "csv", "txt", "json", "sbs", "log"];
+const ENDINGS: [&str; 7] = ["daa", "csv", "txt", "json", "sbs", "log", "scn"];
 
 /// The recordings of a folder by their endings, sorted by name; a file stands for itself.
 ///
@@ -149,6 +151,9 @@ pub fn parse_content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
     }
     if state_vectors::is_history(begin) {
         return state_vectors::parse_history(begin, path).map(Content::States);
+    }
+    if scenario::is_one(begin) {
+        return Ok(Content::States(scenario::parse(begin)));
     }
     if degas::is_degas(begin) {
         return degas::parse(&text, path).map(Content::Recording);

@@ -3,7 +3,7 @@
 //! | file | recognized by |
 //! |---|---|
 //! | SRTM, also compressed with gzip | the ending `.hgt`, `.hgt.gz`; the name is the place |
-//! | GeoTIFF: geographic, one band | its first bytes |
+//! | GeoTIFF: geographic or on a map's grid, one band | its first bytes |
 //! | DTED 0, 1, 2 | a first word `UHL1` |
 //! | ArduPilot's terrain, also compressed with gzip | the ending `.DAT`, `.DAT.gz` |
 //!
@@ -24,6 +24,7 @@ mod hgt;
 mod local;
 mod mosaic;
 mod name;
+mod projected;
 mod reader;
 mod requested;
 mod write;

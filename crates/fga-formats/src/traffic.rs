@@ -3,6 +3,7 @@
 //! | module | wire |
 //! |---|---|
 //! | [`sbs`] | BaseStation lines, usually TCP port 30003 |
+//! | [`flarm`] | FLARM sentences, usually TCP port 2000 or 4353 |
 //! | [`gdl90`] | GDL 90 messages, usually UDP port 4000 |
 //! | `beast` (with the feature of this name) | Beast binary frames, usually TCP port 30005 |
 //!
@@ -11,8 +12,10 @@
 
 #[cfg(feature = "beast")]
 pub mod beast;
+pub mod flarm;
 pub mod gdl90;
 mod generations;
+mod lines;
 pub mod sbs;
 #[cfg(feature = "beast")]
 mod surveillance;

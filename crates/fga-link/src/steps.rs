@@ -15,7 +15,12 @@ use crate::traffic::{AltitudeReference, PlaceReport, ReportSender, ReportSource}
 
 /// Bytes that one message holds.
 const MOST_BYTES: usize = 253;
-const SOURCES: [ReportSource; 3] = [ReportSource::Sbs, ReportSource::Beast, ReportSource::Gdl90];
+const SOURCES: [ReportSource; 4] = [
+    ReportSource::Sbs,
+    ReportSource::Beast,
+    ReportSource::Gdl90,
+    ReportSource::Flarm,
+];
 const ALTITUDES: [AltitudeReference; 5] = [
     AltitudeReference::MeanSeaLevel,
     AltitudeReference::Ellipsoid,

@@ -101,3 +101,43 @@ fn completions_and_manual_pages_know_every_command() {
         assert!(folder.path().join("pages").join(page).exists(), "{page}");
     }
 }
+
+/// By their first bytes or by their endings.
+#[test]
+fn check_names_the_kinds_of_files_that_no_command_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes, expected) in [
+        (
+            "a.bin2",
+            &b"GRIB\0"[..],
+            "is weather in GRIB, which is not read, expected heights as GeoTIFF",
+        ),
+        (
+            "a.shp",
+            b"\0\0\x27\x0a",
+            "is a part of a shapefile, which is not read, expected its areas as GeoJSON",
+        ),
+        ("a.weird", b"\x89HDF\r\n", "is HDF5, which is not read"),
+        (
+            "a.asc",
+            b"ncols 3",
+            "is an ASCII grid of Esri, which is not read",
+        ),
+        ("a.laz", b"LASF", "is a cloud of points, which is not read"),
+        (
+            "a.sbs.xz",
+            b"\xfd7zXZ",
+            "is compressed by another program than gzip, which is not read",
+        ),
+        ("a.igc", b"AXXX001", "is a flight of IGC, which is not read"),
+    ] {
+        fs::write(folder.path().join(name), bytes).unwrap();
+        let checked = fga_in(folder.path(), &["check", name]);
+        assert_eq!(checked.status.code(), Some(1), "{name}");
+        let said = errors(&checked);
+        assert!(
+            said.starts_with(&format!("fga: {name}: {expected}")),
+            "{said}"
+        );
+    }
+}

@@ -18,6 +18,8 @@ const TRUE_M: f64 = 0.5;
 const HALVED: u32 = 14;
 /// Of an outline that reaches farther from the origin, the part within is taken, degrees of latitude: a mission leads at most 500 km away.
 const NEAR_DEG: f64 = 6.0;
+/// An edge whose places are all farther from the origin reaches nothing near, metres, whatever line it is.
+const FAR_M: f64 = 2e6;
 /// A place is on the edge of what is near within this, degrees.
 const ON_EDGE_DEG: f64 = 1e-5;
 /// An outline with too many corners grows by at most this, metres.
@@ -28,6 +30,10 @@ const CUT_GROWN_M: f64 = 16.0;
 const LAPPED_M: f64 = 1.0;
 /// A part is halved at most this often.
 const CUT: u32 = 8;
+/// A long outline grows by twice this at least, metres: less seldom does, and each try takes long.
+const LONG_GROWN_M: f64 = 4.0;
+/// A ring is simplified in pieces of so many corners.
+const PIECE: usize = 512;
 /// An outline with more corners is long.
 const LONG: usize = 4096;
 /// Most parts.
@@ -48,7 +54,9 @@ impl NamedArea {
         let AreaOutline::Polygon(rings) = &self.outline else {
             return PlaneArea::default();
         };
-        let rings = rings.iter().map(|ring| self.as_degrees(ring));
+        let rings = rings
+            .iter()
+            .map(|ring| self.as_degrees(ring, frame.origin()));
         let mut rings = rings.collect::<Vec<_>>().into_iter();
         let outline = rings.next().unwrap_or(LineString::new(Vec::new()));
         let polygon = Polygon::new(outline, rings.collect());
@@ -77,11 +85,15 @@ impl NamedArea {
         // Grown from the last one, which is simpler, where the outline is long: by more in all, with less work.
         let is_long = near.iter().map(corners).sum::<usize>() > LONG;
         let mut before_m = 0.0;
-        let mut half_m = 0.5;
+        let mut half_m = if is_long { LONG_GROWN_M } else { 0.5 };
         while before_m + 2.0 * half_m <= MOST_GROWN_M {
             // What is simplified by less than it has grown holds all of the outline.
             let style = BufferStyle::new(outwards * half_m).line_join(LineJoin::Miter(1.0));
-            let grown = whole.buffer_with_style(style).simplify(0.98 * half_m);
+            let grown = whole.buffer_with_style(style);
+            let grown: MultiPolygon = grown
+                .iter()
+                .map(|one| simplified(one, 0.98 * half_m))
+                .collect();
             let grown_m = before_m + 2.0 * half_m;
             if is_long && grown_m >= CUT_GROWN_M {
                 before_m = grown_m;
@@ -105,8 +117,8 @@ impl NamedArea {
         }
     }
 
-    /// A ring in degrees, x the longitude, whose edges are straight there.
-    fn as_degrees(&self, ring: &[[f64; 2]]) -> LineString<f64> {
+    /// A ring in degrees, x the longitude, whose edges are straight there; those that are far from an origin may be off.
+    fn as_degrees(&self, ring: &[[f64; 2]], origin: Geodetic) -> LineString<f64> {
         let corner = |[latitude_deg, longitude_deg]: &[f64; 2]| Coord {
             x: *longitude_deg,
             y: *latitude_deg,
@@ -135,7 +147,11 @@ impl NamedArea {
             }
         };
         let off_m = |[from, to]: [Coord<f64>; 2], at: Coord<f64>, share: f64| {
-            place(from + (to - from) * share, 0.0).distance_m(place(at, 0.0))
+            let [begin, end, at] = [from, to, at].map(|at| place(at, 0.0));
+            if at.distance_m(origin) > FAR_M + 4.0 * begin.distance_m(end) {
+                return 0.0;
+            }
+            place(from + (to - from) * share, 0.0).distance_m(at)
         };
         LineString::new(halved(&line, &middle, &off_m))
     }
@@ -245,6 +261,27 @@ fn near(polygon: &Polygon<f64>, window: &Rect<f64>) -> Vec<Polygon<f64>> {
             .collect()
     });
     parts.collect()
+}
+
+/// A polygon with fewer corners, off by at most this, metres; a long ring in pieces, with which the work grows as their square.
+fn simplified(polygon: &Polygon<f64>, by_m: f64) -> Polygon<f64> {
+    let simpler = |ring: &LineString<f64>| {
+        let last = ring.0.len().saturating_sub(1);
+        if last <= PIECE {
+            let alone = Polygon::new(ring.clone(), Vec::new());
+            return alone.simplify(by_m).into_inner().0;
+        }
+        let mut corners = Vec::new();
+        for first in (0..last).step_by(PIECE) {
+            let piece = ring.0.get(first..=(first + PIECE).min(last));
+            // The corner that two pieces have.
+            corners.pop();
+            corners.extend(LineString::from(piece.unwrap_or_default().to_vec()).simplify(by_m));
+        }
+        LineString::new(corners)
+    };
+    let holes = polygon.interiors().iter().map(simpler).collect();
+    Polygon::new(simpler(polygon.exterior()), holes)
 }
 
 /// The rings of zones that are these polygons together, each halved at most so often where it is no zone; `None` where that does not do.

@@ -13,7 +13,7 @@ const HEAD: [u8; 2] = [0xa3, 0x95];
 const FORMAT_KIND: u8 = 128;
 const FORMAT_LENGTH: usize = 89;
 /// Below this an airspeed says nothing about a climb angle, metres per second.
-const SLOWEST_MPS: f64 = 3.0;
+pub(super) const SLOWEST_MPS: f64 = 3.0;
 
 /// Whether a file is such a log.
 pub(super) fn is_one(bytes: &[u8]) -> bool {
@@ -22,11 +22,11 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 
 /// One kind of message.
 #[derive(Debug)]
-struct MessageFormat {
-    length: usize,
-    name: String,
-    /// Names of the fields, the codes of their types, and where they begin after the head.
-    fields: Vec<(String, u8, usize)>,
+pub(super) struct MessageFormat {
+    pub(super) length: usize,
+    pub(super) name: String,
+    /// Names of the fields, the codes of their types, and where they begin in a message.
+    pub(super) fields: Vec<(String, u8, usize)>,
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -38,7 +38,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 /// Bytes that a field of a type takes.
-const fn width(code: u8) -> Option<usize> {
+pub(super) const fn width(code: u8) -> Option<usize> {
     Some(match code {
         b'b' | b'B' | b'M' => 1,
         b'h' | b'H' | b'c' | b'C' | b'g' => 2,
@@ -84,7 +84,7 @@ impl MessageFormat {
     }
 
     /// A field as a number.
-    fn number(&self, message: &[u8], name: &str) -> Option<f64> {
+    pub(super) fn number(&self, message: &[u8], name: &str) -> Option<f64> {
         fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
             message.get(begin..begin + N)?.try_into().ok()
         }

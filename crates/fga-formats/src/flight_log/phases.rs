@@ -102,19 +102,19 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Takes over a parameter of ArduPlane; older versions have hundredths of degrees under other names.
+    /// Takes over a parameter of ArduPlane or PX4; older versions have hundredths of degrees under other names.
     pub(super) fn take(&mut self, name: &str, value: f64) {
         if !value.is_finite() {
             return;
         }
         let (place, value) = match name {
-            "ROLL_LIMIT_DEG" => (&mut self.bank_rad, value.to_radians()),
+            "ROLL_LIMIT_DEG" | "FW_R_LIM" => (&mut self.bank_rad, value.to_radians()),
             "LIM_ROLL_CD" => (&mut self.bank_rad, (value / 100.0).to_radians()),
-            "TECS_CLMB_MAX" => (&mut self.climb_mps, value),
-            "TECS_SINK_MAX" => (&mut self.sink_mps, value),
-            "PTCH_LIM_MAX_DEG" => (&mut self.pitch_max_rad, value.to_radians()),
+            "TECS_CLMB_MAX" | "FW_T_CLMB_MAX" => (&mut self.climb_mps, value),
+            "TECS_SINK_MAX" | "FW_T_SINK_MAX" => (&mut self.sink_mps, value),
+            "PTCH_LIM_MAX_DEG" | "FW_P_LIM_MAX" => (&mut self.pitch_max_rad, value.to_radians()),
             "LIM_PITCH_MAX" => (&mut self.pitch_max_rad, (value / 100.0).to_radians()),
-            "PTCH_LIM_MIN_DEG" => (&mut self.pitch_min_rad, value.to_radians()),
+            "PTCH_LIM_MIN_DEG" | "FW_P_LIM_MIN" => (&mut self.pitch_min_rad, value.to_radians()),
             "LIM_PITCH_MIN" => (&mut self.pitch_min_rad, (value / 100.0).to_radians()),
             _ => return,
         };

@@ -9,6 +9,7 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
+use super::dataflash::SLOWEST_MPS;
 use super::series::{Series, Signals};
 use crate::clock::Elapsed;
 use crate::tally::{LeftOut, Tally};
@@ -26,8 +27,6 @@ const SET_ATTITUDE_TARGET: u32 = 82;
 const ARMED: u8 = 128;
 /// `MAV_AUTOPILOT_ARDUPILOTMEGA`, whose modes have the numbers that are known here.
 const ARDUPILOT: u8 = 3;
-/// Below this an airspeed says nothing about a climb angle, metres per second.
-const SLOWEST_MPS: f64 = 3.0;
 /// Time that passes when the clock of a log is set, seconds: a gap of every signal.
 const SET_S: f64 = 2.0;
 /// Frames that a file of this kind begins with, before the first damaged one.
@@ -192,9 +191,8 @@ impl SystemSignals {
     }
 }
 
-/// Bank of a commanded attitude, radians, positive in a left turn.
-fn commanded_bank_rad(frame: &LogFrame<'_>) -> f64 {
-    let [w, x, y, z] = [4, 8, 12, 16].map(|at| frame.number(at));
+/// Bank of an attitude as a quaternion, radians, positive in a left turn.
+pub(super) fn bank_rad([w, x, y, z]: [f64; 4]) -> f64 {
     -libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
 }
 
@@ -235,7 +233,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         match frame.message {
             SET_ATTITUDE_TARGET => {
                 let series = commanded.entry(frame.byte(36)).or_default();
-                series.push(time_s, commanded_bank_rad(&frame));
+                series.push(time_s, bank_rad([4, 8, 12, 16].map(|at| frame.number(at))));
             }
             MISSION_ITEM_INT => {
                 commands.insert(frame.short(28), frame.short(30));

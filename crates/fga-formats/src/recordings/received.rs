@@ -14,8 +14,9 @@ const PART_LIFETIME_S: f64 = 15.0;
 /// No aircraft flies faster than this, metres per second, and a position may be off by this, metres.
 const FASTEST_MPS: f64 = 1000.0;
 const OFF_M: f64 = 2000.0;
-/// From one instant alone aircraft fly straight on for this long, seconds.
-const STRAIGHT_S: u32 = 180;
+/// From one instant alone aircraft fly straight on for this long, with a position each so often, seconds.
+const STRAIGHT_S: f64 = 180.0;
+const EVERY_S: f64 = 10.0;
 
 /// One aircraft, times strictly increasing.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,20 @@ impl Heard {
         let farthest_m = FASTEST_MPS * (later.time_s - self.time_s) + OFF_M;
         self.place.distance_m(later.place) <= farthest_m
     }
+
+    /// Later positions of straight flight for a time, seconds; none without a velocity.
+    pub(super) fn straight(self, for_s: f64) -> impl Iterator<Item = Self> {
+        let frame = LocalFrame::new(self.place, Earth::Wgs84);
+        let after_s = (1..).map(|step| f64::from(step) * EVERY_S);
+        let after_s = after_s.take_while(move |after_s| *after_s <= for_s);
+        after_s.map_while(move |after_s| {
+            Some(Self {
+                time_s: self.time_s + after_s,
+                place: frame.to_geodetic(self.velocity_mps? * after_s),
+                velocity_mps: None,
+            })
+        })
+    }
 }
 
 /// Who an aircraft is.
@@ -67,6 +82,8 @@ pub struct Received {
     pub tracks: Vec<ReceivedTrack>,
     /// What became of the log's lines or state vectors.
     pub tally: Tally,
+    /// What of it is not read, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Collects positions by aircraft.
@@ -114,8 +131,11 @@ impl Collector {
             }
             track
         });
-        let tracks = tracks.collect();
-        Received { tracks, tally }
+        Received {
+            tracks: tracks.collect(),
+            tally,
+            notes: Vec::new(),
+        }
     }
 }
 
@@ -152,19 +172,9 @@ impl Received {
             return self;
         }
         for track in &mut self.tracks {
-            let straight = track.heard.first().copied().and_then(|from| {
-                let velocity_mps = from.velocity_mps?;
-                let frame = LocalFrame::new(from.place, Earth::Wgs84);
-                Some((1..=STRAIGHT_S).map(move |second| {
-                    let after_s = f64::from(second);
-                    Heard {
-                        time_s: from.time_s + after_s,
-                        place: frame.to_geodetic(velocity_mps * after_s),
-                        velocity_mps: None,
-                    }
-                }))
-            });
-            track.heard.extend(straight.into_iter().flatten());
+            if let Some(from) = track.heard.first().copied() {
+                track.heard.extend(from.straight(STRAIGHT_S));
+            }
         }
         self
     }

@@ -122,6 +122,20 @@ pub(super) enum Heights {
 }
 
 impl Heights {
+    /// The height of a post, metres; `None` for a hole and beyond the last.
+    pub(super) fn post_m(&self, index: usize) -> Option<f64> {
+        match self {
+            Self::Whole(heights) => {
+                let height = heights.get(index).filter(|height| **height != HOLE);
+                height.map(|height| f64::from(*height))
+            }
+            Self::Fraction(heights) => {
+                let height = heights.get(index).filter(|height| !height.is_nan());
+                height.map(|height| f64::from(*height))
+            }
+        }
+    }
+
     /// Makes holes of all but those whose index is known.
     pub(super) fn keep(&mut self, is_known: impl Fn(usize) -> bool) {
         match self {
@@ -161,14 +175,11 @@ impl HeightField {
             ));
         }
         let field = Self { grid, heights };
-        let wrong = match &field.heights {
-            Heights::Whole(heights) => heights
-                .iter()
-                .position(|height| *height != HOLE && f64::from(height.unsigned_abs()) > MOST_M),
-            Heights::Fraction(heights) => heights
-                .iter()
-                .position(|height| f64::from(height.abs()) > MOST_M),
+        let is_wrong = |index: &usize| {
+            let height_m = field.heights.post_m(*index);
+            height_m.is_some_and(|height_m| height_m.abs() > MOST_M)
         };
+        let wrong = (0..count).find(is_wrong);
         if let Some(index) = wrong {
             let (row, column) = (index / grid.columns, index % grid.columns);
             return Err(format!(
@@ -213,17 +224,7 @@ impl HeightField {
         if row >= self.grid.rows || column >= self.grid.columns {
             return None;
         }
-        let index = row * self.grid.columns + column;
-        match &self.heights {
-            Heights::Whole(heights) => heights
-                .get(index)
-                .filter(|height| **height != HOLE)
-                .map(|height| f64::from(*height)),
-            Heights::Fraction(heights) => heights
-                .get(index)
-                .filter(|height| !height.is_nan())
-                .map(|height| f64::from(*height)),
-        }
+        self.heights.post_m(row * self.grid.columns + column)
     }
 
     /// The bilinear height at a place, metres; `None` outside and beside a hole.
@@ -281,14 +282,8 @@ impl HeightField {
             Some(height) => range = [range[0].min(height), range[1].max(height)],
             None => holes += 1,
         };
-        match &self.heights {
-            Heights::Whole(heights) => heights.iter().for_each(|height| {
-                take(Some(f64::from(*height)).filter(|_| *height != HOLE));
-            }),
-            Heights::Fraction(heights) => heights
-                .iter()
-                .for_each(|height| take(Some(f64::from(*height)).filter(|known| !known.is_nan()))),
-        }
+        let count = self.grid.rows * self.grid.columns;
+        (0..count).for_each(|index| take(self.heights.post_m(index)));
         ((range[0] <= range[1]).then_some(range), holes)
     }
 

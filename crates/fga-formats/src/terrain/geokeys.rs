@@ -10,6 +10,8 @@ pub(super) const RASTER: u16 = 1025;
 /// Geographic coordinates, by their number of EPSG.
 pub(super) const GEOGRAPHIC: u16 = 2048;
 pub(super) const ANGULAR_UNITS: u16 = 2054;
+/// A map's grid, by its number of EPSG.
+const PROJECTED: u16 = 3072;
 /// Vertical datum, by its number of EPSG.
 pub(super) const VERTICAL: u16 = 4096;
 pub(super) const VERTICAL_UNITS: u16 = 4099;
@@ -19,6 +21,12 @@ const DEGREE: u16 = 9102;
 const UNITS_M: [(u16, f64); 3] = [(9001, 1.0), (9002, FOOT_M), (9003, SURVEY_FOOT_M)];
 /// A foot of the surveys of the United States, metres.
 pub(super) const SURVEY_FOOT_M: f64 = 1200.0 / 3937.0;
+/// National and European sea levels within 1 m of EGM2008: EVRF2000, 2007 and 2019, DHHN92 and 2016, France, Netherlands, Switzerland (2),
+/// Great Britain, Sweden, Finland, Norway, Italy, Spain, Denmark, Austria, Australia.
+const NATIONAL: [u16; 18] = [
+    5730, 5621, 9389, 5783, 7837, 5720, 5709, 5728, 5729, 5701, 5613, 3900, 5941, 5214, 5782, 5799,
+    5778, 5711,
+];
 /// A key that says nothing.
 const UNDEFINED: u16 = 0;
 const USER_DEFINED: u16 = 32767;
@@ -33,6 +41,8 @@ pub(super) struct GeoKeys {
     /// The unit of heights, metres.
     pub vertical_unit_m: f64,
     pub datum: Stated<Datum>,
+    /// The map's grid by its number of EPSG; otherwise the coordinates are degrees.
+    pub projected: Option<u16>,
 }
 
 /// The number of EPSG of the vertical part of a datum, and of its geographic part.
@@ -60,19 +70,21 @@ pub(super) fn read(directory: &[u16]) -> Result<GeoKeys, String> {
             .map(|[.., value]| *value)
             .filter(|value| *value != UNDEFINED && *value != USER_DEFINED)
     };
-    if let Some(model) = key(MODEL)
-        && model != 2
-    {
-        let found = match model {
-            1 => "projected",
-            3 => "earth-centred",
-            _ => "unknown",
-        };
+    let model = key(MODEL);
+    if model.is_some_and(|model| ![1, 2].contains(&model)) {
         return Err(format!(
-            "has {found} coordinates (GeoKey {MODEL} is {model}), expected geographic ones: latitude and longitude on WGS84"
+            "has coordinates of an unknown or earth-centred model (GeoKey {MODEL} is {}), expected geographic or projected ones",
+            model.unwrap_or(UNDEFINED)
         ));
     }
-    let geographic = key(GEOGRAPHIC).unwrap_or(4326);
+    let projected = key(PROJECTED).filter(|_| model == Some(1));
+    if model == Some(1) && projected.is_none() {
+        return Err(format!(
+            "has a projection of its own (no number of EPSG in GeoKey {PROJECTED}), expected a grid that has a number, as UTM and national ones do"
+        ));
+    }
+    let geographic = key(GEOGRAPHIC).filter(|_| projected.is_none());
+    let geographic = geographic.unwrap_or(4326);
     // NAD83 and ETRS89 are within two metres of WGS84, far below any spacing of heights.
     if ![4326, 4979, 4269, 4258].contains(&geographic) {
         return Err(format!(
@@ -86,6 +98,7 @@ pub(super) fn read(directory: &[u16]) -> Result<GeoKeys, String> {
     };
     if let Some(found) = key(ANGULAR_UNITS)
         && found != DEGREE
+        && projected.is_none()
     {
         return wrong_unit(found, ANGULAR_UNITS, "degrees (9102)");
     }
@@ -98,6 +111,7 @@ pub(super) fn read(directory: &[u16]) -> Result<GeoKeys, String> {
         is_vertical: key(VERTICAL).is_some(),
         vertical_unit_m: *vertical_unit_m,
         datum: datum(geographic, key(VERTICAL))?,
+        projected,
     })
 }
 
@@ -115,9 +129,15 @@ fn datum(geographic: u16, vertical: Option<u16>) -> Result<Stated<Datum>, String
                 source: "assumed: the file does not say",
             });
         }
+        (Some(other), _) if NATIONAL.contains(&other) => {
+            return Ok(Stated {
+                value: Datum::Egm2008,
+                source: "within 1 m: the file's GeoKeys name a national sea level",
+            });
+        }
         (Some(other), _) => {
             return Err(format!(
-                "has the vertical datum EPSG:{other} (GeoKey {VERTICAL}), expected EGM96 (5773), EGM2008 (3855), NAVD88 (5703) or the ellipsoid (4979)"
+                "has the vertical datum EPSG:{other} (GeoKey {VERTICAL}), expected EGM96 (5773), EGM2008 (3855), NAVD88 (5703), a national sea level of Europe or the ellipsoid (4979)"
             ));
         }
     };

@@ -1,4 +1,4 @@
-//! Heights in a GeoTIFF: one band of 16-bit integers or of floats, in strips or tiles, geographic coordinates, with its mask.
+//! Heights in a GeoTIFF: one band of 16-bit integers or of floats, in strips or tiles, in degrees or on a map's grid, with its mask.
 
 use std::io::{Cursor, Read, Seek, SeekFrom};
 
@@ -11,7 +11,7 @@ use tiff::{ColorType, TiffError};
 use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
-use super::name;
+use super::{name, projected};
 use crate::gzip::unread;
 use crate::units::{Dimension, Unit};
 
@@ -59,11 +59,8 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Pars
         .map_err(failed)?
         .ok_or("is a TIFF without a place (no GeoKeys), expected a GeoTIFF")?;
     let keys = geokeys::read(&directory)?;
-    let grid = grid(
-        &mut decoder,
-        &keys,
-        [rows, columns].map(|count| count as usize),
-    )?;
+    let size = [rows, columns].map(|count| count as usize);
+    let corner = corner(&mut decoder, &keys)?;
     let unknown = match decoder.find_tag(Tag::GdalNodata).map_err(failed)? {
         Some(value) => Some(nodata(&value.into_string().map_err(failed)?)?),
         None => None,
@@ -85,7 +82,10 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Pars
     if let Some(known) = mask(decoder, [columns, rows])? {
         heights.keep(|index| known.get(index).copied().unwrap_or(false));
     }
-    let field = HeightField::new(grid, heights)?;
+    let field = match keys.projected {
+        Some(code) => projected::field(code, corner, size, &heights)?,
+        None => HeightField::new(grid(corner, size), heights)?,
+    };
     name::agrees(file_name, &field.grid().area())?;
     Ok(Parsed::one("GeoTIFF", field, keys.datum, metadata.error))
 }
@@ -201,7 +201,7 @@ fn sentence(error: &TiffError) -> String {
     let words = error.to_string().replace('\n', " ");
     let words = words.replace("Unknown(34887)", "LERC");
     format!(
-        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW or PackBits"
+        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits or ZSTD"
     )
 }
 
@@ -239,17 +239,13 @@ fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64
     Ok(line)
 }
 
-/// The posts: the pixels, or the middles of pixels that are areas.
-fn grid<R: Read + Seek>(
-    decoder: &mut Decoder<R>,
-    keys: &GeoKeys,
-    [rows, columns]: [usize; 2],
-) -> Result<HeightGrid, String> {
+/// West and north of the first post, and the steps east and north: the pixels, or the middles of pixels that are areas.
+fn corner<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 4], String> {
     let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
     let tie = numbers(decoder, Tag::ModelTiepointTag)?;
     let matrix = numbers(decoder, Tag::ModelTransformationTag)?;
     // West and north of the first pixel's corner, and the size of a pixel.
-    let [west_deg, north_deg, east_step, north_step] = match (&scale[..], &tie[..], &matrix[..]) {
+    let [west, north, east_step, north_step] = match (&scale[..], &tie[..], &matrix[..]) {
         ([east, north, ..], [column, row, _, west, top, _], _) => {
             [west - column * east, top + row * north, *east, *north]
         }
@@ -262,19 +258,24 @@ fn grid<R: Read + Seek>(
         }
     };
     let half = if keys.is_point { 0.0 } else { 0.5 };
-    let mut west_deg = west_deg + half * east_step;
-    if west_deg >= 180.0 - 1e-9 {
-        west_deg -= 360.0;
-    }
-    let north_deg = north_deg - half * north_step;
-    Ok(HeightGrid {
-        south_deg: north_deg - rows.saturating_sub(1) as f64 * north_step,
-        west_deg,
+    let (west, north) = (west + half * east_step, north - half * north_step);
+    Ok([west, north, east_step, north_step])
+}
+
+/// A grid of degrees.
+fn grid([west, north, east_step, north_step]: [f64; 4], [rows, columns]: [usize; 2]) -> HeightGrid {
+    HeightGrid {
+        south_deg: north - rows.saturating_sub(1) as f64 * north_step,
+        west_deg: if west >= 180.0 - 1e-9 {
+            west - 360.0
+        } else {
+            west
+        },
         step_north_deg: north_step,
         step_east_deg: east_step,
         rows,
         columns,
-    })
+    }
 }
 
 /// The height that stands for a hole.

@@ -22,24 +22,22 @@ mod log;
 mod message;
 mod time;
 
+use super::lines::LineBuffer;
 use super::{Altitude, TrafficReport, address_in_words};
 use crate::geodesy::compass_from_course_deg;
 use crate::number::push_fixed;
-use crate::tally::{LeftOut, Tally};
+use crate::tally::Tally;
 use crate::units::{Feet, FeetPerMinute, Knots};
 
 pub use log::{Log, LoggedLine};
 pub(crate) use message::is_message;
 pub use message::parse_line;
 
-use message::{FIELDS, LONGEST_LINE};
+use message::FIELDS;
 
 /// Takes the bytes of a connection as they come and gives reports.
 #[derive(Debug, Clone, Default)]
-pub struct LineStream {
-    line: Vec<u8>,
-    tally: Tally,
-}
+pub struct LineStream(LineBuffer);
 
 impl LineStream {
     /// A stream at its beginning.
@@ -48,42 +46,18 @@ impl LineStream {
     }
 
     /// Takes bytes and calls `report` for each report in them.
-    pub fn push(&mut self, bytes: &[u8], mut report: impl FnMut(TrafficReport)) {
-        for byte in bytes {
-            if *byte != b'\n' {
-                // One byte more than accepted shows that a line is too long: it counts now, because it may never end.
-                if self.line.len() <= LONGEST_LINE {
-                    self.line.push(*byte);
-                    if self.line.len() > LONGEST_LINE {
-                        self.tally.leave_out(LeftOut::TooLong);
-                    }
-                }
-                continue;
-            }
-            if self.line.len() > LONGEST_LINE {
-                self.line.clear();
-                continue;
-            }
-            let parsed = parse_line(&self.line);
-            self.tally.take(&parsed);
-            if let Ok(found) = parsed {
-                report(found);
-            }
-            self.line.clear();
-        }
+    pub fn push(&mut self, bytes: &[u8], report: impl FnMut(TrafficReport)) {
+        self.0.push(bytes, parse_line, report);
     }
 
     /// A new connection begins: a line under way will not be finished.
     pub fn reconnect(&mut self) {
-        if (1..=LONGEST_LINE).contains(&self.line.len()) {
-            self.tally.leave_out(LeftOut::CutShort);
-        }
-        self.line.clear();
+        self.0.reconnect();
     }
 
     /// Counts of the lines so far.
     pub const fn tally(&self) -> Tally {
-        self.tally
+        self.0.tally()
     }
 }
 

@@ -499,7 +499,7 @@ fn the_airspeed_is_that_of_the_primary_sensor() {
 }
 
 #[test]
-fn n3_a_log_of_the_ground_never_flies_and_a_ulog_is_named() {
+fn n3_a_log_of_the_ground_never_flies() {
     let mut rows = flight(300, 0.05);
     for row in &mut rows {
         row[1] = 0.4;
@@ -509,11 +509,127 @@ fn n3_a_log_of_the_ground_never_flies_and_a_ulog_is_named() {
         found.starts_with("log: never flies: its airspeed is below 0.4 m/s"),
         "{found}"
     );
-    let found = parsed(b"ULog\x01\x12\x35\x01 and more").unwrap_err();
-    assert!(
-        found.starts_with("log: is a ULog of PX4, which is not read"),
-        "{found}"
+}
+
+/// A message of `ULog`.
+fn px4(kind: u8, content: &[u8]) -> Vec<u8> {
+    let length = u16::try_from(content.len()).unwrap().to_le_bytes();
+    [&length, &[kind][..], content].concat()
+}
+
+/// A quaternion of a bank to the left and a course.
+fn turned(bank_rad: f64, course_rad: f64) -> [f32; 4] {
+    let (roll, yaw) = (
+        -0.5 * bank_rad,
+        0.5 * (core::f64::consts::FRAC_PI_2 - course_rad),
     );
+    let ((s, c), (sy, cy)) = (libm::sincos(roll), libm::sincos(yaw));
+    [cy * c, cy * s, sy * s, sy * c].map(|part| part as f32)
+}
+
+/// A short log of PX4.
+pub(crate) fn ulog() -> Vec<u8> {
+    px4_log(&flight(120, 0.1))
+}
+
+/// A log of PX4 in a mission: its first seconds disarmed, a second airspeed sensor that is wrong.
+fn px4_log(rows: &[[f64; 6]]) -> Vec<u8> {
+    let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    bytes.extend(px4(b'B', &[0; 40]));
+    for format in [
+        "vehicle_attitude:uint64_t timestamp;float[4] q;uint8_t n;uint8_t[3] _padding0;",
+        "vehicle_attitude_setpoint:uint64_t timestamp;float[4] q_d;",
+        "airspeed:uint64_t timestamp;float true_airspeed_m_s;",
+        "vehicle_local_position:uint64_t timestamp;bool v;uint8_t[3] _padding0;float vz;",
+        "vehicle_status:uint64_t timestamp;uint8_t nav_state;uint8_t arming_state;uint8_t vehicle_type;",
+        "position_setpoint:uint64_t timestamp;uint8_t type;",
+        "position_setpoint_triplet:uint64_t timestamp;position_setpoint previous;position_setpoint current;",
+    ] {
+        bytes.extend(px4(b'F', format.as_bytes()));
+    }
+    bytes.extend(px4(
+        b'P',
+        &[b"\x0efloat FW_R_LIM", &55_f32.to_le_bytes()[..]].concat(),
+    ));
+    let topics: [(u8, u8, &str); 7] = [
+        (0, 0, "vehicle_attitude"),
+        (0, 1, "vehicle_attitude_setpoint"),
+        (0, 2, "airspeed"),
+        (1, 3, "airspeed"),
+        (0, 4, "vehicle_local_position"),
+        (0, 5, "vehicle_status"),
+        (0, 6, "position_setpoint_triplet"),
+    ];
+    for (instance, number, name) in topics {
+        bytes.extend(px4(
+            b'A',
+            &[&[instance, number, 0], name.as_bytes()].concat(),
+        ));
+    }
+    let floats = |values: &[f32]| -> Vec<u8> {
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect()
+    };
+    for row in rows {
+        let time = ((1e6 * row[0]) as u64).to_le_bytes();
+        let mut data = |number: u8, content: &[u8]| {
+            bytes.extend(px4(b'D', &[&[number, 0], &time[..], content].concat()));
+        };
+        let armed = if row[0] < 2.0 { 1 } else { 2 };
+        data(0, &[&floats(&turned(row[3], row[4]))[..], &[7]].concat());
+        data(1, &floats(&turned(row[2], 0.0)));
+        data(2, &floats(&[row[1] as f32]));
+        data(3, &floats(&[99.0]));
+        let vz = (-row[1] * libm::sin(row[5])) as f32;
+        data(4, &[&[1, 0, 0, 0], &floats(&[vz])[..]].concat());
+        data(5, &[3, armed, 2]);
+        let kind = if row[0] < 4.0 { 3 } else { 0 };
+        data(6, &[&[0; 8], &[9][..], &time, &[kind]].concat());
+    }
+    bytes
+}
+
+#[test]
+fn ulog_of_px4_is_read_with_its_mission_and_its_first_sensors() {
+    let rows = flight(400, 0.05);
+    let bytes = px4_log(&rows);
+    let log = parsed(&bytes).unwrap();
+    // Disarmed for 2 s, a take-off until 4 s.
+    near(&log, &rows[80..], 1e-3);
+    assert!((log.pieces[0].start_s - 4.0).abs() < 1e-6);
+    assert_eq!(log.limits.bank_rad, Some(55_f64.to_radians()));
+    assert_eq!((log.tally.used, log.tally.lost()), (15 + 6 * 400, 0));
+    // In the mode of a pilot nothing is flown.
+    let status = [&[5, 0][..], &[0; 8], &[3]].concat();
+    let mut manual = bytes.clone();
+    for at in 0..manual.len() - 11 {
+        if manual[at..at + 2] == status[..2] && manual[at - 1] == b'D' && manual[at - 3] == 13 {
+            manual[at + 10] = 0;
+        }
+    }
+    assert!(
+        parsed(&manual)
+            .unwrap_err()
+            .contains("has no 5 s of flight")
+    );
+    // Damage is skipped up to the next synchronization, and counted; so is an end within a message.
+    let sync = px4(b'S', &[0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12]);
+    let message = bytes.len() - rows.len() / 2 * 185;
+    let damaged = [
+        &bytes[..message],
+        b"\xff\xff\xff broken",
+        &sync,
+        &bytes[message..bytes.len() - 1],
+    ]
+    .concat();
+    let log = parsed(&damaged).unwrap();
+    for reason in [LeftOut::UnknownKind, LeftOut::CutShort] {
+        assert_eq!(log.tally.left_out(reason), 1);
+    }
+    let found = parsed(&bytes[..300]).unwrap_err();
+    assert!(found.starts_with("log: has no airspeed"), "{found}");
 }
 
 /// The vehicle says its commanded bank twice a second; what the companion sends it comes 20 times a second.

@@ -13,6 +13,7 @@ mod encounter_model;
 mod encounters;
 #[cfg(feature = "export")]
 mod export;
+mod flarm;
 mod flight_log;
 mod gdl90;
 mod missions;

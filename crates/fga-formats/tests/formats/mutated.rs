@@ -10,6 +10,7 @@ use std::path::Path;
 
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::terrain::Given;
+use fga_formats::traffic::flarm::Sentences;
 use fga_formats::{InputError, areas, flight_log, missions, recordings, terrain};
 
 /// A generator that needs no crate: splitmix64.
@@ -110,7 +111,7 @@ fn areas_of(text: &str) {
     }
 }
 
-const SEEDS: [&str; 8] = [
+const SEEDS: [&str; 9] = [
     r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","lower":"60 m AMSL","upperLimit":{"value":65,"unit":6,"referenceDatum":2}},"geometry":{"type":"Polygon","coordinates":[[[5.0,45.0],[5.1,45.0],[5.1,45.1],[5.0,45.0]],[[5.06,45.01],[5.07,45.01],[5.07,45.02],[5.06,45.01]]]}},{"type":"Feature","properties":{"restriction":"NO_RESTRICTION","geometry":{"uomDimensions":"M","lowerLimit":60,"lowerVerticalReference":"AMSL"}},"geometry":{"type":"Point","coordinates":[5.0,45.0]}}]}"#,
     "<kml><Placemark><name>a</name><ExtendedData><Data name=\"upper\"><value>120 m AGL</value></Data></ExtendedData><Polygon><altitudeMode>absolute</altitudeMode><outerBoundaryIs><LinearRing><coordinates>5,45,9 5.1,45,9 5.1,45.1,9 5,45,9</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>",
     "* made\nAC R\nAN TEST\nAH 2000ft MSL\nAL GND\nV X=45:00:00 N 005:01:48 E\nDC 0.3\n\nAC D\nAN Arc\nAL 1500ft AGL\nAH FL65\nDP 45:00:00 N 005:00:00 E\nV X=45:00:00 N 005:06:00 E\nV D=+\nDB 45:06:00 N 005:06:00 E, 45:00:00 N 005:12:00 E\nDA 5,270,290\n",
@@ -119,6 +120,7 @@ const SEEDS: [&str; 8] = [
     "QGC WPL 110\n0 1 3 16 0 0 0 0 45.0 5.0 343 1\n1 0 3 5001 3 1 0 0 45.0 5.0 0 1\n2 0 3 5001 3 1 0 0 45.1 5.0 0 1\n3 0 3 5001 3 1 0 0 45.1 5.1 0 1\n4 0 0 16 0 0 0 0 45.01 5 16 1\n",
     "time,icao24,lat,lon,velocity,heading,vertrate,callsign,onground,baroaltitude,geoaltitude,lastposupdate\n1700000000,aa0001,45.0,5.0,51.4,90,0,T,False,914.4,950,1700000000.0\n1700000001,aa0001,45.0,5.001,51.4,90,0,T,False,914.4,950,1700000001.0\n1700000000,aa0002,45.0,5.01,51.4,270,0,T,False,914.4,950,\n",
     r#"{"now":1700000000.0,"aircraft":[{"hex":"aa0001","altitude":3000,"speed":100,"track":90,"vert_rate":0,"lat":45.0,"lon":4.96,"seen_pos":0.1}]} {"icao":"aa0002","timestamp":1700000000,"trace":[[0,45.0,4.9,3000,99.9,90,8,0,null,"adsb_icao",3117,64,null,null],[1,45.0,4.91,"ground",9,90,0,0,{"flight":"T"},"mlat",null,null]]}"#,
+    "00:00:00.00>ASAS ON\n00:00:00.00>CRE KL1,B744,45.0,4.9,90,FL030,100\n00:00:01.00>CRE KL2,B744,45.0,5.0,270,3000ft,M.2\n00:00:40>HDG KL1,90\n",
 ];
 
 #[test]
@@ -145,13 +147,33 @@ fn changed_inputs_are_read_or_refused_in_one_line() {
             one_line(&flight_log::parse(&bytes, path));
         }
     }
-    let masked = include_bytes!("terrain/masked.tif");
+    let files: [&[u8]; 2] = [
+        include_bytes!("terrain/masked.tif"),
+        include_bytes!("terrain/utm.tif"),
+    ];
+    let path = Path::new("a.tif");
+    for seed in files {
+        for _ in 0..count {
+            let bytes = changed(seed, &mut draws);
+            one_line(&terrain::parse(&bytes, path, &Given::default()));
+        }
+    }
+    let log = super::flight_log::ulog();
     for _ in 0..count {
-        let bytes = changed(masked, &mut draws);
-        one_line(&terrain::parse(
-            &bytes,
-            Path::new("a.tif"),
-            &Given::default(),
-        ));
+        one_line(&flight_log::parse(&changed(&log, &mut draws), path));
+    }
+    let feed = b"$GPGGA,120000,4530.0,N,00515.0,E,1,8,1,9,M,8,M,,*54\n$PFLAA,0,1200,-3400,150,1,4B5C6D,90,,40,-1.5,1*23\n";
+    for _ in 0..count {
+        let bytes = changed(feed, &mut draws);
+        let mut sentences = Sentences::new();
+        sentences.push(&bytes, |report| {
+            assert!(
+                report
+                    .place_deg
+                    .unwrap()
+                    .iter()
+                    .all(|degrees| degrees.is_finite())
+            );
+        });
     }
 }

@@ -641,3 +641,66 @@ fn t1_times_in_another_unit_are_refused() {
         );
     }
 }
+
+/// The true airspeeds are those of `BlueSky` 1.1.1 (`tools/aero.py`, `cas2tas` and `mach2tas`).
+#[test]
+fn aircraft_of_a_bluesky_scenario_fly_straight_until_a_command_that_is_not_read() {
+    let text = "# made\n\n00:00:00.00>ASAS ON\n00:00:00.00>CRE KL1,B744,45.0,4.9,90,FL030,100\n\
+        0:00:10>cre KL2 A320 45.0 5.0 270 3000 100\n00:00:10.00>CRE KL3,B744,45,6,0,FL100,250kts\n\
+        00:00:10.00>CRE KL4,B744,45,7,0,FL350,M.78\n00:00:20.00>HDG KL4,90\n00:00:40>KL4 ALT FL200\n\
+        00:00:40>CRE KL1,B744,45,4,9,90,3\n00:00:40>CRE KL9,B744,EHAM,RWY18L,9,90,3\n00:01>CRE KL8,B744,45,6,9,90,3\n\
+        00:00:40>CRE KL7,B744,45,6,9\n00:00:40>\n";
+    let path = Path::new("a.scn");
+    let recordings::Content::States(received) =
+        recordings::parse_content(text.as_bytes(), path).unwrap()
+    else {
+        panic!("aircraft");
+    };
+    let of = |name: &str| {
+        let mut tracks = received.tracks.iter();
+        &tracks.find(|track| track.name == name).unwrap().heard
+    };
+    for (name, knots, count) in [
+        ("KL1", 104.501, 61),
+        ("KL3", 288.702, 61),
+        ("KL4", 449.607, 2),
+    ] {
+        let heard = of(name);
+        let speed_mps = heard[0].velocity_mps.unwrap().length();
+        let expected_mps = knots * 1852.0 / 3600.0;
+        assert!(
+            (speed_mps - expected_mps).abs() < 0.02,
+            "{name}: {speed_mps}"
+        );
+        let way_m = heard[0].place.distance_m(heard[1].place);
+        assert!(
+            (way_m / expected_mps / 10.0 - 1.0).abs() < 0.006,
+            "{name}: {way_m}"
+        );
+        assert_eq!(heard.len(), count, "{name}");
+    }
+    assert_eq!(of("KL2")[0].time_s, 10.0);
+    assert!((of("KL2")[0].place.altitude_m - 914.4).abs() < 1e-9);
+    let tally = received.tally;
+    let counts: Vec<(&str, u64)> = tally
+        .reasons()
+        .map(|(reason, count)| (reason.name(), count))
+        .collect();
+    let expected = [
+        ("not_needed", 1),
+        ("unknown_kind", 2),
+        ("cut_short", 2),
+        ("unreadable_field", 2),
+        ("same_time", 1),
+    ];
+    assert_eq!((tally.used, &counts[..]), (4, &expected[..]));
+    assert_eq!(
+        received.notes,
+        [
+            "not read, ALT (1), ASAS (1), HDG (1): an aircraft flies straight until the first command about it"
+        ]
+    );
+    let pairs = recordings::parse(text.as_bytes(), path).unwrap().named;
+    assert_eq!(pairs.len(), 1);
+    assert_eq!(pairs[0].name, "a KL1-KL2");
+}

@@ -22,7 +22,7 @@ use fga_formats::terrain::{
     Datum, Given, RequestedBlock, Taken, Terrain, TerrainFile, parse, read,
 };
 
-const FILES: [(&str, &[u8]); 15] = [
+const FILES: [(&str, &[u8]); 17] = [
     ("strips.tif", include_bytes!("terrain/strips.tif")),
     ("tiles.tif", include_bytes!("terrain/tiles.tif")),
     ("ellipsoid.tif", include_bytes!("terrain/ellipsoid.tif")),
@@ -35,6 +35,8 @@ const FILES: [(&str, &[u8]); 15] = [
     ("feet.tif", include_bytes!("terrain/feet.tif")),
     ("scaled.tif", include_bytes!("terrain/scaled.tif")),
     ("utm.tif", include_bytes!("terrain/utm.tif")),
+    ("swiss.tif", include_bytes!("terrain/swiss.tif")),
+    ("british.tif", include_bytes!("terrain/british.tif")),
     ("west.tif", include_bytes!("terrain/west.tif")),
     ("east.tif", include_bytes!("terrain/east.tif")),
     ("south.tif", include_bytes!("terrain/south.tif")),
@@ -174,6 +176,43 @@ fn heights_in_feet_and_with_a_scale_are_metres() {
         error.contains("heights in \"fu\", expected metres or feet"),
         "{error}"
     );
+}
+
+/// PROJ put the posts of these files where the formula was taken; shifts of old datums differ by up to 5 m.
+#[test]
+fn heights_on_grids_of_maps_lie_where_the_map_has_them_and_none_is_lowered() {
+    for (name, tolerance_m, datum, south_deg) in [
+        ("utm.tif", 0.1, Datum::Egm96, 46.5510),
+        ("swiss.tif", 0.1, Datum::Egm2008, 46.5301),
+        ("british.tif", 0.6, Datum::Egm96, 51.5661),
+    ] {
+        let file = file(name);
+        let holes = posts_follow(&file, 0.0, tolerance_m);
+        let field = &file.fields[0];
+        let grid = field.grid();
+        // Holes are the wedges beside a grid that is turned against north.
+        assert!(holes * 7 < grid.rows * grid.columns, "{name}: {holes}");
+        assert_eq!(file.datum.value, datum, "{name}");
+        assert!(
+            (grid.south_deg - south_deg).abs() < 1e-4,
+            "{name}: {}",
+            grid.south_deg
+        );
+        let spacing_m = [
+            grid.step_north_deg,
+            grid.step_east_deg * grid.south_deg.to_radians().cos(),
+        ];
+        for step_m in spacing_m.map(|step_deg| step_deg * 111_200.0) {
+            assert!((step_m - 100.0).abs() < 1.0, "{name}: {step_m}");
+        }
+    }
+    // One peak of one post is nowhere lost.
+    let mut peak = bytes("utm.tif").to_vec();
+    let middle = peak.len() - 4 * (24 * 40 + 20);
+    peak[middle..middle + 4].copy_from_slice(&3000_f32.to_le_bytes());
+    let peak = parse(&peak, Path::new("a.tif"), &Given::default()).unwrap();
+    let (range, _) = peak.fields[0].summary();
+    assert!(range.unwrap()[1] >= 3000.0, "{range:?}");
 }
 
 #[test]

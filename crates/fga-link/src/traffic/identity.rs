@@ -13,6 +13,8 @@ pub enum ReportSource {
     Beast,
     /// GDL 90 messages.
     Gdl90,
+    /// Sentences of FLARM.
+    Flarm,
     /// A radar or a camera on board.
     Sensor,
     /// A receiver of Remote ID.
@@ -28,6 +30,7 @@ impl ReportSource {
             Self::Sbs => "sbs",
             Self::Beast => "beast",
             Self::Gdl90 => "gdl90",
+            Self::Flarm => "flarm",
             Self::Sensor => "sensor",
             Self::RemoteId => "remote-id",
         }

@@ -1,4 +1,4 @@
-//! Receivers of ADS-B on the network: BaseStation and Beast over TCP, GDL 90 over UDP.
+//! Receivers of ADS-B on the network: BaseStation, Beast and FLARM over TCP, GDL 90 over UDP.
 
 use core::str::FromStr;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use fga_formats::geodesy::Geodetic;
 use fga_formats::tally::{LeftOut, Tally};
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
-use fga_formats::traffic::{Altitude, Generations, TrafficReport, gdl90, sbs};
+use fga_formats::traffic::{Altitude, Generations, TrafficReport, flarm, gdl90, sbs};
 
 use super::report::{
     AltitudeReference, PlaceReport, Quality, ReportSender, ReportSource, SIGMAS_IN_95,
@@ -17,7 +17,7 @@ use super::report::{
 };
 use crate::endpoint::{Endpoint, LinkRead, open};
 
-/// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`, which are connected to; `gdl90:HOST:PORT`, where datagrams are waited for.
+/// A receiver: `sbs:HOST:PORT`, `beast:HOST:PORT` or `flarm:HOST:PORT`, which are connected to; `gdl90:HOST:PORT`, where datagrams are waited for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceiverEndpoint {
     /// The kind of wire.
@@ -29,7 +29,7 @@ pub struct ReceiverEndpoint {
 /// Text that names no receiver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is no receiver, expected sbs:HOST:PORT, gdl90:HOST:PORT, or beast:HOST:PORT where the program was built with it"
+    "'{0}' is no receiver, expected sbs:HOST:PORT, flarm:HOST:PORT, gdl90:HOST:PORT, or beast:HOST:PORT where the program was built with it"
 )]
 pub struct ReceiverError(String);
 
@@ -42,6 +42,7 @@ impl FromStr for ReceiverEndpoint {
         let source = match kind {
             "sbs" => ReportSource::Sbs,
             "gdl90" => ReportSource::Gdl90,
+            "flarm" => ReportSource::Flarm,
             "beast" if cfg!(feature = "beast") => ReportSource::Beast,
             _ => return Err(error()),
         };
@@ -246,6 +247,7 @@ const COUNTS_EVERY_S: f64 = 10.0;
 struct Wire {
     lines: sbs::LineStream,
     messages: gdl90::Datagrams,
+    sentences: flarm::Sentences,
     #[cfg(feature = "beast")]
     frames: beast::Stream,
     source: ReportSource,
@@ -256,6 +258,7 @@ impl Wire {
         Self {
             lines: sbs::LineStream::new(),
             messages: gdl90::Datagrams::new(),
+            sentences: flarm::Sentences::new(),
             #[cfg(feature = "beast")]
             frames: beast::Stream::new(),
             source,
@@ -267,6 +270,7 @@ impl Wire {
             #[cfg(feature = "beast")]
             ReportSource::Beast => self.frames.push(bytes, now_s, report),
             ReportSource::Gdl90 => self.messages.push(bytes, report),
+            ReportSource::Flarm => self.sentences.push(bytes, report),
             _ => {
                 let _ = now_s;
                 self.lines.push(bytes, report);
@@ -277,6 +281,7 @@ impl Wire {
     fn reconnect(&mut self) {
         self.lines.reconnect();
         self.messages.reconnect();
+        self.sentences.reconnect();
         #[cfg(feature = "beast")]
         self.frames.reconnect();
     }
@@ -286,6 +291,7 @@ impl Wire {
             #[cfg(feature = "beast")]
             ReportSource::Beast => self.frames.tally(),
             ReportSource::Gdl90 => self.messages.tally(),
+            ReportSource::Flarm => self.sentences.tally(),
             _ => self.lines.tally(),
         }
     }

@@ -85,6 +85,32 @@ fn a_recorded_sbs_log_arrives_whole() {
     }
 }
 
+/// A unit on board at 45.5° N, 5.25° E: an aircraft 1,200 m north of it and 150 m above, then one that ends the reading.
+#[test]
+fn sentences_of_flarm_arrive_with_places_of_their_own() {
+    let target = |id: &str| format!("PFLAA,0,1200,0,150,1,{id},90,,40,-1.5,1");
+    let contents = [
+        "GPGGA,120000,4530.000,N,00515.000,E,1,08,1.0,1000.0,M,48.0,M,,".to_owned(),
+        target("4B5C6D"),
+        target("FFFFFF"),
+    ];
+    let text = contents.iter().fold(String::new(), |text, content| {
+        let sum = content.bytes().fold(0, |sum, byte| sum ^ byte);
+        format!("{text}${content}*{sum:02X}\r\n")
+    });
+    let reports = received("flarm", text.into_bytes(), 7, LAST);
+    let [report] = &reports[..] else {
+        panic!("{reports:?}");
+    };
+    assert_eq!(report.icao, 0x004B_5C6D);
+    assert_eq!(report.quality.altitude, AltitudeReference::Ellipsoid);
+    assert!((report.place.altitude_m - 1198.0).abs() < 1e-9);
+    // A minute of latitude has 1,852.2 m here.
+    assert!((report.place.latitude_deg - 45.5 - 1200.0 / 1852.2 / 60.0).abs() < 1e-5);
+    let velocity_mps = report.velocity_mps.expect("a velocity");
+    assert!((velocity_mps.x - 40.0).abs() < 1e-9);
+}
+
 /// The traffic report of the specification of GDL 90 (3.5.4), with its checksum, in datagrams of a receiver on board.
 #[test]
 fn datagrams_of_gdl90_arrive() {

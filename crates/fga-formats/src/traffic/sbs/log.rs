@@ -2,10 +2,11 @@
 
 use std::io::{BufRead, BufReader, Read};
 
-use super::message::{LONGEST_LINE, fields, parse, text_of, without_offset};
+use super::message::{fields, parse, text_of, without_offset};
 use super::time;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::TrafficReport;
+use crate::traffic::lines::LONGEST_LINE;
 
 /// A longer time of a recorder is a cut line or two in one, nanoseconds (some 30 years).
 const LONGEST_NS: u64 = 1_000_000_000_000_000_000;

@@ -5,11 +5,9 @@ use core::str::from_utf8;
 use super::time;
 use crate::geodesy::course_from_compass_rad;
 use crate::tally::LeftOut;
+use crate::traffic::lines::LONGEST_LINE;
 use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport};
 use crate::units::{Feet, FeetPerMinute, Knots};
-
-/// Longest accepted line, bytes.
-pub(super) const LONGEST_LINE: usize = 512;
 
 /// Fields of a message.
 pub(super) const FIELDS: usize = 22;

@@ -1,6 +1,6 @@
-"""Writes the files of heights beside this script, from one formula, with GDAL (rasterio 1.4.4) and struct alone.
+"""Writes the files of heights beside this script, from one formula, with GDAL (rasterio 1.4.4), PROJ (pyproj 3.7.2) and struct alone.
 
-python3 -m venv v && v/bin/pip install numpy==2.* rasterio==1.4.4 && v/bin/python fixtures.py
+python3 -m venv v && v/bin/pip install numpy==2.* rasterio==1.4.4 pyproj==3.7.2 && v/bin/python fixtures.py
 """
 import gzip
 import math
@@ -8,6 +8,7 @@ import os
 import struct
 
 import numpy as np
+import pyproj
 import rasterio
 from rasterio.shutil import copy
 from rasterio.transform import from_origin
@@ -115,7 +116,15 @@ tif("tiles.tif", floats, west, north, step, crs="EPSG:4326+3855", point=True, ti
     compress="lzw", predictor=3, ENDIANNESS="BIG")
 tif("ellipsoid.tif", whole, west, north, step, crs="EPSG:4979", BIGTIFF="YES")
 tif("packed.tif", whole, west, north, step, crs="EPSG:4326", compress="packbits")
-tif("utm.tif", whole[:4, :4], 500000, 5100000, 30.0, crs="EPSG:32632")
+# Grids of maps, each 48 x 40 posts 100 m apart.
+for name, west_m, north_m, crs, options in [
+    ("utm.tif", 516000, 5160000, "EPSG:32632", {}),
+    ("swiss.tif", 2755000, 1160000, "EPSG:2056+5728", dict(compress="zstd", predictor=3)),
+    ("british.tif", 256000, 192000, "EPSG:27700", dict(compress="zstd")),
+]:
+    on_map = pyproj.Transformer.from_crs(crs.split("+")[0], 4326, always_xy=True)
+    longitudes, latitudes = on_map.transform(*np.meshgrid(west_m + 100.0 * np.arange(40), north_m - 100.0 * np.arange(48)))
+    tif(name, formula(latitudes, longitudes).astype("float32"), west_m, north_m, 100.0, crs=crs, **options)
 # Neighbours without a common line of posts, as tiles of Copernicus are.
 tif("west.tif", whole[:, :20], west, north, step)
 tif("east.tif", whole[:, 20:], west + 20 * step, north, step)

@@ -66,6 +66,14 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         changed[at..at + text.len()].copy_from_slice(text);
         changed
     };
+    // GeoKey 3072 says which grid it is.
+    let grid = |code: u16| {
+        let mut changed = bytes("utm.tif").to_vec();
+        let key = [0, 12, 0, 0, 1, 0, 0x78, 0x7F];
+        let at = changed.windows(8).position(|entry| entry == key).unwrap();
+        changed[at + 6..at + 8].copy_from_slice(&code.to_le_bytes());
+        changed
+    };
     let mut blocks = bytes("N46E009.DAT").to_vec();
     blocks[100] ^= 1;
     for (bytes, name, part) in [
@@ -117,7 +125,10 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
             "N46E009.DAT",
             "no heights in any of its 1 blocks",
         ),
-        (bytes("utm.tif"), "a.tif", "projected coordinates"),
+        (&grid(32767), "a.tif", "has a projection of its own"),
+        (&grid(26710), "a.tif", "whose datum cannot be shifted"),
+        (&grid(4326), "a.tif", "which is no map's grid"),
+        (&grid(1), "a.tif", "which is no known grid"),
         (bytes("strips.tif"), "S46E009.tif", "is a hemisphere wrong?"),
         (&bytes("strips.tif")[..600], "a.tif", "is no usable TIFF"),
         (&bytes("tiles.tif")[..4000], "a.tif", "is no usable TIFF"),
