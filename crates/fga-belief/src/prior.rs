@@ -9,7 +9,7 @@
 pub(crate) const TURN_BEGINS_PER_S: f32 = 0.012;
 
 /// The same as the filter sees them, beside what wavers: with more of them it is less sure of recorded flights than it is right.
-pub(crate) const TURN_SEEN_PER_S: f32 = 0.007;
+pub(crate) const TURN_SEEN_PER_S: f32 = 0.010;
 
 /// Turns that end, per second: they last half a minute.
 pub(crate) const TURN_ENDS_PER_S: f32 = 0.037;
@@ -56,11 +56,11 @@ pub(crate) const CLIMB_MPS: f32 = 3.0;
 /// Turn rate of a turn that begins, as a share of the sustained one: mean and σ.
 pub(crate) const TURN_SHARE: (f32, f32) = (0.8, 0.4);
 
-/// White acceleration in steady flight, m²/s³: 0.4 m/s after ten seconds, as in the recorded flights of the NRC.
-pub(crate) const STEADY: f32 = 0.015;
+/// White acceleration in steady flight, m²/s³: 0.3 m/s after ten seconds, as in the recorded flights of the NRC.
+pub(crate) const STEADY: f32 = 0.010;
 
-/// The same while it wavers: 0.7 m/s after a second.
-pub(crate) const WAVERING: f32 = 0.5;
+/// The same while it wavers: 0.6 m/s after a second.
+pub(crate) const WAVERING: f32 = 0.35;
 
 /// White jerk in a turn, m²/s⁵, for each (m/s²)² of a usual turn: the turn rate drifts by a sixth in ten seconds.
 pub(crate) const TURN_DRIFT: f32 = 0.003;
