@@ -100,11 +100,9 @@ impl Interval {
     /// The way from this interval to another one by a share: what lies in both lies in it.
     fn towards(&self, to: &Self, share: f64) -> Self {
         let between = |a: f64, b: f64| a + share * (b - a);
-        Self {
-            low: between(self.low, to.low),
-            mean: between(self.mean, to.mean),
-            high: between(self.high, to.high),
-        }
+        let (low, high) = (between(self.low, to.low), between(self.high, to.high));
+        let mean = between(self.mean, to.mean);
+        Self { low, mean, high }
     }
 }
 
@@ -240,7 +238,7 @@ impl Turning {
 }
 
 /// The bank that each pair of lag and dead time makes of the commands, and its error so far, rad² s.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Rolling {
     rows: [[(f64, f64); LAGS]; DEADS],
     is_following: bool,
@@ -403,7 +401,7 @@ impl Circle {
 }
 
 /// The evidence of a flight.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Learned {
     turning: Turning,
     rolling: Rolling,
@@ -413,47 +411,22 @@ pub struct Learned {
     airspeed_mps: Option<(f64, f64)>,
 }
 
-impl Default for Learned {
-    fn default() -> Self {
-        let rolling = Rolling {
-            rows: [[(0.0, 0.0); LAGS]; DEADS],
-            is_following: false,
-            evidence: 0.0,
-        };
-        Self {
-            turning: Turning::default(),
-            rolling,
-            wind: Circle::default(),
-            last: None,
-            airspeed_mps: None,
-        }
-    }
-}
-
 impl Learned {
     /// Sees a state; `commanded_before` is the bank that was commanded this many seconds before it, radians, if somebody knows.
     pub fn see(&mut self, seen: &Seen, commanded_before: impl Fn(f64) -> Option<f64>) {
-        let Seen {
-            time_s,
-            bank_rad,
-            turn_rate_radps,
-            airspeed_mps,
-            velocity_mps,
-        } = *seen;
-        let is_flown = (LEAST_SPEED_MPS..MOST_SPEED_MPS).contains(&airspeed_mps)
-            && bank_rad.abs() < MOST_BANK_RAD
-            && turn_rate_radps.is_finite();
-        if !is_flown || !time_s.is_finite() {
+        let (time_s, bank_rad, airspeed_mps) = (seen.time_s, seen.bank_rad, seen.airspeed_mps);
+        let is_flown = (LEAST_SPEED_MPS..MOST_SPEED_MPS).contains(&airspeed_mps);
+        let turns = bank_rad.abs() < MOST_BANK_RAD && seen.turn_rate_radps.is_finite();
+        if !is_flown || !turns || !time_s.is_finite() {
             return;
         }
         let moves = |mps: &Vec2| mps.is_finite() && mps.length() < 2.0 * MOST_SPEED_MPS;
-        if let Some(velocity_mps) = velocity_mps.filter(moves) {
+        if let Some(velocity_mps) = seen.velocity_mps.filter(moves) {
             self.wind.see(time_s, velocity_mps, airspeed_mps);
         }
         let last = self.last.replace((time_s, bank_rad));
-        let Some((last_s, last_rad)) =
-            last.filter(|(last_s, _)| GAPS_S.contains(&(time_s - last_s)))
-        else {
+        let near = last.filter(|(last_s, _)| GAPS_S.contains(&(time_s - last_s)));
+        let Some((last_s, last_rad)) = near else {
             self.rolling.is_following = false;
             self.turning.window = (0.0, 0.0, 0.0);
             return;
@@ -466,7 +439,7 @@ impl Learned {
         let is_steady = (bank_rad - last_rad).abs() < STEADY_RADPS * gap_s;
         if bank_rad.abs() > LEAST_BANK_RAD && is_steady {
             let ideal_radps = STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.abs()) / airspeed_mps;
-            let flown_rad = gap_s * turn_rate_radps * libm::copysign(1.0, bank_rad);
+            let flown_rad = gap_s * seen.turn_rate_radps * libm::copysign(1.0, bank_rad);
             is_other |= self.turning.see(gap_s, flown_rad, gap_s * ideal_radps);
         }
         self.rolling.see(gap_s, bank_rad, &commanded_before);

@@ -4,7 +4,6 @@
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    clippy::std_instead_of_alloc,
     reason = "small numbers of steps"
 )]
 
