@@ -11,7 +11,7 @@ use fga::vehicle::Vehicle;
 use crate::ownship::OwnState;
 
 /// A certified flight is compared this often, at these intervals, seconds: later the first plan has mostly been replaced.
-const COMPARED: u8 = 16;
+const COMPARED: u8 = 10;
 const EVERY_S: f64 = 0.5;
 
 /// The certified flight that is compared, and what was found so far.

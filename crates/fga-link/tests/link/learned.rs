@@ -65,11 +65,11 @@ fn fly(seed: u64, (wrong, config): (f64, &str), flown: &mut Flown) {
         .factors
         .push(world.companion.response().turn_rate_factor / plant.turn_rate_factor);
     if std::env::var("FGA_LOG").is_ok() {
-        eprintln!(
-            "{seed}: {:?} {off_m:.0} m, {:?}",
-            world.least_m,
-            world.companion.response()
-        );
+        let response = world.companion.response();
+        eprintln!("{seed}: {:?} {off_m:.0} m, {response:?}", world.least_m);
+        let log = world.companion.take_log();
+        let texts = log.iter().filter(|line| line["kind"] == "text");
+        texts.for_each(|line| eprintln!("  {} {}", line["t_s"], line["text"]));
     }
 }
 
