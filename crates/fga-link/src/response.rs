@@ -22,7 +22,7 @@ const STEEP_LAG_S: f64 = 0.1;
 /// turned with 1.3 of its steady rate for half a second, then with a quarter of it for half a second (the wing unloads while the
 /// pitch is corrected), and from there to the end of the turn, 2.9 s, with 0.78 of it. A plan made in the turn meets that part alone.
 const STEEP_IN_HAND: f64 = 0.78;
-/// Factors in plans.
+/// Factors in plans, beside the one of the configuration.
 const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 
 /// The present knowledge of the response.
@@ -85,7 +85,12 @@ impl ResponseEstimate {
             .learned
             .known(&Known::within(&believed, fga::Vec2::ZERO, WRONG));
         let factor = &mut known.turn_rate_factor;
-        factor.mean = (in_hand * factor.mean).clamp(FACTOR_RANGE.0, FACTOR_RANGE.1);
+        let (least, most) = FACTOR_RANGE;
+        let (least, most) = (
+            start.turn_rate_factor.min(least),
+            start.turn_rate_factor.max(most),
+        );
+        factor.mean = (in_hand * factor.mean).clamp(least, most);
         known
     }
 
@@ -180,6 +185,22 @@ mod tests {
             "{known:?}"
         );
         assert_eq!(known.dead_time_s, 0.15);
+    }
+
+    #[test]
+    fn a_configuration_that_is_not_learned_from_is_planned_with_as_it_is() {
+        let config = ResponseConfig {
+            turn_rate_factor: 1.2,
+            estimate: false,
+            ..ResponseConfig::default()
+        };
+        let mut estimate = ResponseEstimate::new(&config);
+        for n in 0..1000_u32 {
+            estimate.observe(f64::from(n) * 0.05, 0.6, 0.1, 25.0, |_| Some(0.9));
+        }
+        let response = estimate.response();
+        assert!((response.turn_rate_factor - 1.2).abs() < 1e-12);
+        assert!((response.bank_time_constant_s - config.bank_time_constant_s).abs() < 1e-12);
     }
 
     #[test]
