@@ -41,6 +41,7 @@ mod others;
 mod over_ground;
 mod passing;
 mod picture;
+mod promise;
 mod rally;
 mod receive;
 mod requests;
@@ -84,6 +85,7 @@ use others::OtherOrders;
 use over_ground::OverGround;
 use passing::PassedItems;
 pub use picture::FlightPicture;
+use promise::Promise;
 use requests::VehicleRequests;
 use route::LaidRoute;
 use session::Session;
@@ -115,6 +117,8 @@ pub struct Counts {
     pub decisions: u64,
     /// Texts sent.
     pub texts: u32,
+    /// Certified flights that the aircraft was off by more than the certificate leaves room for.
+    pub missed: u32,
 }
 
 /// The companion of one vehicle.
@@ -140,6 +144,7 @@ pub struct Companion {
     others: OtherOrders,
     told: OperatorReports,
     least: Option<LeastSeparation>,
+    promise: Promise,
     hand: Box<dyn Hand>,
     due: Due,
 }
@@ -191,6 +196,7 @@ impl Companion {
             others: OtherOrders::default(),
             told: OperatorReports::default(),
             least: None,
+            promise: Promise::default(),
             hand,
             due: Due::default(),
             config,
@@ -234,6 +240,7 @@ impl Companion {
             maneuvers: self.handover.maneuvers(),
             decisions: self.decisions.count(),
             texts: self.voice.texts(),
+            missed: self.promise.counts().1,
         }
     }
 
@@ -255,6 +262,18 @@ impl Companion {
     /// The least separation in words.
     pub fn least_in_words(&self) -> String {
         LeastSeparation::words(self.least.as_ref())
+    }
+
+    /// What came of certified flights, in words; empty where none was missed.
+    pub fn missed_in_words(&self) -> String {
+        let (kept, missed) = self.promise.counts();
+        match missed {
+            0 => String::new(),
+            _ => format!(
+                "{missed} of {} certified flights were not flown as certified",
+                kept + missed
+            ),
+        }
     }
 
     /// Tracks of other aircraft.

@@ -179,6 +179,9 @@ tables! {
         dead_time_s: f64 = 0.25,
         /// Whether to estimate factor and lag in flight.
         estimate: bool = true,
+        /// Whether manoeuvres keep clear of what is not known of factor and lag from the start; otherwise only once the vehicle has
+        /// not flown what was certified.
+        margin: bool = false,
     }
 
     /// Tracks of other aircraft.

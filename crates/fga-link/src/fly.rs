@@ -190,6 +190,10 @@ pub fn fly(
     thread::sleep(Duration::from_millis(50));
     shared.over.store(true, Ordering::Relaxed);
     pilot.status.say(&pilot.companion.least_in_words());
+    let missed = pilot.companion.missed_in_words();
+    if !missed.is_empty() {
+        pilot.status.say(&missed);
+    }
     pilot.notebook.end();
     pilot.recorder.end();
     pilot.status.end();

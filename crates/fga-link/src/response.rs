@@ -1,22 +1,17 @@
-//! The vehicle's response, estimated in flight: turn-rate factor and bank lag.
+//! The vehicle's response, learned in flight: turn-rate factor, bank lag and dead time, each with an interval.
 //!
-//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady. Dead time and
-//! lag come from the rate at which the bank approaches the commands: of several dead times the estimate
-//! takes the one with which a first-order lag explains the rolling best. All start from the
-//! configuration's conservative figures and move to the estimate with the evidence; the plan keeps a small
-//! reserve of the factor.
+//! [`Learned`] has the evidence; here are what is believed before it, which is the configuration's, and the reserve that plans keep of the
+//! turn-rate factor.
 
-use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
+use fga::vehicle::Response;
+use fga_learned::{Known, Learned, Seen};
 
 use crate::config::ResponseConfig;
 use crate::ownship::FLYING_SPEED_MPS;
 
-/// Smallest bank that the estimate of the turn rate uses, radians.
-const LEAST_BANK_RAD: f64 = 0.15;
-/// The bank is steady when it changes slower than this, radians per second.
-const STEADY_RADPS: f64 = 0.08;
-/// Seconds in a bank after which the estimate weighs as much as the starting value.
-const FACTOR_EVIDENCE_S: f64 = 4.0;
+/// How wrong the configuration may be: the factor as a share, the lag and the dead time, seconds; and the wind, which the vehicle
+/// reports itself, metres per second.
+const WRONG: (f64, f64, f64, f64) = (0.25, 0.3, 0.1, 0.0);
 /// Share of the estimated factor in the plan.
 const IN_HAND: f64 = 0.97;
 /// Before a steep bank was flown: the share of the normal bank's factor that it is expected to reach, and its
@@ -27,33 +22,15 @@ const STEEP_LAG_S: f64 = 0.1;
 /// turned with 1.3 of its steady rate for half a second, then with a quarter of it for half a second (the wing unloads while the
 /// pitch is corrected), and from there to the end of the turn, 2.9 s, with 0.78 of it. A plan made in the turn meets that part alone.
 const STEEP_IN_HAND: f64 = 0.78;
-/// Ratios of the flown rate of turn to the ideal one that the estimate uses. The rate of a turn that settles swings about the
-/// steady one: a range that leaves out its low half shows a tighter turn than was flown.
-const RATIO_RANGE: (f64, f64) = (-0.5, 2.0);
+/// Factors in plans, beside the one of the configuration.
 const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
-const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
-/// The candidate dead times, seconds.
-const DEAD_TIMES_S: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6];
-/// Smallest error of the bank that the estimate of the lag uses, radians.
-const LEAST_ERROR_RAD: f64 = 0.08;
-/// Enough rolling for a dead time: error squared by time, rad² s.
-const DEAD_TIME_EVIDENCE: f64 = 0.5;
-/// Rolling is forgotten beyond this, rad² s.
-const ROLLING_MEMORY: f64 = 5.0;
-/// Longest usable gap between attitudes, seconds.
-const LONGEST_GAP_S: f64 = 0.35;
 
 /// The present knowledge of the response.
 #[derive(Debug, Clone)]
 pub struct ResponseEstimate {
     start: Response,
     enabled: bool,
-    last: Option<(f64, f64)>,
-    /// Σ dt, Σ dt · ratio over steady turns.
-    factor_weight_s: f64,
-    factor_sum_s: f64,
-    /// For each dead time Σ e·φ̇ and Σ e² of φ̇ = e/τ.
-    rolling: [(f64, f64); DEAD_TIMES_S.len()],
+    learned: Learned,
 }
 
 impl ResponseEstimate {
@@ -66,10 +43,7 @@ impl ResponseEstimate {
                 turn_rate_factor: config.turn_rate_factor,
             },
             enabled: config.estimate,
-            last: None,
-            factor_weight_s: 0.0,
-            factor_sum_s: 0.0,
-            rolling: [(0.0, 0.0); DEAD_TIMES_S.len()],
+            learned: Learned::default(),
         }
     }
 
@@ -83,120 +57,71 @@ impl ResponseEstimate {
         airspeed_mps: f64,
         commanded_before: impl Fn(f64) -> Option<f64>,
     ) {
-        let last = self.last.replace((measured_s, bank_rad));
-        let Some((last_s, last_bank_rad)) = last else {
+        if !self.enabled || airspeed_mps < FLYING_SPEED_MPS {
             return;
+        }
+        let seen = Seen {
+            time_s: measured_s,
+            bank_rad,
+            turn_rate_radps: course_rate_radps,
+            airspeed_mps,
+            velocity_mps: None,
         };
-        let gap_s = measured_s - last_s;
-        if !(0.005..LONGEST_GAP_S).contains(&gap_s) || airspeed_mps < FLYING_SPEED_MPS {
-            return;
-        }
-        let bank_rate = (bank_rad - last_bank_rad) / gap_s;
-        if bank_rad.abs() > LEAST_BANK_RAD && bank_rate.abs() < STEADY_RADPS {
-            let ideal = STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad) / airspeed_mps;
-            let ratio = course_rate_radps / ideal;
-            if (RATIO_RANGE.0..RATIO_RANGE.1).contains(&ratio) {
-                self.factor_weight_s += gap_s;
-                self.factor_sum_s += gap_s * ratio;
-                // A memory of two minutes of turning.
-                if self.factor_weight_s > 120.0 {
-                    self.factor_weight_s *= 0.5;
-                    self.factor_sum_s *= 0.5;
-                }
-            }
-        }
-        self.observe_rolling(
-            gap_s,
-            0.5 * (bank_rad + last_bank_rad),
-            bank_rate,
-            commanded_before,
+        self.learned.see(&seen, commanded_before);
+    }
+
+    /// The aircraft did not fly as known.
+    pub fn forget(&mut self) {
+        self.learned.forget();
+    }
+
+    /// What is known, with the plan's share of the factor.
+    fn known_from(&self, start: Response, in_hand: f64) -> Known {
+        let believed = Response {
+            turn_rate_factor: start.turn_rate_factor / in_hand,
+            ..start
+        };
+        let mut known = self
+            .learned
+            .known(&Known::within(&believed, fga::Vec2::ZERO, WRONG));
+        let factor = &mut known.turn_rate_factor;
+        let (least, most) = FACTOR_RANGE;
+        let (least, most) = (
+            start.turn_rate_factor.min(least),
+            start.turn_rate_factor.max(most),
         );
+        factor.mean = (in_hand * factor.mean).clamp(least, most);
+        known
     }
 
-    fn observe_rolling(
-        &mut self,
-        gap_s: f64,
-        bank_rad: f64,
-        bank_rate: f64,
-        commanded_before: impl Fn(f64) -> Option<f64>,
-    ) {
-        let mut errors = [0.0; DEAD_TIMES_S.len()];
-        for (error, dead_s) in errors.iter_mut().zip(DEAD_TIMES_S) {
-            // Either all of them or nothing, because they are compared.
-            let Some(commanded_rad) = commanded_before(dead_s) else {
-                return;
-            };
-            *error = commanded_rad - bank_rad;
-        }
-        if errors.iter().all(|error| error.abs() < LEAST_ERROR_RAD) {
-            return;
-        }
-        for ((cross, square), error) in self.rolling.iter_mut().zip(errors) {
-            *cross += gap_s * error * bank_rate;
-            *square += gap_s * error * error;
-        }
-        if self.rolling.iter().any(|row| row.1 > ROLLING_MEMORY) {
-            for (cross, square) in &mut self.rolling {
-                *cross *= 0.5;
-                *square *= 0.5;
-            }
-        }
+    /// What is known of banks up to the normal one.
+    pub fn known(&self) -> Known {
+        self.known_from(self.start, IN_HAND)
     }
 
-    /// The dead time that explains the rolling best, with its sums.
-    fn best_rolling(&self) -> (f64, (f64, f64)) {
-        // The part of Σ φ̇² that the fit φ̇ = e/τ explains.
-        let explained = |row: &(f64, f64)| row.0.max(0.0) * row.0 / row.1.max(1e-9);
-        DEAD_TIMES_S
-            .into_iter()
-            .zip(self.rolling)
-            .filter(|(_, row)| row.1 > DEAD_TIME_EVIDENCE)
-            .max_by(|a, b| explained(&a.1).total_cmp(&explained(&b.1)))
-            .unwrap_or((self.start.dead_time_s, (0.0, 0.0)))
+    /// Whether it learns.
+    pub const fn is_enabled(&self) -> bool {
+        self.enabled
     }
 
     /// The response for the plan.
     pub fn response(&self) -> Response {
-        self.response_from(self.start, IN_HAND)
+        self.known().response()
     }
 
     /// The response of banks steeper than the normal one, of which this is the estimate; `normal` is the one
     /// of banks up to that. Unknown parts are assumed worse: a turn that is tighter than planned
     /// passes farther off. The dead time is the same.
     pub fn steep_response(&self, normal: Response) -> Response {
-        let expected = STEEP_SHARE * STEEP_IN_HAND * normal.turn_rate_factor;
         let start = Response {
-            turn_rate_factor: expected.max(FACTOR_RANGE.0),
+            turn_rate_factor: STEEP_SHARE * STEEP_IN_HAND * normal.turn_rate_factor,
             bank_time_constant_s: normal.bank_time_constant_s + STEEP_LAG_S,
             ..normal
         };
         Response {
             dead_time_s: normal.dead_time_s,
-            ..self.response_from(start, STEEP_IN_HAND)
+            ..self.known_from(start, STEEP_IN_HAND).response()
         }
-    }
-
-    fn response_from(&self, start: Response, in_hand: f64) -> Response {
-        if !self.enabled {
-            return start;
-        }
-        let mut response = start;
-        if self.factor_weight_s > 0.5 {
-            let seen = in_hand * self.factor_sum_s / self.factor_weight_s;
-            let trust = self.factor_weight_s / (self.factor_weight_s + FACTOR_EVIDENCE_S);
-            let factor = start.turn_rate_factor + trust * (seen - start.turn_rate_factor);
-            response.turn_rate_factor = factor.clamp(FACTOR_RANGE.0, FACTOR_RANGE.1);
-        }
-        let (dead_time_s, rolling) = self.best_rolling();
-        response.dead_time_s = dead_time_s;
-        // As if a second of rolling at half a radian of error had shown the starting lag.
-        let weight = 0.25;
-        let cross = rolling.0 + weight / start.bank_time_constant_s.max(0.1);
-        if cross > 1e-3 {
-            let lag_s = (rolling.1 + weight) / cross;
-            response.bank_time_constant_s = lag_s.clamp(LAG_RANGE_S.0, LAG_RANGE_S.1);
-        }
-        response
     }
 }
 
@@ -260,6 +185,22 @@ mod tests {
             "{known:?}"
         );
         assert_eq!(known.dead_time_s, 0.15);
+    }
+
+    #[test]
+    fn a_configuration_that_is_not_learned_from_is_planned_with_as_it_is() {
+        let config = ResponseConfig {
+            turn_rate_factor: 1.2,
+            estimate: false,
+            ..ResponseConfig::default()
+        };
+        let mut estimate = ResponseEstimate::new(&config);
+        for n in 0..1000_u32 {
+            estimate.observe(f64::from(n) * 0.05, 0.6, 0.1, 25.0, |_| Some(0.9));
+        }
+        let response = estimate.response();
+        assert!((response.turn_rate_factor - 1.2).abs() < 1e-12);
+        assert!((response.bank_time_constant_s - config.bank_time_constant_s).abs() < 1e-12);
     }
 
     #[test]

@@ -315,6 +315,20 @@ impl Avoider<dyn Places + '_> {
         Ok(())
     }
 
+    /// Replaces [`Settings::drift_mps`], for instance by what is not known of the vehicle's turn.
+    ///
+    /// # Errors
+    /// A drift that is not finite or out of range; nothing is changed then.
+    pub fn set_drift(&mut self, drift_mps: f64) -> Result<(), SettingsError> {
+        let settings = Settings {
+            drift_mps,
+            ..self.settings
+        };
+        settings.check()?;
+        self.settings = settings;
+        Ok(())
+    }
+
     /// Sets when a manoeuvre begins; one that is flown goes on.
     ///
     /// # Errors

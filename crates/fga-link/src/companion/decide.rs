@@ -19,6 +19,10 @@ use crate::mode::Mode;
 use crate::ownship::OwnState;
 use crate::telling;
 
+/// The last seconds before the closest approach, in which no turn makes up for what is not known of the turn; and the standard deviations
+/// of a drift that the avoider keeps clear.
+const TOO_LATE_S: f64 = 3.0;
+const DRIFT_SIGMAS: f64 = 3.0;
 /// A mission climbs or descends where its waypoint is this much higher or lower, metres.
 const CLIMBS_M: f64 = 10.0;
 
@@ -33,6 +37,7 @@ impl Companion {
             self.decisions.miss(now_s);
             return;
         };
+        self.watch_promise(&decision, &state, now_s);
         self.report(&decision, &state, now_s);
         if self.authorize(&decision, &state, now_s) {
             self.command(now_s);
@@ -63,6 +68,38 @@ impl Companion {
             if is_new {
                 self.command(now_s);
             }
+        }
+    }
+
+    /// Compares the flight with what was certified; one that is off takes away most of what was learned.
+    fn watch_promise(&mut self, decision: &Decision, state: &OwnState, now_s: f64) {
+        let at_s = self.lead.acts_s(now_s);
+        let goes_on = matches!(
+            decision.record.reason,
+            Reason::ManeuverKept | Reason::RejoinKept
+        );
+        if !self.keeper.commands() {
+            return self.promise.end();
+        }
+        if goes_on {
+            let Some(off_m) = self.promise.compare(state, at_s) else {
+                return;
+            };
+            self.lead.forget();
+            self.told.missed(off_m, &mut self.voice);
+            return;
+        }
+        let own = self.lasting(state);
+        let pilot = self.decisions.pilot();
+        let vehicle = pilot.and_then(|pilot| {
+            if decision.record.in_need {
+                pilot.vehicle_in_need()
+            } else {
+                Some(pilot.vehicle())
+            }
+        });
+        if let Some(vehicle) = vehicle.filter(|_| pilot.is_some_and(CompanionPilot::certifies)) {
+            self.promise.make(&decision.command, &own, vehicle, at_s);
         }
     }
 
@@ -258,7 +295,12 @@ impl Companion {
         let parameters = self.requests.parameters();
         let wanted = parameters.vehicle(bank_rad, &self.config, airspeed_mps, response)?;
         let in_need = self.vehicle_in_need(airspeed_mps);
-        let tuned = self.decisions.tune(&self.config, &wanted, in_need);
+        let asks_margin = self.config.response.margin || self.promise.counts().1 > 0;
+        let off_m = self.lead.off_m(bank_rad, TOO_LATE_S) * f64::from(u8::from(asks_margin));
+        let drift_mps = off_m / (DRIFT_SIGMAS * TOO_LATE_S);
+        let tuned = self
+            .decisions
+            .tune(&self.config, &wanted, in_need, drift_mps);
         if let Err(error) = &tuned {
             self.voice
                 .note("limits", json!({ "error": error.to_string() }));

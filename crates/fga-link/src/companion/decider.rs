@@ -106,6 +106,14 @@ impl CompanionPilot {
         }
     }
 
+    /// Sets the velocity with which it may leave its prediction, metres per second; Algorithm 4 has no such margin.
+    pub(super) fn set_drift(&mut self, drift_mps: f64) {
+        if let Self::Avoider(avoider) = self {
+            // One out of range changes nothing.
+            let _ = avoider.set_drift(drift_mps);
+        }
+    }
+
     /// Sets when a manoeuvre begins; Algorithm 4 has its own rule.
     pub(super) fn set_start(&mut self, start: Start) {
         if let Self::Avoider(avoider) = self {

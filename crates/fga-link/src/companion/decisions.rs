@@ -110,7 +110,9 @@ impl Decisions {
         self.last = None;
     }
 
-    /// Makes the pilot, or gives it the vehicle's present limits; `in_need` those of plans in need.
+    /// Makes the pilot, or gives it the vehicle's present limits; `in_need` those of plans in need, and `drift_mps` the velocity with which
+    /// it may leave a prediction, metres per second. In a manoeuvre nothing changes but the airspeed: what is learned in it counts for the
+    /// next one, and until then the drift that the pilot measures.
     ///
     /// # Errors
     /// Limits that cannot be flown, for a first pilot.
@@ -119,18 +121,23 @@ impl Decisions {
         config: &Config,
         wanted: &Vehicle,
         in_need: Option<Vehicle>,
+        drift_mps: f64,
     ) -> Result<(), SettingsError> {
         let Some(pilot) = &mut self.pilot else {
             self.pilot = Some(CompanionPilot::new(config, *wanted)?);
-            return Ok(());
+            return self.tune(config, wanted, in_need, drift_mps);
         };
-        pilot.set_vehicle_in_need(in_need);
         let known = pilot.vehicle();
-        // Worse limits and another airspeed count at once; better limits only between manoeuvres, or where no proof rests on them.
-        let worse = wanted.course_rate_radps() < known.course_rate_radps();
         let off_mps = (wanted.airspeed_mps - known.airspeed_mps).abs();
-        let counts = worse || off_mps > SPEED_CHANGE * known.airspeed_mps;
+        let counts = off_mps > SPEED_CHANGE * known.airspeed_mps;
         let idle = pilot.state() == State::Cruise;
+        if idle {
+            pilot.set_drift(drift_mps);
+        }
+        if idle || counts || pilot.vehicle_in_need().is_none() {
+            pilot.set_vehicle_in_need(in_need);
+        }
+        let known = pilot.vehicle();
         if differs(wanted, known) && (counts || idle || !pilot.certifies()) {
             pilot.retune(wanted);
         }
@@ -236,8 +243,33 @@ mod tests {
     fn tuned() -> Decisions {
         let mut decisions = Decisions::default();
         let vehicle = Vehicle::from_bank(20.0, 0.6).unwrap();
-        decisions.tune(&Config::default(), &vehicle, None).unwrap();
         decisions
+            .tune(&Config::default(), &vehicle, None, 0.0)
+            .unwrap();
+        decisions
+    }
+
+    /// The pilot in a manoeuvre for an aircraft ahead.
+    fn avoiding(mut pilot: CompanionPilot) -> CompanionPilot {
+        use fga::situation::{Mission, Obstacle, Obstacles, ProtectedVolume, Situation};
+        let volume = ProtectedVolume::Sphere { radius_m: 60.0 };
+        let ahead = Vec3::new(300.0, 0.0, 0.0);
+        let others = [Obstacle::straight(
+            7,
+            ahead,
+            Vec3::new(-20.0, 0.0, 0.0),
+            volume,
+        )];
+        let way_m = [Vec3::ZERO, Vec3::new(5000.0, 0.0, 0.0)];
+        let decision = pilot.step(&Situation {
+            time_s: 0.0,
+            ownship: decided(State::Cruise, false).own.ownship,
+            obstacles: Obstacles::Rows(&others),
+            mission: Mission::new(&way_m),
+            wind_mps: Vec3::ZERO,
+        });
+        assert_ne!(decision.state, State::Cruise);
+        pilot
     }
 
     #[test]
@@ -270,11 +302,43 @@ mod tests {
     }
 
     #[test]
+    fn in_a_manoeuvre_no_limit_changes_but_the_airspeed() {
+        let slower = |mps: f64| Vehicle {
+            response: fga::vehicle::Response {
+                turn_rate_factor: 0.8,
+                ..fga::vehicle::Response::IDEAL
+            },
+            ..Vehicle::from_bank(mps, 0.6).unwrap()
+        };
+        let tune = |decisions: &mut Decisions, mps| {
+            let wanted = slower(mps);
+            decisions
+                .tune(&Config::default(), &wanted, None, 0.0)
+                .unwrap();
+            decisions
+                .pilot()
+                .unwrap()
+                .vehicle()
+                .response
+                .turn_rate_factor
+        };
+        let mut decisions = tuned();
+        assert_eq!(tune(&mut decisions, 20.0), 0.8, "nobody is avoided");
+        let mut decisions = tuned();
+        let pilot = avoiding(decisions.lend_pilot().unwrap());
+        decisions.take(pilot, &decided(State::Avoiding, false));
+        assert_eq!(tune(&mut decisions, 20.0), 1.0);
+        assert_eq!(tune(&mut decisions, 22.0), 0.8, "another airspeed");
+    }
+
+    #[test]
     fn limits_that_differ_by_a_share_are_planned_with() {
         let mut decisions = tuned();
         let mut airspeed_mps = |mps| {
             let vehicle = Vehicle::from_bank(mps, 0.6).unwrap();
-            decisions.tune(&Config::default(), &vehicle, None).unwrap();
+            decisions
+                .tune(&Config::default(), &vehicle, None, 0.0)
+                .unwrap();
             decisions.pilot().unwrap().vehicle().airspeed_mps
         };
         assert_eq!(airspeed_mps(20.3), 20.0);

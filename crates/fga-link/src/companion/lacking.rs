@@ -75,8 +75,9 @@ pub(super) struct OperatorReports {
     ready: bool,
     /// The last report.
     last: Option<Lacking>,
-    /// Whether the bank in need was reported.
+    /// Whether the bank in need was reported, and a flight that is not the certified one.
     need: bool,
+    missed: bool,
     /// Whether a home that moved in the manoeuvre was reported, another airspeed, a fence that it left.
     home: bool,
     speed: bool,
@@ -93,7 +94,7 @@ pub(super) struct OperatorReports {
 impl OperatorReports {
     /// A manoeuvre begins.
     pub(super) const fn begin(&mut self) {
-        self.need = false;
+        (self.need, self.missed) = (false, false);
         (self.home, self.speed, self.fence) = (false, false, false);
         self.begun_mps = None;
     }
@@ -127,6 +128,13 @@ impl OperatorReports {
     pub(super) fn need(&mut self, voice: &mut Voice) {
         if !core::mem::replace(&mut self.need, true) {
             voice.warn("fga: bank in need");
+        }
+    }
+
+    /// Reports once in a manoeuvre that the flight is off what was certified, metres.
+    pub(super) fn missed(&mut self, off_m: f64, voice: &mut Voice) {
+        if !core::mem::replace(&mut self.missed, true) {
+            voice.warn(&format!("fga: {off_m:.0} m off what was certified"));
         }
     }
 

@@ -95,6 +95,22 @@ impl Lead {
         self.steep_response.steep_response(self.response())
     }
 
+    /// How far a turn with this bank, radians, may be off the plan after some seconds by what is not known of the response, metres; 0
+    /// where nothing is learned.
+    pub(super) fn off_m(&self, bank_rad: f64, after_s: f64) -> f64 {
+        if self.response.is_enabled() {
+            self.response.known().off_m(bank_rad, after_s)
+        } else {
+            0.0
+        }
+    }
+
+    /// The aircraft did not fly as known.
+    pub(super) fn forget(&mut self) {
+        self.response.forget();
+        self.steep_response.forget();
+    }
+
     /// Follows the estimated dead time, slower than the clock: the moment of a decision never goes back,
     /// because the avoider would forget its plan.
     pub(super) fn follow(&mut self, now_s: f64) {

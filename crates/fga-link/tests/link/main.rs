@@ -25,6 +25,7 @@ mod how_to;
 mod in_the_turn;
 mod items;
 mod latency;
+mod learned;
 mod mavproxy;
 mod mission;
 mod new_leg;
