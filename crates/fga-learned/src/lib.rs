@@ -108,7 +108,7 @@ impl Interval {
 
 /// What is known of the aircraft and the wind.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Known {
+pub struct KnownAircraft {
     /// Flown course rate over g·tan φ / V.
     pub turn_rate_factor: Interval,
     /// Time constant of the bank, seconds.
@@ -121,7 +121,7 @@ pub struct Known {
     pub wind_mps: [Interval; 2],
 }
 
-impl Known {
+impl KnownAircraft {
     /// A vehicle file that may be wrong: the factor by a share of it, the time constant and the dead time by these seconds, and the wind
     /// by these metres per second.
     pub fn within(
@@ -166,7 +166,7 @@ impl Known {
 
 /// A state of the aircraft, in the conventions of this crate: angles are positive to the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct SeenState {
     /// When it was measured, seconds on any clock.
     pub time_s: f64,
     /// Bank, radians.
@@ -181,7 +181,7 @@ pub struct Seen {
 
 /// The turn-rate factor: seconds of turning, the mean of its ratios, the sum of the squares about it, and the recent mean.
 #[derive(Debug, Clone, Copy, Default)]
-struct Turning {
+struct TurnRatios {
     /// Steady turning in this window, seconds; flown and ideal turn in it, radians.
     window: (f64, f64, f64),
     weight_s: f64,
@@ -190,7 +190,7 @@ struct Turning {
     recent: f64,
 }
 
-impl Turning {
+impl TurnRatios {
     /// Takes a turn over some time; whether the aircraft turns unlike before.
     fn see(&mut self, gap_s: f64, flown_rad: f64, ideal_rad: f64) -> bool {
         let window = &mut self.window;
@@ -292,7 +292,7 @@ impl Rolling {
     }
 
     /// Each pair with its error, beside what is believed: at the edge of that it is as bad as one that no longer counts.
-    fn pairs(&self, believed: &Known) -> impl Iterator<Item = (f64, f64, f64)> {
+    fn pairs(&self, believed: &KnownAircraft) -> impl Iterator<Item = (f64, f64, f64)> {
         let (lag, dead) = (believed.bank_time_constant_s, believed.dead_time_s);
         let off = |of: &Interval, at: f64| (at - of.mean).abs() / (of.high - of.mean).max(1e-3);
         let rows = self.rows.iter().zip(deads_s());
@@ -306,7 +306,7 @@ impl Rolling {
     }
 
     /// Time constant, dead time and both together.
-    fn known(&self, believed: &Known) -> [Interval; 3] {
+    fn known(&self, believed: &KnownAircraft) -> [Interval; 3] {
         let errors = self.rows.iter().flatten().map(|(_, error)| *error);
         let apart = LEAST_APART + APART_SHARE * errors.fold(f64::INFINITY, f64::min);
         let least = |least: f64, pair: (f64, f64, f64)| least.min(pair.2);
@@ -345,14 +345,14 @@ impl Rolling {
 /// The wind by the circle that velocities over the ground lie on: |v|² − V² = 2·w·v + c, divided by 2·V; as information about the wind
 /// and c, of which the airspeed's error is a part.
 #[derive(Debug, Clone, Copy, Default)]
-struct Circle {
+struct WindCircle {
     rows: [Vec3; 3],
     sums: Vec3,
     last_s: Option<f64>,
     airspeed_mps: f64,
 }
 
-impl Circle {
+impl WindCircle {
     fn see(&mut self, time_s: f64, velocity_mps: Vec2, airspeed_mps: f64) {
         let gap_s = self.last_s.map_or(WIND_EVERY_S, |last_s| time_s - last_s);
         if (0.0..WIND_EVERY_S).contains(&gap_s) {
@@ -403,9 +403,9 @@ impl Circle {
 /// The evidence of a flight.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Learned {
-    turning: Turning,
+    turning: TurnRatios,
     rolling: Rolling,
-    wind: Circle,
+    wind: WindCircle,
     last: Option<(f64, f64)>,
     /// The airspeed of late, and the one that the evidence is of, metres per second.
     airspeed_mps: Option<(f64, f64)>,
@@ -413,7 +413,7 @@ pub struct Learned {
 
 impl Learned {
     /// Sees a state; `commanded_before` is the bank that was commanded this many seconds before it, radians, if somebody knows.
-    pub fn see(&mut self, seen: &Seen, commanded_before: impl Fn(f64) -> Option<f64>) {
+    pub fn see(&mut self, seen: &SeenState, commanded_before: impl Fn(f64) -> Option<f64>) {
         let (time_s, bank_rad, airspeed_mps) = (seen.time_s, seen.bank_rad, seen.airspeed_mps);
         let is_flown = (LEAST_SPEED_MPS..MOST_SPEED_MPS).contains(&airspeed_mps);
         let turns = bank_rad.abs() < MOST_BANK_RAD && seen.turn_rate_radps.is_finite();
@@ -457,9 +457,9 @@ impl Learned {
     }
 
     /// What is known, from what is believed beforehand and the flight so far.
-    pub fn known(&self, believed: &Known) -> Known {
+    pub fn known(&self, believed: &KnownAircraft) -> KnownAircraft {
         let [bank_time_constant_s, dead_time_s, late_s] = self.rolling.known(believed);
-        Known {
+        KnownAircraft {
             turn_rate_factor: self.turning.known(&believed.turn_rate_factor),
             bank_time_constant_s,
             dead_time_s,

@@ -6,7 +6,7 @@
     reason = "small numbers of steps"
 )]
 
-use fga_learned::{Interval, Known, Learned, Seen};
+use fga_learned::{Interval, KnownAircraft, Learned, SeenState};
 use fga_proof::Vec2;
 use fga_proof::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ struct Drawn {
     airspeed_mps: f64,
     truth: Response,
     wind_mps: Vec2,
-    believed: Known,
+    believed: KnownAircraft,
     bank_rad: f64,
     leg_s: f64,
     noise: f64,
@@ -48,7 +48,7 @@ fn drawn() -> impl Strategy<Value = Drawn> {
             airspeed_mps: truth.3,
             truth: truth_response,
             wind_mps,
-            believed: Known::within(&file, believed_mps, (0.26, 0.4, 0.2, 4.0)),
+            believed: KnownAircraft::within(&file, believed_mps, (0.26, 0.4, 0.2, 4.0)),
             bank_rad: flight.0,
             leg_s: flight.1,
             noise: flight.2,
@@ -88,7 +88,7 @@ fn fly(drawn: &Drawn, seconds: f64, mut look: impl FnMut(f64, &Learned)) -> Lear
         let scale = drawn.noise;
         let direction = Vec2::new(course_rad.cos(), course_rad.sin());
         let gust_mps = 0.5 * scale * Vec2::new(noise(&mut seed), noise(&mut seed));
-        let seen = Seen {
+        let seen = SeenState {
             time_s,
             bank_rad: bank_rad + 0.004 * scale * noise(&mut seed),
             turn_rate_radps: rate + 0.02 * scale * noise(&mut seed),
@@ -101,7 +101,7 @@ fn fly(drawn: &Drawn, seconds: f64, mut look: impl FnMut(f64, &Learned)) -> Lear
     learned
 }
 
-fn rows(known: &Known) -> [Interval; 6] {
+fn rows(known: &KnownAircraft) -> [Interval; 6] {
     let [east, north] = known.wind_mps;
     [
         known.turn_rate_factor,
@@ -187,7 +187,7 @@ proptest! {
         let mut learned = fly(&drawn, flown_s, |_, _| {});
         let before = rows(&learned.known(&drawn.believed));
         for n in 0..600_u32 {
-            let seen = Seen {
+            let seen = SeenState {
                 time_s: 1000.0 + 0.1 * f64::from(n),
                 bank_rad: 0.01,
                 turn_rate_radps: 0.003,
@@ -211,7 +211,7 @@ proptest! {
         let mut learned = fly(&drawn, 10.0, |_, _| {});
         for (n, ([time_s, bank_rad, rate, airspeed_mps, x, y], commanded)) in rubbish.iter().enumerate() {
             let plausible = n % 3 == 0;
-            let seen = Seen {
+            let seen = SeenState {
                 time_s: if plausible { 10.0 + 0.1 * n as f64 } else { *time_s },
                 bank_rad: if plausible { 0.5 } else { *bank_rad },
                 turn_rate_radps: *rate,
@@ -236,7 +236,7 @@ proptest! {
                 let ideal = STANDARD_GRAVITY_MPS2 * bank_rad.tan() / airspeed_mps;
                 let time_s = from_s + 0.1 * f64::from(n);
                 let turn_rate_radps = factor * ideal;
-                let seen = Seen { time_s, bank_rad, turn_rate_radps, airspeed_mps, velocity_mps: None };
+                let seen = SeenState { time_s, bank_rad, turn_rate_radps, airspeed_mps, velocity_mps: None };
                 learned.see(&seen, |_| None);
             }
         };

@@ -8,11 +8,11 @@
 )]
 
 use fga_emulator::{Parameters, PlantSettings, STEP_S, Target, VehiclePlant, Vertical};
-use fga_learned::{Known, Learned, Seen};
+use fga_learned::{KnownAircraft, Learned, SeenState};
 use fga_proof::Vec2;
 use fga_proof::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
-/// Turning before the first prediction, seconds, and how far predictions reach, seconds.
+/// TurnRatios before the first prediction, seconds, and how far predictions reach, seconds.
 const TURNS_S: f64 = 30.0;
 const AHEAD_S: f64 = 5.0;
 /// Each command lasts this long, seconds.
@@ -45,7 +45,12 @@ fn east_north([east, north, _]: [f64; 3]) -> Vec2 {
 }
 
 /// Where an aircraft that follows like this comes to, from a place, in [`AHEAD_S`].
-fn predicted_m(plant: &VehiclePlant, time_s: f64, known: &Known, commands: &Commands) -> Vec2 {
+fn predicted_m(
+    plant: &VehiclePlant,
+    time_s: f64,
+    known: &KnownAircraft,
+    commands: &Commands,
+) -> Vec2 {
     let wind_mps = Vec2::new(known.wind_mps[0].mean, known.wind_mps[1].mean);
     let response = known.response();
     let mut place_m = east_north(plant.position_m());
@@ -84,7 +89,7 @@ fn flight(random: &mut Random) -> Vec<(f64, f64, f64)> {
         dead_time_s: 0.15,
     };
     let off_mps = Vec2::new(random.between(-4.0, 4.0), random.between(-4.0, 4.0));
-    let believed = Known::within(
+    let believed = KnownAircraft::within(
         &file,
         Vec2::from(wind_mps) + off_mps,
         (0.33, 0.45, 0.2, 4.0),
@@ -113,7 +118,7 @@ fn flight(random: &mut Random) -> Vec<(f64, f64, f64)> {
             airspeed_mps: None,
         };
         if step % 5 == 0 {
-            let seen = Seen {
+            let seen = SeenState {
                 time_s,
                 bank_rad: -plant.bank_rad() + random.between(-0.005, 0.005),
                 turn_rate_radps: -plant.nose_rate_radps() + random.between(-0.01, 0.01),

@@ -4,7 +4,7 @@
 //! turn-rate factor.
 
 use fga::vehicle::Response;
-use fga_learned::{Known, Learned, Seen};
+use fga_learned::{KnownAircraft, Learned, SeenState};
 
 use crate::config::ResponseConfig;
 use crate::ownship::FLYING_SPEED_MPS;
@@ -60,7 +60,7 @@ impl ResponseEstimate {
         if !self.enabled || airspeed_mps < FLYING_SPEED_MPS {
             return;
         }
-        let seen = Seen {
+        let seen = SeenState {
             time_s: measured_s,
             bank_rad,
             turn_rate_radps: course_rate_radps,
@@ -76,14 +76,14 @@ impl ResponseEstimate {
     }
 
     /// What is known, with the plan's share of the factor.
-    fn known_from(&self, start: Response, in_hand: f64) -> Known {
+    fn known_from(&self, start: Response, in_hand: f64) -> KnownAircraft {
         let believed = Response {
             turn_rate_factor: start.turn_rate_factor / in_hand,
             ..start
         };
-        let mut known = self
-            .learned
-            .known(&Known::within(&believed, fga::Vec2::ZERO, WRONG));
+        let mut known =
+            self.learned
+                .known(&KnownAircraft::within(&believed, fga::Vec2::ZERO, WRONG));
         let factor = &mut known.turn_rate_factor;
         let (least, most) = FACTOR_RANGE;
         let (least, most) = (
@@ -95,7 +95,7 @@ impl ResponseEstimate {
     }
 
     /// What is known of banks up to the normal one.
-    pub fn known(&self) -> Known {
+    pub fn known(&self) -> KnownAircraft {
         self.known_from(self.start, IN_HAND)
     }
 

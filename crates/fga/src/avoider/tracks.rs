@@ -327,6 +327,11 @@ impl<P: Places + ?Sized> Tracks<P> {
         hazards.filter(|hazard| hazard.volume.radius_m() < 0.5 * FLAT_M)
     }
 
+    /// Whether zones are near.
+    pub(super) fn has_zones(&self) -> bool {
+        !self.zones.is_empty()
+    }
+
     /// How long zones and ground count, seconds.
     pub(super) const fn walls_s(&self) -> f64 {
         self.zones.until_s

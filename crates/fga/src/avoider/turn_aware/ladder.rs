@@ -58,16 +58,16 @@ impl Avoider<dyn Places + '_> {
             })
         });
         if higher.is_some() || !has_aircraft || plan.rung > WANTED {
-            // Between walls, what turns back is for where nothing else is certified: turning round again takes room.
+            // Among zones, what turns back is for where nothing else is certified: turning round again takes room.
             let turns_on_rad = self.progress.leg(now).turn_onto_rad(now);
-            let has_walls = self.has_walls(now);
+            let has_zones = self.tracks.has_zones();
             let goes_back = |answer: &Answer| {
                 let turns = &answer.found.turns;
                 let course_rad =
                     turns.turn_rad + turns.second.map_or(0.0, |second| second.turn_rad);
                 libm::cos(course_rad - turns_on_rad) < 0.0
             };
-            return higher.filter(|answer| !(has_walls && has_aircraft && goes_back(answer)));
+            return higher.filter(|answer| !(has_zones && has_aircraft && goes_back(answer)));
         }
         // A course nearer to the mission uses up what was kept for the aircraft.
         if !self.tracks.all_pass(&situation.ownship, &plan.against) && !self.is_free(now) {
