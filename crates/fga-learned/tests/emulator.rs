@@ -12,7 +12,7 @@ use fga_learned::{KnownAircraft, Learned, SeenState};
 use fga_proof::Vec2;
 use fga_proof::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
-/// TurnRatios before the first prediction, seconds, and how far predictions reach, seconds.
+/// Turning before the first prediction, seconds, and how far predictions reach, seconds.
 const TURNS_S: f64 = 30.0;
 const AHEAD_S: f64 = 5.0;
 /// Each command lasts this long, seconds.
