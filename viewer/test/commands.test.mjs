@@ -298,7 +298,6 @@ test("fga run --live is followed to its end", async () => {
 
 test("fga fly --live shows the flight, the ground, the threat and the avoidance", async () => {
   // The ArduPlane-like emulator flies north; a mast stands on its way.
-  const vehicle = built("--example", "emulator");
   const config = `[[obstacle]]
 name = "mast <b>"
 latitude_deg = 37.6243
@@ -319,7 +318,8 @@ clearance_m = 20
   }
   writeFileSync(join(HOME, "N37W123.hgt"), heights);
   const port = await freePort();
-  const emulator = spawn(vehicle, [`tcpin:127.0.0.1:${port}`, "120"], { stdio: "ignore" });
+  const served = ["--alone", "--serve", `tcpin:127.0.0.1:${port}`, "--seconds", "120"];
+  const emulator = spawn(program, ["emulate", ...served], { stdio: "ignore" });
   const connect = ["--connect", `tcp:127.0.0.1:${port}`, "--config", "fly.toml", "--out", "fly"];
   const companion = spawn(program, ["fly", ...connect, "--live", "--quiet"], {
     cwd: HOME,
