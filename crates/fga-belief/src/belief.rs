@@ -61,6 +61,15 @@ pub struct Estimate {
     pub modes: [f64; 4],
 }
 
+impl Estimate {
+    /// Standard deviations of position and velocity along the axis on which each is larger, metres and metres per second, without what
+    /// lasts.
+    pub fn sigmas(&self) -> [f64; 2] {
+        let (across, up) = (self.horizontal_variance, self.vertical_variance);
+        [across[0].max(up[0]), across[1].max(up[1])].map(libm::sqrt)
+    }
+}
+
 /// New weights of modes that may change into each other, and what each is made of.
 fn mixture<M: Copy, K: Copy, const N: usize>(
     modes: &[(f32, M); N],
@@ -156,6 +165,15 @@ impl Belief {
     /// Whether its last report is too long ago.
     pub fn has_ended(&self, time_s: f64) -> bool {
         time_s - self.time_s > ENDS_AFTER_S
+    }
+
+    /// What is believed after a report: what was believed before and has not ended goes on, otherwise a new belief begins.
+    pub fn after(before: Option<Self>, report: &Report, bounds: &MovementBounds) -> Self {
+        let Some(mut belief) = before.filter(|belief| !belief.has_ended(report.time_s)) else {
+            return Self::new(report, bounds);
+        };
+        belief.update(report);
+        belief
     }
 
     /// The bounds of the aircraft's manoeuvres.

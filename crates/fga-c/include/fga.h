@@ -963,8 +963,8 @@ fga_status fga_reports_init(void *storage,
                             struct fga_reports **reports,
                             struct fga_refusal *why);
 
-// Takes a report at a moment, seconds on the clock of the reports, with the own aircraft at `own_m`. Each report is counted. A late one
-// changes nothing.
+// Takes a report now, with the own aircraft at `own_m`; `now_s` is in seconds on the clock of the reports. It counts each report. A late
+// one changes nothing else.
 //
 // The filter is the interacting multiple model filter of `fga-belief`: it weighs steady flight, wavering and turns by how well each
 // foretold the report, and so knows a velocity better than a noisy report says it, or without one in the report.

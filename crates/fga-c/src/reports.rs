@@ -104,24 +104,22 @@ struct FilteredAircraft {
     belief: Belief,
 }
 
+/// Whether it is an obstacle at rest.
+const fn rests(movement: u32) -> bool {
+    movement == fga_movement::AtRest as u32
+}
+
 impl FilteredAircraft {
-    /// An aircraft after a first report, or after another one of those that are known.
+    /// An aircraft after its first report, or after another one.
     fn after(before: Option<&Self>, of: &fga_report, report: &Report) -> Self {
         let bounds = if of.movement == fga_movement::SmallUas as u32 {
             MovementBounds::SMALL_UAS
         } else {
             MovementBounds::CREWED
         };
-        let belief = before
-            .map(|before| before.belief)
-            .filter(|belief| !belief.has_ended(report.time_s) && *belief.bounds() == bounds);
-        let belief = match belief {
-            Some(mut belief) => {
-                belief.update(report);
-                belief
-            }
-            None => Belief::new(report, &bounds),
-        };
+        let belief = before.map(|before| before.belief);
+        let belief = belief.filter(|belief| *belief.bounds() == bounds);
+        let belief = Belief::after(belief, report, &bounds);
         let mut heard = Self {
             id: of.id,
             movement: of.movement,
@@ -132,20 +130,18 @@ impl FilteredAircraft {
             belief,
         };
         // What rests is where it is reported.
-        if of.movement != fga_movement::AtRest as u32 {
+        if !rests(of.movement) {
             let estimate = belief.at(report.time_s);
-            let (across, up) = (estimate.horizontal_variance, estimate.vertical_variance);
             heard.position_m = estimate.position_m;
             heard.velocity_mps = estimate.velocity_mps;
-            heard.sigmas = [across[0].max(up[0]), across[1].max(up[1])].map(libm::sqrt);
+            heard.sigmas = estimate.sigmas();
         }
         heard
     }
 
     /// The obstacle at a moment, carried on by its age.
     fn obstacle(&self, now_s: f64, radius_m: f64, half_height_m: f64) -> fga_obstacle {
-        let rests = self.movement == fga_movement::AtRest as u32;
-        let age_s = if rests {
+        let age_s = if rests(self.movement) {
             0.0
         } else {
             (now_s - self.time_s).max(0.0)
@@ -244,8 +240,7 @@ impl AtWork<'_, FilteredTraffic> {
             let Some(&aircraft) = heard.get(index) else {
                 break;
             };
-            let rests = aircraft.movement == fga_movement::AtRest as u32;
-            if rests || now_s - aircraft.time_s <= lifetime_s {
+            if rests(aircraft.movement) || now_s - aircraft.time_s <= lifetime_s {
                 if let Some(place) = heard.get_mut(kept) {
                     *place = aircraft;
                 }
@@ -259,11 +254,10 @@ impl AtWork<'_, FilteredTraffic> {
     fn take(&mut self, of: &fga_report, report: &Report, now_s: f64, own_m: Vec3) -> fga_status {
         self.forget(now_s);
         let (most, lifetime_s) = (self.value().most as usize, self.value().lifetime_s);
-        let rests = of.movement == fga_movement::AtRest as u32;
         let known = self.heard().iter().position(|heard| heard.id == of.id);
         let before = known.and_then(|index| self.heard().get(index).copied());
         let is_older = before.is_some_and(|before| report.time_s < before.time_s);
-        if is_older || !rests && now_s - report.time_s > lifetime_s {
+        if is_older || !rests(of.movement) && now_s - report.time_s > lifetime_s {
             let late = &mut self.value().counts.late;
             *late = late.saturating_add(1);
             return fga_status::Ok;
@@ -359,8 +353,8 @@ pub unsafe extern "C" fn fga_reports_init(
     unsafe { answered(why, make) }
 }
 
-/// Takes a report at a moment, seconds on the clock of the reports, with the own aircraft at `own_m`. Each report is counted. A late one
-/// changes nothing.
+/// Takes a report now, with the own aircraft at `own_m`; `now_s` is in seconds on the clock of the reports. It counts each report. A late
+/// one changes nothing else.
 ///
 /// The filter is the interacting multiple model filter of `fga-belief`: it weighs steady flight, wavering and turns by how well each
 /// foretold the report, and so knows a velocity better than a noisy report says it, or without one in the report.

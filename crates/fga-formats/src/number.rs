@@ -3,6 +3,11 @@
 /// Powers of ten that a fixed number of decimals needs.
 const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
+/// The finite number that a text is.
+pub(crate) fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
 /// Appends `value` with exactly `decimals` decimals (at most nine), never as `-0`.
 ///
 /// Rounds the value times a power of ten to the nearest integer, ties to even: every machine does

@@ -3,6 +3,7 @@
 use super::network::{Network, NetworkNode};
 use super::{EncounterModel, Variable};
 use crate::error::{InputError, read_text, shown};
+use crate::number::finite;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -260,10 +261,7 @@ impl<'a> File<'a> {
                 if *line == "*" {
                     return Ok(None);
                 }
-                let edges: Option<Vec<f64>> = line
-                    .split_whitespace()
-                    .map(|word| word.parse().ok().filter(|edge: &f64| edge.is_finite()))
-                    .collect();
+                let edges: Option<Vec<f64>> = line.split_whitespace().map(finite).collect();
                 edges
                     .filter(|edges| {
                         edges.len() == bins + 1 && edges.is_sorted_by(|low, high| low < high)

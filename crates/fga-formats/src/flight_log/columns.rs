@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::series::Signals;
 use crate::error::{InputError, shown};
+use crate::number::finite;
 use crate::tally::Tally;
 
 /// The columns of a log in CSV.
@@ -60,8 +61,7 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
         let line = record.position().map_or(0, csv::Position::line);
         for ((place, name), column) in places.iter().zip(COLUMNS).zip(&mut columns) {
             let field = record.get(*place).unwrap_or("");
-            let value: Option<f64> = field.parse().ok().filter(|value: &f64| value.is_finite());
-            let value = value.ok_or_else(|| {
+            let value = finite(field).ok_or_else(|| {
                 let found = shown(field);
                 let message = format!("column {name} holds {found}, expected a finite number");
                 InputError::at_line(path, line, message)

@@ -13,7 +13,12 @@ const HEAD: [u8; 2] = [0xa3, 0x95];
 const FORMAT_KIND: u8 = 128;
 const FORMAT_LENGTH: usize = 89;
 /// Below this an airspeed says nothing about a climb angle, metres per second.
-pub(super) const SLOWEST_MPS: f64 = 3.0;
+const SLOWEST_MPS: f64 = 3.0;
+
+/// The climb angle, radians, at a climb rate and an airspeed.
+pub(super) fn climb_rad(climb_mps: f64, airspeed_mps: f64) -> Option<f64> {
+    (airspeed_mps > SLOWEST_MPS).then(|| libm::asin((climb_mps / airspeed_mps).clamp(-1.0, 1.0)))
+}
 
 /// Whether a file is such a log.
 pub(super) fn is_one(bytes: &[u8]) -> bool {
@@ -280,8 +285,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     });
     let airspeed_mps = first(choices.airspeed);
     let climb_rad = first(choices.descent).over(&airspeed_mps, |descent_mps, airspeed_mps| {
-        (airspeed_mps > SLOWEST_MPS)
-            .then(|| libm::asin((-descent_mps / airspeed_mps).clamp(-1.0, 1.0)))
+        climb_rad(-descent_mps, airspeed_mps)
     });
     Signals {
         airspeed_mps,

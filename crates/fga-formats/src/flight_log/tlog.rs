@@ -9,7 +9,7 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
-use super::dataflash::SLOWEST_MPS;
+use super::dataflash::climb_rad;
 use super::series::{Series, Signals};
 use crate::clock::Elapsed;
 use crate::tally::{LeftOut, Tally};
@@ -163,9 +163,8 @@ impl SystemSignals {
             VFR_HUD => {
                 let (airspeed_mps, climb_mps) = (frame.number(0), frame.number(12));
                 signals.airspeed_mps.push(time_s, airspeed_mps);
-                if airspeed_mps > SLOWEST_MPS {
-                    let share = (climb_mps / airspeed_mps).clamp(-1.0, 1.0);
-                    signals.climb_rad.push(time_s, libm::asin(share));
+                if let Some(climb_rad) = climb_rad(climb_mps, airspeed_mps) {
+                    signals.climb_rad.push(time_s, climb_rad);
                 }
             }
             HEARTBEAT if frame.byte(5) == ARDUPILOT => {

@@ -6,7 +6,7 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
-use super::dataflash::{MessageFormat, SLOWEST_MPS, width};
+use super::dataflash::{MessageFormat, climb_rad, width};
 use super::phases::Phases;
 use super::series::{Series, Signals};
 use super::tlog::bank_rad;
@@ -204,8 +204,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let climb_rad = topics
         .descent_mps
         .over(&airspeed_mps, |descent_mps, airspeed_mps| {
-            (airspeed_mps > SLOWEST_MPS)
-                .then(|| libm::asin((-descent_mps / airspeed_mps).clamp(-1.0, 1.0)))
+            climb_rad(-descent_mps, airspeed_mps)
         });
     Signals {
         airspeed_mps,

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::received::{Collector, Heard, Received, Who};
 use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::units::{Feet, Knots};
 
@@ -123,10 +124,7 @@ fn begin(time_s: f64, fields: &[&str]) -> Result<Heard, LeftOut> {
     let [latitude, longitude, heading, altitude, speed] = fields else {
         return Err(LeftOut::CutShort);
     };
-    let number = |text: &str| {
-        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or(LeftOut::UnreadableField)
-    };
+    let number = |text: &str| finite(text).ok_or(LeftOut::UnreadableField);
     let feet = match altitude.strip_prefix("FL") {
         Some(level) => 100.0 * number(level)?,
         None => number(altitude.strip_suffix("FT").unwrap_or(altitude))?,

@@ -19,6 +19,7 @@ use serde_json::{Map, Value};
 use super::received::{Collector, Heard, Received, Who};
 use crate::error::{InputError, shown};
 use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::NON_ICAO;
 use crate::units::{Feet, FeetPerMinute, Knots};
@@ -344,9 +345,7 @@ impl StateVectorReader<'_> {
             "heading",
             "vertrate",
         ];
-        let read = |name| {
-            field(name).map(|text| text.parse().ok().filter(|number: &f64| number.is_finite()))
-        };
+        let read = |name| field(name).map(finite);
         if numbers.into_iter().any(|name| read(name) == Some(None)) {
             return self.tally.leave_out(LeftOut::UnreadableField);
         }

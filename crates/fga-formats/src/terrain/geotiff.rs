@@ -13,6 +13,7 @@ use super::file::{MOST_BYTES, Parsed, Stated};
 use super::geokeys::{self, GeoKeys};
 use super::{name, projected};
 use crate::gzip::unread;
+use crate::number::finite;
 use crate::units::{Dimension, Unit};
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
@@ -309,9 +310,8 @@ impl Metadata {
         for item in document.descendants().filter(Node::is_element) {
             let value = item.text().unwrap_or_default().trim();
             let number = || {
-                let number = value.parse().ok().filter(|number: &f64| number.is_finite());
                 let shown = crate::error::shown(value);
-                number.ok_or(format!(
+                finite(value).ok_or(format!(
                     "has the scale or offset {shown}, expected a number"
                 ))
             };

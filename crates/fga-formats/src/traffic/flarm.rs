@@ -10,11 +10,12 @@
 use super::lines::LineBuffer;
 use super::{Altitude, NON_ICAO, TrafficReport};
 use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
+use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::units::Feet;
 use glam::DVec3;
 
-/// The own place is known for this many `PFLAU`, which come each second.
+/// After more `PFLAU` than this, which come each second, the unit's own place is no longer known.
 const KNOWN_FOR: u32 = 3;
 /// FLARM reaches no farther, metres.
 const FARTHEST_M: f64 = 100_000.0;
@@ -48,7 +49,7 @@ impl Sentences {
         lines.push(bytes, |line| own.take(line), report);
     }
 
-    /// A new connection begins: a sentence under way will not be finished, and the own place is not known.
+    /// Begins a new connection: forgets the sentence under way and the own place.
     pub fn reconnect(&mut self) {
         self.lines.reconnect();
         self.own = OwnPlace::default();
@@ -81,8 +82,7 @@ fn number(text: &str) -> Result<Option<f64>, LeftOut> {
     if text.is_empty() {
         return Ok(None);
     }
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-    number.map(Some).ok_or(LeftOut::UnreadableField)
+    finite(text).map(Some).ok_or(LeftOut::UnreadableField)
 }
 
 /// Degrees of a field with degrees and minutes, as in `4530.5`, and its half of the earth.

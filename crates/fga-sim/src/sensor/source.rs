@@ -302,19 +302,13 @@ fn believed(
     };
     let bounds = seen.movement.bounds().unwrap_or(MovementBounds::CREWED);
     let old = known.belief.filter(|belief| !belief.has_ended(time_s));
-    let belief = old.map_or_else(
-        || Belief::new(&report, &bounds),
-        |mut belief| {
-            belief.update(&report);
-            belief
-        },
-    );
+    let belief = Belief::after(old, &report, &bounds);
     known.belief = Some(belief);
     let estimate = belief.at(time_s);
-    let [across, up] = [estimate.horizontal_variance, estimate.vertical_variance];
+    let [position_m, velocity_mps] = estimate.sigmas();
     let sigma = Uncertainty {
-        position_m: libm::sqrt(across[0].max(up[0])),
-        velocity_mps: libm::sqrt(across[1].max(up[1])),
+        position_m,
+        velocity_mps,
     };
     seen.position_m = estimate.position_m + known.bias_m;
     seen.velocity_mps = estimate.velocity_mps;

@@ -1,6 +1,6 @@
 //! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass, or from between walls: zones and ground.
 
-use crate::avoider::{Avoider, Places};
+use crate::avoider::{Avoider, Now, Places};
 use crate::maneuver::Stage;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
@@ -35,7 +35,7 @@ impl Avoider<dyn Places + '_> {
     pub(super) fn detour(
         &self,
         situation: &Situation<'_>,
-        now: &MotionState,
+        now: &Now<'_>,
         (waited_s, which): (f64, usize),
     ) -> Option<(Stage, MotionState)> {
         let rate_radps = self.flyer.course_rate_radps();
@@ -43,7 +43,7 @@ impl Avoider<dyn Places + '_> {
         if waited_rad <= AFTER_RAD {
             return None;
         }
-        if !self.is_between_walls(situation, waited_s) && !self.is_accompanied(situation) {
+        if !self.is_between_walls(now, waited_s) && !self.is_accompanied(situation) {
             return None;
         }
         let [aside, along] = SPREAD.map(|spread| {
@@ -59,9 +59,8 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Whether zones or ground have kept it from a way back for long, seconds.
-    pub(super) fn is_between_walls(&self, situation: &Situation<'_>, waited_s: f64) -> bool {
-        let has_walls = !self.tracks.around(&situation.mission).fixed.is_empty();
-        has_walls && waited_s * self.flyer.course_rate_radps() > 2.0 * AFTER_RAD
+    pub(super) fn is_between_walls(&self, now: &Now<'_>, waited_s: f64) -> bool {
+        self.has_walls(now) && waited_s * self.flyer.course_rate_radps() > 2.0 * AFTER_RAD
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.

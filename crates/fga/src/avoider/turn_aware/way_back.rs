@@ -113,7 +113,7 @@ impl Avoider<dyn Places + '_> {
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
         let waited_s = situation.time_s - plan.start_s;
-        let has_detours = !look.is_multiple_of(2) && self.is_between_walls(situation, waited_s);
+        let has_detours = !look.is_multiple_of(2) && self.is_between_walls(now, waited_s);
         let more = if has_detours { LOOKS } else { 1 };
         self.before = self.progress;
         for look in (look * more..).step_by(2).take(more) {
