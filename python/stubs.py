@@ -95,6 +95,7 @@ TYPES = {
     "resilience": "float | None",
     "p_loss_hold": "float | None",
     "p_loss": "float | None",
+    "proven_share": "float | None",
     "tracked": "int",
     "unusable": "int",
     "threats": "int",

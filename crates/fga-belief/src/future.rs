@@ -18,6 +18,9 @@ pub const FUTURES: usize = DRAWN + EDGES;
 /// Weight of each edge.
 const EDGE_WEIGHT: f32 = 0.005;
 
+/// A turn is followed by chords of this time, seconds: at 60 m/s and 6 °/s it bows by 3 m.
+const CHORD_S: f32 = 2.0;
+
 /// A climb rate above this is a climb, metres per second.
 const CLIMBS_MPS: f32 = 0.5;
 
@@ -112,6 +115,31 @@ pub struct Future {
 }
 
 impl Future {
+    /// Chords of its path up to a moment, seconds: when each begins and ends, and how far it bows, metres.
+    pub fn chords(&self, until_s: f64) -> impl Iterator<Item = ([f32; 2], f32)> {
+        let (mut from_s, until_s) = (0.0, until_s as f32);
+        core::iter::from_fn(move || {
+            let next = self.legs.iter().position(|leg| leg.from_s > from_s);
+            let leg = self.legs.get(next.unwrap_or(self.legs.len()) - 1)?;
+            let ends_s = next
+                .and_then(|next| self.legs.get(next))
+                .map_or(until_s, |next| next.from_s.min(until_s));
+            let to_s = if leg.turn_radps == 0.0 {
+                ends_s
+            } else {
+                ends_s.min(from_s + CHORD_S)
+            };
+            let lasts_s = to_s - from_s;
+            let chord = (
+                [from_s, to_s],
+                libm::sqrtf(leg.velocity.squared()) * leg.turn_radps.abs() * lasts_s * lasts_s
+                    / 8.0,
+            );
+            from_s = to_s;
+            (lasts_s > 0.0).then_some(chord)
+        })
+    }
+
     /// Its position after a time, seconds, from the origin of the futures, metres.
     pub fn position_m(&self, after_s: f32) -> [f32; 3] {
         let [first, second, third] = &self.legs;

@@ -90,8 +90,8 @@ impl Errors {
         }
     }
 
-    /// Whether every σ is a finite number, none negative.
-    pub fn is_valid(&self) -> bool {
+    /// Every σ.
+    const fn all(&self) -> [Sigma; 6] {
         [
             self.position_m,
             self.altitude_m,
@@ -100,8 +100,17 @@ impl Errors {
             self.lasting_position_m,
             self.lasting_altitude_m,
         ]
-        .iter()
-        .all(|sigma| sigma.value.is_finite() && sigma.value >= 0.0)
+    }
+
+    /// Whether every σ is a finite number, none negative.
+    pub fn is_valid(&self) -> bool {
+        let mut all = self.all().into_iter();
+        all.all(|sigma| sigma.value.is_finite() && sigma.value >= 0.0)
+    }
+
+    /// Whether the reports have no errors at all.
+    pub fn is_exact(&self) -> bool {
+        self.all().into_iter().all(|sigma| sigma.value == 0.0)
     }
 }
 

@@ -57,6 +57,12 @@ impl Beliefs {
         self.known.iter().flatten()
     }
 
+    /// What is believed of each aircraft: its identifier, its volume, the belief.
+    pub fn each(&self) -> impl Iterator<Item = (u32, ProtectedVolume, &Belief)> {
+        let known = self.iter();
+        known.map(|known| (known.id, known.volume, &known.belief))
+    }
+
     /// Aircraft of the last step that found no room, farther away than all others.
     pub const fn left_out(&self) -> u32 {
         self.left_out

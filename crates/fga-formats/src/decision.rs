@@ -62,6 +62,7 @@ pub fn to_json(
     let chances = [
         ("p_loss_hold", record.p_loss_hold),
         ("p_loss", record.p_loss),
+        ("proven_share", record.proven_share),
     ];
     for (key, chance) in chances {
         if let Some(chance) = chance {

@@ -5,6 +5,7 @@
 //! | an obstacle as it was reported, straight on | [`Hazard::new`], [`Hazard::exact`] |
 //! | the same, made smaller because the aircraft is already in it | [`Hazard::seen`] |
 //! | a turn and a change of climb that an aircraft may fly | [`Hazard::motion`] |
+//! | a piece of a future that a belief allows | [`Hazard::passing`] |
 //! | an extent of somebody else's model | [`Hazard::given`] |
 //! | anything, to compare manoeuvres by | [`Hazard::compared`] |
 
@@ -104,6 +105,27 @@ impl Hazard {
         let (at_m, velocity_mps) = (obstacle.position_m, ground_mps - wind_mps);
         let hazard = Self::exact(obstacle.id, at_m, velocity_mps, volume);
         hazard.growing(sigmas * uncertainty.velocity_mps)
+    }
+
+    /// One of the motions of an aircraft, in an air mass that moves with a wind, metres per second: from one place over the ground to another one,
+    /// metres, between two moments, seconds, and no farther from that line than a bow, metres.
+    pub fn passing(
+        (id, volume): (u32, ProtectedVolume),
+        (from_m, to_m): (Vec3, Vec3),
+        window_s: (f64, f64),
+        bow_m: f64,
+        wind_mps: Vec3,
+    ) -> Self {
+        let ground_mps = (to_m - from_m) / (window_s.1 - window_s.0);
+        let extent = Extent {
+            window_s,
+            ..Extent::exact(
+                from_m - ground_mps * window_s.0,
+                ground_mps - wind_mps,
+                volume.grown(bow_m),
+            )
+        };
+        Self::of(id, extent, Assumption::Possible)
     }
 
     /// The obstacle as the aircraft sees it, up to a moment, seconds: a volume that it is already in is made smaller.

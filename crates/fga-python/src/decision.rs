@@ -307,7 +307,7 @@ impl PyDecision {
             record.threat.map(PyThreat),
             (self.chosen(), self.alternative()),
             (record.latest_start_s, record.start_s, record.resilience),
-            (record.p_loss_hold, record.p_loss),
+            (record.p_loss_hold, record.p_loss, record.proven_share),
             (record.in_need, record.clock_set_back, work.limit_met),
             (
                 work.tracked,
@@ -353,6 +353,7 @@ impl PyDecision {
         dict.set_item("resilience", self.resilience())?;
         dict.set_item("p_loss_hold", self.p_loss_hold())?;
         dict.set_item("p_loss", self.p_loss())?;
+        dict.set_item("proven_share", self.proven_share())?;
         dict.set_item("limit_met", self.limit_met())?;
         Ok(dict)
     }
@@ -376,10 +377,12 @@ properties! { PyDecision, this,
     proof: Option<&'static str> = proof_key(&this.decision.command);
     /// Share of the bounds of aircraft that the manoeuvre withstands.
     resilience: Option<f64> = this.decision.record.resilience;
-    /// Chance to enter a protected volume within a minute on the mission, of the policy belief.
+    /// Chance to enter a protected volume within a minute on the mission, of decisions by beliefs.
     p_loss_hold: Option<f64> = this.decision.record.p_loss_hold;
     /// The same as it flies.
     p_loss: Option<f64> = this.decision.record.p_loss;
+    /// Weight of the futures of the aircraft around of which the certificate keeps clear; None where reports count as exact.
+    proven_share: Option<f64> = this.decision.record.proven_share;
     /// Obstacles within the surveillance radius.
     tracked: u32 = this.decision.record.work.tracked;
     /// Obstacles left out because a number of theirs is not finite.
@@ -480,7 +483,7 @@ pub(crate) fn _decision(
         Option<PyRef<'_, PyCandidate>>,
     ),
     figures: (Option<f64>, Option<f64>, Option<f64>),
-    chances: (Option<f64>, Option<f64>),
+    chances: (Option<f64>, Option<f64>, Option<f64>),
     flags: (bool, bool, bool),
     work: (u32, u32, u32, u32, u32, u32),
     ownship: Option<PyRef<'_, PyOwnship>>,
@@ -502,6 +505,7 @@ pub(crate) fn _decision(
         resilience: figures.2,
         p_loss_hold: chances.0,
         p_loss: chances.1,
+        proven_share: chances.2,
         in_need: flags.0,
         clock_set_back: flags.1,
         work: Work {

@@ -16,11 +16,11 @@ use crate::world::World;
 /// A policy by its name on the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PolicyChoice {
-    /// The core's avoider.
+    /// The core's policy: where reports have errors, by the least expected cost among the futures of a belief.
     Avoider(Start),
     /// The mission, whatever comes.
     Mission,
-    /// The least expected cost among the futures of a belief, proven against what is expected.
+    /// The same choice where reports are exact too.
     Belief,
     /// One of the paper's rules.
     Paper(Rule),
@@ -104,7 +104,12 @@ impl PolicyChoice {
 
     /// The world as it must see it, where that differs: reports without a tracker, and their errors.
     pub fn sees(&self, world: &World) -> Option<World> {
-        (*self == Self::Belief).then(|| world.as_reported())
+        let believes = match self {
+            Self::Avoider(Start::Free) => !world.sensor.errors().is_exact(),
+            Self::Belief => true,
+            _ => false,
+        };
+        believes.then(|| world.as_reported())
     }
 
     /// The policy's name on the command line.
@@ -147,17 +152,16 @@ impl PolicyChoice {
     ) -> Result<Box<dyn PolicyPilot + Send>, SettingsError> {
         let avoider = &settings.avoider;
         match self {
-            Self::Avoider(start) => {
+            Self::Avoider(start) if *start != Start::Free || settings.errors.is_exact() => {
                 let settings = Settings {
                     start: *start,
                     ..*avoider
                 };
-                let avoider = Avoider::new(settings, *vehicle)?;
-                Ok(if vehicle.response.dead_time_s > 0.0 {
-                    Box::new(Ahead::new(avoider, vehicle))
-                } else {
-                    Box::new(avoider)
-                })
+                Ok(ahead(Avoider::new(settings, *vehicle)?, vehicle))
+            }
+            Self::Avoider(_) | Self::Belief => {
+                let pilot = BeliefAvoider::new(*avoider, *vehicle, settings.errors)?;
+                Ok(ahead(pilot, vehicle))
             }
             Self::Mission => {
                 avoider.check()?;
@@ -166,25 +170,27 @@ impl PolicyChoice {
             Self::Paper(rule) => {
                 let paper = PaperPilot::new(settings.of_paper(*rule), *vehicle)?;
                 // The other rules begin their turns earlier by the dead time.
-                Ok(
-                    if *rule == Rule::Circle && vehicle.response.dead_time_s > 0.0 {
-                        Box::new(Ahead::new(paper, vehicle))
-                    } else {
-                        Box::new(paper)
-                    },
-                )
-            }
-            Self::Belief => {
-                let pilot = BeliefAvoider::new(*avoider, *vehicle, settings.errors)?;
-                Ok(if vehicle.response.dead_time_s > 0.0 {
-                    Box::new(Ahead::new(pilot, vehicle))
+                Ok(if *rule == Rule::Circle {
+                    ahead(paper, vehicle)
                 } else {
-                    Box::new(pilot)
+                    Box::new(paper)
                 })
             }
             Self::Baseline(baseline) => baseline.pilot(avoider, vehicle),
             Self::Own(own) => Ok(Box::new(own.pilot(settings, vehicle)?)),
         }
+    }
+}
+
+/// A pilot that decides for the end of the dead time of a vehicle, if it has one.
+fn ahead(
+    pilot: impl PolicyPilot + Send + 'static,
+    vehicle: &Vehicle,
+) -> Box<dyn PolicyPilot + Send> {
+    if vehicle.response.dead_time_s > 0.0 {
+        Box::new(Ahead::new(pilot, vehicle))
+    } else {
+        Box::new(pilot)
     }
 }
 

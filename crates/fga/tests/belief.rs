@@ -9,7 +9,7 @@ use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedV
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga::{Vec2, Vec3};
-use fga_belief::{Errors, Sigma, Source};
+use fga_belief::{Belief, Errors, Report, Sigma, Source};
 
 const VEHICLE: Vehicle = Vehicle {
     airspeed_mps: 30.0,
@@ -173,4 +173,65 @@ fn zones_and_limits_bound_what_is_flown() {
     });
     assert!(free_m.0 > 700.0 || free_m.1 > 330.0, "{free_m:?}");
     assert!(bound_m.0 < 700.0 && bound_m.1 < 330.0, "{bound_m:?}");
+}
+
+/// Sampled each 0.1 s: every future that comes into the volume is left out, and those that stay outside by more than a chord bows are counted.
+#[test]
+fn a_proven_share_is_the_weight_of_the_futures_that_are_kept_clear_of() {
+    let flyer = Flyer::new(&VEHICLE);
+    let start = MotionState::of(&ownship(Vec3::new(300.0, 0.0, 300.0)));
+    let mut shares = (0, 0);
+    for place in 0..12 {
+        let (x, y) = (
+            1600.0 + 25.0 * f64::from(place),
+            300.0 - 40.0 * f64::from(place % 16),
+        );
+        let (at_m, velocity_mps) = (Vec3::new(x, y, 300.0), Vec3::new(-45.0, 4.0, 0.0));
+        let decision = decided(Mission::new(&WAYPOINTS_M), at_m, velocity_mps);
+        let Some(share) = decision.record.proven_share else {
+            assert!(decision.command.certified().is_none());
+            continue;
+        };
+        let report = |second: i32| Report {
+            time_s: f64::from(second),
+            position_m: at_m - velocity_mps * f64::from(10 - second),
+            velocity_mps: Some(velocity_mps),
+            carried_s: 0.0,
+            errors: errors(),
+        };
+        let bounds = Movement::CREWED.bounds().unwrap();
+        let mut belief = Belief::new(&report(0), &bounds);
+        for second in 1..=10 {
+            belief.update(&report(second));
+        }
+        let futures = belief.futures(10.0);
+        let volume = aircraft(at_m, velocity_mps).volume;
+        let stages = decision.command.stages();
+        let least_m = |future: &fga_belief::future::Future| {
+            let margins = (0..=600).map(|step| {
+                let after_s = 0.1 * f64::from(step);
+                let own =
+                    fga::prediction::flown(&flyer, &start, stages, after_s, &Meter::unlimited());
+                let [x, y, z] = future.position_m(after_s as f32).map(f64::from);
+                volume.margin_m(own.position_m - (futures.origin_m + Vec3::new(x, y, z)))
+            });
+            margins.fold(f64::INFINITY, f64::min)
+        };
+        let weigh = |least_from_m: f64| {
+            let kept = futures
+                .all
+                .iter()
+                .filter(|future| least_m(future) >= least_from_m);
+            kept.map(|future| f64::from(future.weight)).sum::<f64>()
+        };
+        assert!(
+            weigh(6.0) <= share + 1e-6 && share <= weigh(-0.01) + 1e-6,
+            "{place}: {share}, {} to {}",
+            weigh(6.0),
+            weigh(-0.01)
+        );
+        shares.0 += u32::from(share < 0.98);
+        shares.1 += u32::from(share > 0.5);
+    }
+    assert!(shares.0 > 2 && shares.1 > 4, "{shares:?}");
 }

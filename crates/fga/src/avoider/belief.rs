@@ -5,6 +5,7 @@
 //! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one that keeps clear of what
 //! is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
+use fga_belief::future::{Future, Futures};
 pub use fga_belief::{Errors, Sigma, Source};
 use fga_choice::{Beliefs, Chooser, Plan, Ranked, Scene};
 
@@ -14,13 +15,13 @@ use crate::avoider::{
     Avoider, Candidate, Decision, Now, Places, Reason, Settings, SettingsError, State, Threat,
     Verdict,
 };
-use crate::certificate::certify_set;
+use crate::certificate::{Hazard, certify_set};
 use crate::limit::whole;
 use crate::list::List;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
 use crate::mission::Route;
-use crate::situation::{Obstacle, Obstacles, Situation};
+use crate::situation::{Obstacle, Obstacles, ProtectedVolume, Situation};
 use crate::vehicle::Vehicle;
 use crate::{Vec3, assumptions::Assumptions};
 
@@ -54,6 +55,8 @@ struct Choice {
     at_s: f64,
     /// Chance of a loss on the mission, and of the plan.
     p_loss: [f64; 2],
+    /// Weight of the futures that its certificate covers.
+    proven_share: f64,
     cost_m: f64,
     /// When the way back began that is flown, and when it is on its leg, seconds on the situation's clock.
     back_s: (f64, f64),
@@ -70,6 +73,7 @@ impl Choice {
         plan: Plan::Mission,
         at_s: f64::NEG_INFINITY,
         p_loss: [0.0; 2],
+        proven_share: 0.0,
         cost_m: 0.0,
         back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
         threat: None,
@@ -92,7 +96,7 @@ impl BeliefAvoider {
             0,
             Vec3::ZERO,
             Vec3::ZERO,
-            crate::situation::ProtectedVolume::Sphere { radius_m: 0.0 },
+            ProtectedVolume::Sphere { radius_m: 0.0 },
         );
         Ok(Self {
             avoider: Avoider::new(settings, vehicle)?,
@@ -271,6 +275,9 @@ impl Chooses<'_> {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
+                    if is_wanted {
+                        choice.proven_share = proven_share(avoider, self.beliefs, situation);
+                    }
                     *self.choice = choice;
                     return;
                 }
@@ -322,6 +329,7 @@ impl Chooses<'_> {
         avoider.say(decision, reason);
         let record = &mut decision.record;
         [record.p_loss_hold, record.p_loss] = choice.p_loss.map(Some);
+        record.proven_share = is_proven.then_some(choice.proven_share);
         let elapsed_s = time_s - choice.at_s;
         record.threat = choice.threat.and_then(|threat| threat.later(elapsed_s));
         record.work.threats = u32::from(choice.threat.is_some());
@@ -343,6 +351,48 @@ impl Chooses<'_> {
             });
         }
     }
+}
+
+/// Weight of the futures of which the path that was predicted last keeps clear, each aircraft deciding for itself.
+fn proven_share(
+    avoider: &Avoider<dyn Places + '_>,
+    beliefs: &Beliefs,
+    situation: &Situation<'_>,
+) -> f64 {
+    let shares = beliefs.each().map(|(id, volume, belief)| {
+        let futures = belief.futures(situation.time_s);
+        let clear = (futures.all.iter()).filter(|future| {
+            keeps_clear(
+                avoider,
+                (id, volume),
+                (&futures, future),
+                situation.wind_mps,
+            )
+        });
+        clear.map(|future| f64::from(future.weight)).sum::<f64>()
+    });
+    shares.product::<f64>().min(1.0)
+}
+
+/// Whether the path that was predicted last keeps clear of an aircraft in one of its futures.
+fn keeps_clear(
+    avoider: &Avoider<dyn Places + '_>,
+    aircraft: (u32, ProtectedVolume),
+    (futures, future): (&Futures, &Future),
+    wind_mps: Vec3,
+) -> bool {
+    let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
+    let at = |after_s: f32| {
+        let [x, y, z] = future.position_m(after_s).map(f64::from);
+        futures.origin_m + Vec3::new(x, y, z)
+    };
+    let mut chords = future.chords(horizon_s);
+    chords.all(|([from_s, to_s], bow_m)| {
+        let window_s = (from_s.into(), to_s.into());
+        let places = (at(from_s), at(to_s));
+        let hazard = Hazard::passing(aircraft, places, window_s, bow_m.into(), wind_mps);
+        (avoider.certify_one(&hazard, (horizon_s, margin_m, ENOUGH_M))).holds(margin_m)
+    })
 }
 
 /// Whether a command flies the mission on its leg, which is never avoided for what is fixed.

@@ -160,6 +160,9 @@ pub struct Record {
     pub p_loss_hold: Option<f64>,
     /// The same as it flies.
     pub p_loss: Option<f64>,
+    /// Weight of the futures of the aircraft around of which the certificate keeps clear, each aircraft deciding for itself; `None` where
+    /// reports count as exact, and without a certificate.
+    pub proven_share: Option<f64>,
     /// Number of aircraft that count as flying straight on, because only the turns of the nearest ones are considered.
     pub straight_aircraft: u32,
     /// Whether the limits in need apply: nothing was certified with the normal ones.
@@ -228,7 +231,7 @@ impl Decision {
         record.threat = None;
         (record.chosen, record.start_s, record.latest_start_s) = (None, None, None);
         (record.resilience, record.straight_aircraft) = (None, 0);
-        (record.p_loss_hold, record.p_loss) = (None, None);
+        (record.p_loss_hold, record.p_loss, record.proven_share) = (None, None, None);
         (record.in_need, record.clock_set_back) = (false, false);
     }
 }
@@ -260,6 +263,7 @@ mod tests {
             resilience: Some(1.0),
             p_loss_hold: Some(1.0),
             p_loss: Some(1.0),
+            proven_share: Some(1.0),
             straight_aircraft: 1,
             in_need: true,
             clock_set_back: true,
