@@ -157,21 +157,30 @@ impl Chooser {
         let starts_m = price::START_M * (1.0 - likely);
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);
+        let mut changes_m = 0.0;
         for place in 0..self.looked.len() {
             let Some(one) = self.looked.get(place).copied() else {
                 break;
             };
-            let cost_m = match one.plan {
-                Plan::Back(_, until_s) => {
-                    one.there.off_m.max(here.off_m) + price::SECOND_M * (until_s - scene.time_s)
+            let mut cost_m = price::loss_m(&one.chance);
+            match (one.plan, flown) {
+                (Plan::Mission, _) => continue,
+                (Plan::Back(_, until_s), _) => {
+                    let for_s = until_s - scene.time_s;
+                    cost_m += one.there.off_m.max(here.off_m) + price::SECOND_M * for_s;
                 }
-                Plan::Off(way, _) => {
-                    let change_m = flown.map_or(starts_m, |flown| way.change_m(&flown));
-                    one.departs_m(scene, &here, 0.0) + change_m
+                (Plan::Off(..), None) => cost_m += one.departs_m(scene, &here, 0.0) + starts_m,
+                (Plan::Off(way, _), Some(flown)) => {
+                    cost_m += one.departs_m(scene, &here, 0.0);
+                    // The present way is the first one off the mission.
+                    if way == flown {
+                        changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
+                    } else {
+                        cost_m += changes_m + way.change_m(&flown);
+                    }
                 }
-                Plan::Mission => continue,
-            };
-            self.rank(one.plan, &one.chance, price::loss_m(&one.chance) + cost_m);
+            }
+            self.rank(one.plan, &one.chance, cost_m);
         }
         let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
         if flown.is_some() || !self.ranked.first().is_some_and(is_off) {

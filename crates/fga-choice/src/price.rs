@@ -28,6 +28,11 @@ pub const START_M: f64 = 300.0;
 /// Another manoeuvre than the present one, metres.
 pub const CHANGE_M: f64 = 300.0;
 
+/// Another manoeuvre must save this share of what the present one costs, up to half of a loss: a cost is that of a few futures, seen through
+/// noise. Without it recorded flights, well clear, seen once a second with σ of 15 m and all delays, leave 16 losses of 164 and turn to the other
+/// side more than three times in 87 encounters; with it 9 and 11.
+pub const CHANGE_SHARE: f64 = 0.3;
+
 /// A conflict that is waited for ends by itself within this time, seconds, in 63 of 100 cases that end.
 pub const DISSOLVES_S: f64 = 10.0;
 
