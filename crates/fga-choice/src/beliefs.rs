@@ -57,6 +57,11 @@ impl Beliefs {
         self.known.iter().flatten()
     }
 
+    /// Each aircraft's identifier, and what is believed of it.
+    pub fn each(&self) -> impl Iterator<Item = (u32, &Belief)> {
+        self.iter().map(|known| (known.id, &known.belief))
+    }
+
     /// Aircraft of the last step that found no room, farther away than all others.
     pub const fn left_out(&self) -> u32 {
         self.left_out

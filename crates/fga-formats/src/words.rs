@@ -180,12 +180,14 @@ pub fn loss_words(record: &Record) -> Option<String> {
     ))
 }
 
-/// A chance, which below one in a hundred is not to be trusted.
+/// Smaller chances are not to be trusted.
+pub const LEAST_CHANCE: f64 = 0.01;
+
 fn chance_words(chance: f64) -> String {
     match chance {
         0.95.. => "more than 9 in 10".into(),
         0.095.. => format!("{:.0} in 10", 10.0 * chance),
-        0.01.. => format!("{:.0} in 100", 100.0 * chance),
+        LEAST_CHANCE.. => format!("{:.0} in 100", 100.0 * chance),
         _ => "less than 1 in 100".into(),
     }
 }
