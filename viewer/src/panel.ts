@@ -185,6 +185,7 @@ export function fillLegend(root: HTMLElement, theme: Theme, manual: boolean, flo
           entry("fan", theme.obstacle, "Futures: the likelier, the stronger"),
           entry("line kind1", theme.states[2]!, "P(loss) on the mission"),
           entry("line", flown, "P(loss) as flown"),
+          element("li", "quiet", "P(loss): the chance to enter a protected volume within a minute"),
         ]),
     entry("wedge", theme.threat, "Collision cone"),
     entry("arrow", theme.foreground, "Relative velocity"),

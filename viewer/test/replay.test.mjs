@@ -212,7 +212,7 @@ test("a flight on beliefs draws a fan and the chances of a loss", () =>
     await seek(view, 12.55);
     const plot = view.locator(".plot", { hasText: "P(loss)" });
     assert.match(await plot.textContent(), /mission 30 %, flown 1 %/);
-    assert.match(await view.locator("#legend").textContent(), /Futures.*P\(loss\) as flown/);
+    assert.match(await view.locator("#legend").textContent(), /Futures.*P\(loss\) as flown.*within a minute/);
     await seek(view, 31);
     assert.match(await plot.textContent(), /not weighed/);
   }));

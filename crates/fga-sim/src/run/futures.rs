@@ -2,13 +2,10 @@
 
 use fga::Vec3;
 use fga::avoider::belief::Beliefs;
+use fga_belief::Belief;
 
 /// Most aircraft whose futures are logged: the nearest ones, as many as a choice weighs.
 const MOST_WEIGHED: usize = 6;
-
-/// Between the points of a future, seconds, and how many follow the first one.
-const POINT_EVERY_S: u8 = 5;
-const LATER_POINTS: u8 = 12;
 
 /// What an aircraft may do from a moment on.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +28,7 @@ pub struct FutureWay {
 impl AircraftFutures {
     /// Of the aircraft that are believed to be nearest to a place now, the nearest first.
     pub fn nearest(beliefs: &Beliefs, own_m: Vec3, time_s: f64) -> Vec<Self> {
-        let away_m = |belief: &fga_belief::Belief| belief.at(time_s).position_m.distance(own_m);
+        let away_m = |belief: &Belief| belief.at(time_s).position_m.distance(own_m);
         let mut around: Vec<_> = (beliefs.each())
             .map(|(id, belief)| (away_m(belief), id, belief))
             .collect();
@@ -46,9 +43,9 @@ impl AircraftFutures {
     }
 }
 
-fn ways(belief: &fga_belief::Belief, time_s: f64) -> Vec<FutureWay> {
+fn ways(belief: &Belief, time_s: f64) -> Vec<FutureWay> {
     let futures = belief.futures(time_s);
-    let points_s = || (0..=LATER_POINTS).map(|point| f32::from(point * POINT_EVERY_S));
+    let points_s = || (0_u8..=60).step_by(5).map(f32::from);
     (futures.all.iter())
         .map(|future| FutureWay {
             weight: future.weight,
