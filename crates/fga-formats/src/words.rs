@@ -183,9 +183,10 @@ pub fn loss_words(record: &Record) -> Option<String> {
 /// Smaller chances are not to be trusted.
 pub const LEAST_CHANCE: f64 = 0.01;
 
-fn chance_words(chance: f64) -> String {
+/// A chance in words, such as "3 in 10".
+pub fn chance_words(chance: f64) -> String {
     match chance {
-        0.95.. => "more than 9 in 10".into(),
+        0.95.. => format!("{:.0} in 100", (100.0 * chance).min(99.0)),
         0.095.. => format!("{:.0} in 10", 10.0 * chance),
         LEAST_CHANCE.. => format!("{:.0} in 100", 100.0 * chance),
         _ => "less than 1 in 100".into(),
@@ -298,7 +299,7 @@ mod tests {
         let said = "3 in 10 to enter a protected volume on the mission, 1 in 100 as it flies";
         assert_eq!(words(Some(0.31), Some(0.012)).as_deref(), Some(said));
         let sure = words(Some(1.0), Some(0.0)).unwrap();
-        assert!(sure.starts_with("more than 9 in 10 to enter"), "{sure}");
+        assert!(sure.starts_with("99 in 100 to enter"), "{sure}");
         assert!(sure.ends_with("less than 1 in 100 as it flies"), "{sure}");
     }
 
