@@ -50,6 +50,9 @@ export interface RawDecision {
   origin: Vec3;
   step: number;
   paths: { kind: number; margin: number | null; n: number }[];
+  loss?: [number, number];
+  /** For each aircraft its identifier, and of each future the weight and the number of points. */
+  futures?: [number, [number, number][]][];
 }
 
 export interface RunEvent {
@@ -110,6 +113,15 @@ export interface Path {
   points: Float32Array;
 }
 
+/** Smaller chances are not to be trusted; there are no futures then. */
+export const LEAST_CHANCE = 0.01;
+
+/** What an aircraft may do; points as x, y, z one after the other. */
+export interface Futures {
+  id: number;
+  ways: { weight: number; points: Float32Array }[];
+}
+
 export interface Decision {
   t: number;
   state: number;
@@ -117,6 +129,10 @@ export interface Decision {
   threat: number | null;
   latest: number | null;
   paths: Path[];
+  /** Chances of a loss on the mission and as flown; `null` of a decision without beliefs. */
+  loss: [number, number] | null;
+  /** Empty where the last ones still hold. */
+  futures: Futures[];
 }
 
 /** A record with its paths; `pool` is read from `at` (in numbers) on. Returns the new place. */
@@ -125,15 +141,20 @@ export function decodeDecision(
   pool: Int16Array,
   at: number,
 ): { decision: Decision; at: number } {
-  const paths = raw.paths.map(({ kind, margin, n }) => {
+  const take = (n: number): Float32Array => {
     const points = new Float32Array(3 * n);
     for (let i = 0; i < 3 * n; i++) {
       points[i] = raw.origin[i % 3]! + (pool[at++] ?? 0) * raw.step;
     }
-    return { kind, margin, points };
-  });
-  const { t, state, lines, threat, latest } = raw;
-  return { decision: { t, state, lines, threat, latest, paths }, at };
+    return points;
+  };
+  const paths = raw.paths.map(({ kind, margin, n }) => ({ kind, margin, points: take(n) }));
+  const futures = (raw.futures ?? []).map(([id, ways]) => ({
+    id,
+    ways: ways.map(([weight, n]) => ({ weight, points: take(n) })),
+  }));
+  const { t, state, lines, threat, latest, loss = null } = raw;
+  return { decision: { t, state, lines, threat, latest, paths, loss, futures }, at };
 }
 
 /** The place of the last of `n` increasing values that is at most `t`; -1 before the first. */
@@ -396,6 +417,22 @@ export class Run {
 
   decisionAt(t: number): number {
     return lastAtMost(this.decisionStarts, this.decisions.length, t + 1e-6);
+  }
+
+  /** Whether there are decisions on beliefs. */
+  get believes(): boolean {
+    return this.decisions.some((decision) => decision.loss !== null);
+  }
+
+  /** The record whose futures hold at `t`; -1 where none do. */
+  futuresAt(t: number): number {
+    let i = this.decisionAt(t);
+    while (i >= 0 && this.decisions[i]!.futures.length === 0) {
+      const { loss } = this.decisions[i]!;
+      if (loss === null || loss[0] < LEAST_CHANCE) return -1;
+      i--;
+    }
+    return i;
   }
 
   guidanceAt(t: number): number {

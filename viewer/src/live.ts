@@ -65,8 +65,10 @@ export function apply(runs: Run[], text: string): Change {
     }
     case "decision": {
       const points = new Int16Array(bytes(message.points).buffer);
+      const believed = run.believes;
       run.addDecision(decodeDecision(message.data, points, 0).decision);
-      return "growth";
+      // The legend names what is new.
+      return run.believes === believed ? "growth" : "structure";
     }
     case "time":
       run.timeT.push(message.row[0]);

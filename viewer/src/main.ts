@@ -107,7 +107,8 @@ class App {
     });
     fillEvents($("events"), runs[focus], (t) => this.seek(t));
     const manual = runs.some((run) => run.state.subarray(0, run.n).includes(4));
-    fillLegend($("legend"), theme, manual);
+    const believes = runs.some((run) => run.believes);
+    fillLegend($("legend"), theme, manual, believes ? theme.runs[focus % theme.runs.length] : undefined);
     this.redraw();
   }
 
@@ -438,7 +439,8 @@ class App {
     const { calls, triangles } = this.scene?.renderer.info.render ?? { calls: 0, triangles: 0 };
     const { t, playing, focus, visible } = this;
     const samples = this.runs.map((run) => run.n);
-    return { calls, triangles, t, playing, focus, visible: [...visible], samples, live: this.live };
+    const fan = this.scene?.futures ?? 0;
+    return { calls, triangles, fan, t, playing, focus, visible: [...visible], samples, live: this.live };
   }
 }
 

@@ -163,7 +163,8 @@ export function fillEvents(root: HTMLElement, run: Run | undefined, seek: (t: nu
   root.parentElement!.hidden = events.length === 0;
 }
 
-export function fillLegend(root: HTMLElement, theme: Theme, manual: boolean): void {
+/** `flown` is the colour of the run in focus, where a run weighs chances. */
+export function fillLegend(root: HTMLElement, theme: Theme, manual: boolean, flown?: string): void {
   const entry = (className: string, color: string, text: string) => {
     const swatch = element("i", className);
     swatch.style.color = color;
@@ -178,6 +179,14 @@ export function fillLegend(root: HTMLElement, theme: Theme, manual: boolean): vo
     entry("ball", theme.threat, "Volume of the threat"),
     entry("ball", theme.unknown, "Not yet known"),
     entry("line kind1", theme.obstacle, "Predicted way, 20 s"),
+    ...(flown === undefined
+      ? []
+      : [
+          entry("fan", theme.obstacle, "Futures: the likelier, the stronger"),
+          entry("line kind1", theme.states[2]!, "P(loss) on the mission"),
+          entry("line", flown, "P(loss) as flown"),
+          element("li", "quiet", "P(loss): the chance to enter a protected volume within a minute"),
+        ]),
     entry("wedge", theme.threat, "Collision cone"),
     entry("arrow", theme.foreground, "Relative velocity"),
     entry("line kind0", theme.paths[0]!, "Candidate, certified"),

@@ -1,7 +1,7 @@
 // The plots under the timeline: margin, course, climb, bank, decision time.
 
 import uPlot from "uplot";
-import type { Run } from "./data";
+import { LEAST_CHANCE, type Run } from "./data";
 import type { Theme } from "./theme";
 
 const DEGREES = 180 / Math.PI;
@@ -80,6 +80,19 @@ export function aboveWords(run: Run, t: number): string {
   return Number.isNaN(above) ? "unknown" : `${above.toFixed(0)} m`;
 }
 
+/** One of the two chances of each decision on beliefs, percent. */
+function loss(run: Run, which: 0 | 1): Curve {
+  if (!run.believes) return { t: [], values: [] };
+  return {
+    t: run.decisionStarts,
+    values: run.decisions.map((decision) => decision.loss && 100 * decision.loss[which]),
+  };
+}
+
+function percent(chance: number): string {
+  return chance < LEAST_CHANCE ? "<1 %" : `${Math.round(100 * chance)} %`;
+}
+
 const KINDS: Kind[] = [
   {
     title: "Margin",
@@ -94,6 +107,17 @@ const KINDS: Kind[] = [
       return margin < 0 ? `${(-margin).toFixed(1)} m inside` : `${margin.toFixed(1)} m`;
     },
     range: (low, high) => [Math.min(0, 1.1 * low), Math.min(MOST_MARGIN_M, Math.max(20, 1.05 * high))],
+  },
+  {
+    title: "P(loss)",
+    unit: "%",
+    curve: (run) => loss(run, 1),
+    limit: (run) => loss(run, 0),
+    read: (run, t) => {
+      const chances = run.decisions[run.decisionAt(t)]?.loss;
+      return chances ? `mission ${percent(chances[0])}, flown ${percent(chances[1])}` : "not weighed";
+    },
+    range: (_low, high) => [0, Math.min(100, Math.max(10, 1.1 * high))],
   },
   {
     title: "z and ground",
@@ -169,7 +193,7 @@ const KINDS: Kind[] = [
   },
 ];
 
-const [, GROUND] = KINDS;
+const [, LOSS, GROUND] = KINDS;
 const DECISION_TIME = KINDS[KINDS.length - 1];
 
 export class Plots {
@@ -199,9 +223,12 @@ export class Plots {
     // Most pages have no decision times: an empty plot would take its room from the others.
     const timed = input.runs.some((run) => run.timeT.length > 0);
     const grounded = input.runs.some((run) => run.terrain !== null);
-    const kinds = KINDS.filter((kind) =>
-      kind === DECISION_TIME ? timed : kind !== GROUND || grounded,
-    );
+    const believes = input.runs.some((run) => run.believes);
+    const kinds = KINDS.filter((kind) => {
+      if (kind === DECISION_TIME) return timed;
+      if (kind === LOSS) return believes;
+      return kind !== GROUND || grounded;
+    });
     this.plots = kinds.map((kind) => this.make(kind, input));
     this.fit();
   }
@@ -223,7 +250,7 @@ export class Plots {
       const increasing = curve.t.every((t, i) => i === 0 || t > curve.t[i - 1]!);
       if (!increasing) return;
       tables.push([curve.t, curve.values] as uPlot.AlignedData);
-      series.push({ spanGaps: true, points: { show: curve.t.length === 1, size: 6 }, ...options });
+      series.push({ spanGaps: kind !== LOSS, points: { show: curve.t.length === 1, size: 6 }, ...options });
     };
     const order = runs.map((_, i) => i).filter((i) => visible[i] && i !== focus);
     if (visible[focus]) order.push(focus);

@@ -18,6 +18,9 @@ import { ZoneField } from "./zones";
 /** How far ahead an obstacle's way is drawn, seconds. */
 const PREDICTION_S = 20;
 
+/** Opacity of the likeliest future of an aircraft. */
+const FAN_ALPHA = 0.5;
+
 /** What can be switched off. */
 export interface Shown {
   candidates: boolean;
@@ -53,6 +56,7 @@ export class Scene {
   private readonly cone = new CollisionCone();
   private readonly mission = new FatLines(64, 4);
   private readonly ahead = new FatLines(256, 4);
+  private readonly fan = new FatLines(512, 3);
   private readonly paths = new FatLines(512, 7);
   private readonly vectors = new FatLines(64, 8);
   private readonly labels: Labels;
@@ -61,6 +65,7 @@ export class Scene {
   private readonly shadowLines = new Track();
   private views: RunView[] = [];
   private drawnPaths = "";
+  private drawnFan = "";
 
   constructor(
     private readonly host: HTMLElement,
@@ -77,7 +82,7 @@ export class Scene {
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8899aa, 1.6), sun);
     this.scene.add(this.grid.mesh, this.field.group, this.cone.mesh, this.shadow);
     this.scene.add(this.zones.group);
-    for (const lines of [this.mission, this.ahead, this.paths, this.vectors]) {
+    for (const lines of [this.mission, this.fan, this.ahead, this.paths, this.vectors]) {
       this.scene.add(lines.mesh);
     }
   }
@@ -109,6 +114,7 @@ export class Scene {
     }
     this.mission.end();
     this.drawnPaths = "";
+    this.drawnFan = "";
   }
 
   /** Puts the relief of this ground in place of the other one. */
@@ -145,6 +151,11 @@ export class Scene {
   private below(x: number, y: number): number {
     const height = this.terrain?.at(x, y) ?? NaN;
     return Number.isNaN(height) ? this.ground : height;
+  }
+
+  /** How many segments of futures are drawn. */
+  get futures(): number {
+    return this.fan.mesh.geometry.instanceCount;
   }
 
   /** Length of a cell of the grid, metres. */
@@ -207,6 +218,7 @@ export class Scene {
     const threat = run?.obstacle(decision?.threat ?? null);
     this.drawObstacles(moment, threat);
     if (shown.labels) this.nameZones(run?.zones ?? [], theme);
+    this.drawFan(moment, run, shown.predictions && visible[focus] === true, threat);
     this.drawPaths(moment, run, shown.candidates && visible[focus] === true);
     this.drawCone(moment, run, shown.cone && visible[focus] === true ? threat : undefined);
     this.grid.update(this.rig.target, this.ground, this.rig.distance, theme.grid);
@@ -286,6 +298,27 @@ export class Scene {
       const mine = obstacle === threat || obstacle === entered;
       this.labels.put(x, y, z, obstacle.name, mine ? theme.threat : theme.muted, mine);
     }
+  }
+
+  /** What each aircraft may do: the likelier, the stronger. */
+  private drawFan(moment: Moment, run: Run | undefined, shown: boolean, threat?: Obstacle): void {
+    const { t, theme, focus } = moment;
+    const index = run && shown ? run.futuresAt(t) : -1;
+    const key = `${focus} ${index} ${threat?.id} ${theme.dark}`;
+    if (key === this.drawnFan) return;
+    this.drawnFan = key;
+    this.fan.begin();
+    for (const { id, ways } of run?.decisions[index]?.futures ?? []) {
+      const color = id === threat?.id ? theme.threat : theme.obstacle;
+      const likeliest = Math.max(...ways.map((way) => way.weight));
+      for (const { weight, points: p } of ways) {
+        const stroke = look(color, (FAN_ALPHA * weight) / likeliest, 1.6, 0);
+        for (let i = 0; i + 5 < p.length; i += 3) {
+          this.fan.add(p[i]!, p[i + 1]!, p[i + 2]!, p[i + 3]!, p[i + 4]!, p[i + 5]!, stroke);
+        }
+      }
+    }
+    this.fan.end();
   }
 
   private drawPaths(moment: Moment, run: Run | undefined, shown: boolean): void {

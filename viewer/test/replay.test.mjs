@@ -71,6 +71,7 @@ describe("an encounter under three policies", () => {
           await drawn(view);
           const plots = await view.locator(".plot canvas").count();
           assert.equal(plots, 5);
+          assert.doesNotMatch(await view.locator("#legend").textContent(), /Futures/);
           const wide = await view.evaluate(() => document.documentElement.scrollWidth);
           assert.ok(wide <= (size === "phone" ? 390 : 1280), `scrolls sideways: ${wide} px`);
         }));
@@ -192,6 +193,29 @@ describe("an encounter under three policies", () => {
       assert.ok(!(await view.locator("#help").isVisible()));
     }));
 });
+
+test("a flight on beliefs draws a fan and the chances of a loss", () =>
+  inPage("believed", {}, async (view) => {
+    const fan = async (t) => {
+      await seek(view, t);
+      const on = await stats(view);
+      await view.keyboard.press("p");
+      await settle(view);
+      const off = await stats(view);
+      await view.keyboard.press("p");
+      return on.fan - off.fan;
+    };
+    // Three futures of N0; the straight one of two points is one segment.
+    assert.equal(await fan(12.55), 5);
+    assert.equal(await fan(3), 0);
+    assert.equal(await fan(31), 0);
+    await seek(view, 12.55);
+    const plot = view.locator(".plot", { hasText: "P(loss)" });
+    assert.match(await plot.textContent(), /mission 30 %, flown 1 %/);
+    assert.match(await view.locator("#legend").textContent(), /Futures.*P\(loss\) as flown.*within a minute/);
+    await seek(view, 31);
+    assert.match(await plot.textContent(), /not weighed/);
+  }));
 
 test("a hostile name is text", () =>
   inPage("hostile", {}, async (view) => {

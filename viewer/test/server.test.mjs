@@ -60,6 +60,9 @@ test("a live run is followed to its end", async () => {
   await seek(page, 10);
   assert.match(await page.locator("#decision").textContent(), /Decided live at 8\.0 s/);
   assert.match(await page.locator("#events").textContent(), /avoiding/);
+  assert.equal((await stats(page)).fan, 1);
+  assert.match(await page.locator("#plots").textContent(), /mission 40 %, flown 2 %/);
+  assert.match(await page.locator("#legend").textContent(), /P\(loss\) as flown/);
   assert.ok((await colours(page, "#scene")).kinds > 30);
   assert.deepEqual(errors, []);
   await close();

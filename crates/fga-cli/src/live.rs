@@ -13,7 +13,7 @@ use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_view::{Live, Server};
 
 use fga_results::replay_page::{
-    Drawer, due, event_words, planned_obstacles, planned_zones, replay_ground,
+    Drawer, due, event_words, has_news, planned_obstacles, planned_zones, replay_ground,
 };
 
 /// Time for browsers to take the last messages.
@@ -85,7 +85,7 @@ impl LiveView {
                 decision_us: moment.elapsed_ns as f64 / 1000.0,
             },
         });
-        if due(self.last_record_s, t_s, moment.changed) {
+        if due(self.last_record_s, t_s, has_news(moment)) {
             self.last_record_s = Some(t_s);
             let decision = self.drawer.decision(&self.plan, moment, false);
             self.live.send(&LiveMessage::Decision { run: 0, decision });

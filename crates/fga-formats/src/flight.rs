@@ -38,6 +38,9 @@ pub struct Flight {
     pub zones: Vec<FlightZone>,
     /// Events and decisions, in time order.
     pub events: Vec<FlightEvent>,
+    /// What other aircraft may do, of a flight on beliefs, in time order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub futures: Vec<FlightFutures>,
 }
 
 /// The aircraft at one time.
@@ -111,6 +114,26 @@ pub struct FlightEvent {
     /// The whole record.
     #[serde(default)]
     pub detail: serde_json::Value,
+}
+
+/// What an aircraft may do from a moment on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightFutures {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// The obstacle's name.
+    pub obstacle: String,
+    /// Its futures; their weights add up to one.
+    pub ways: Vec<FlightWay>,
+}
+
+/// A future of an aircraft.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightWay {
+    /// Its weight.
+    pub weight: f32,
+    /// Its positions at that time and each 5 s up to a minute later, whole metres, local frame.
+    pub points_m: Vec<[i32; 3]>,
 }
 
 impl Flight {

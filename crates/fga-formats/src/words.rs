@@ -1,7 +1,7 @@
 //! Words in files and answers: a decision (the threat, the manoeuvre and the reason), counted things, and texts as CSV fields.
 
 use fga::angle::wrap_pi;
-use fga::avoider::{Candidate, Decision, Reason, State};
+use fga::avoider::{Candidate, Decision, Reason, Record, State};
 use fga::command::{Command, Proof};
 use fga::maneuver::Maneuver;
 use fga::situation::Ownship;
@@ -142,13 +142,7 @@ pub fn decision_words(
             )
         });
     }
-    if let (Some(hold), Some(flies)) = (record.p_loss_hold, record.p_loss) {
-        parts.push(format!(
-            "{} to enter a protected volume on the mission, {} as it flies",
-            chance_words(hold),
-            chance_words(flies)
-        ));
-    }
+    parts.extend(loss_words(record));
     if let Some(latest_s) = record.latest_start_s {
         parts.push(format!("latest safe start in {latest_s:.1} s"));
     }
@@ -175,11 +169,26 @@ pub fn decision_words(
     parts.join("; ")
 }
 
-/// A chance, which below one in a hundred is not to be trusted.
-fn chance_words(chance: f64) -> String {
+/// The chances of a loss where a decision on beliefs says them, such as "3 in 10 to enter a protected volume on the mission, 1 in 100 as it
+/// flies".
+pub fn loss_words(record: &Record) -> Option<String> {
+    let (hold, flies) = (record.p_loss_hold?, record.p_loss?);
+    Some(format!(
+        "{} to enter a protected volume on the mission, {} as it flies",
+        chance_words(hold),
+        chance_words(flies)
+    ))
+}
+
+/// Smaller chances are not to be trusted.
+pub const LEAST_CHANCE: f64 = 0.01;
+
+/// A chance in words, such as "3 in 10".
+pub fn chance_words(chance: f64) -> String {
     match chance {
+        0.95.. => format!("{:.0} in 100", (100.0 * chance).min(99.0)),
         0.095.. => format!("{:.0} in 10", 10.0 * chance),
-        0.01.. => format!("{:.0} in 100", 100.0 * chance),
+        LEAST_CHANCE.. => format!("{:.0} in 100", 100.0 * chance),
         _ => "less than 1 in 100".into(),
     }
 }
@@ -242,7 +251,7 @@ pub fn push_csv_field(line: &mut Vec<u8>, text: &[u8]) {
 mod tests {
     use super::*;
     use fga::Vec3;
-    use fga::avoider::{Record, State, Threat, Verdict};
+    use fga::avoider::{Threat, Verdict};
 
     #[test]
     fn the_schema_of_decisions_names_every_reason() {
@@ -275,6 +284,23 @@ mod tests {
             found.ends_with("; turns of 3 aircraft not considered"),
             "{found}"
         );
+    }
+
+    #[test]
+    fn the_chances_of_a_loss_are_said_where_they_are_known() {
+        let words = |hold, flies| {
+            loss_words(&Record {
+                p_loss_hold: hold,
+                p_loss: flies,
+                ..Record::default()
+            })
+        };
+        assert_eq!(words(None, None), None);
+        let said = "3 in 10 to enter a protected volume on the mission, 1 in 100 as it flies";
+        assert_eq!(words(Some(0.31), Some(0.012)).as_deref(), Some(said));
+        let sure = words(Some(1.0), Some(0.0)).unwrap();
+        assert!(sure.starts_with("99 in 100 to enter"), "{sure}");
+        assert!(sure.ends_with("less than 1 in 100 as it flies"), "{sure}");
     }
 
     #[test]

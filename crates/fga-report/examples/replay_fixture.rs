@@ -7,9 +7,9 @@ use std::{env, fs, io};
 
 use fga::situation::ProtectedVolume;
 use fga_report::replay::{
-    Replay, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayGround, ReplayObstacle,
-    ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
-    render, render_live,
+    Replay, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayFutures, ReplayGround,
+    ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun,
+    ReplaySample, ReplayState, render, render_live,
 };
 
 const AIRSPEED_MPS: f64 = 15.0;
@@ -52,6 +52,7 @@ fn main() -> io::Result<()> {
         ("one", vec![one_sample()]),
         ("lost", vec![flight("none", 60.0, obstacles(4, 60.0), 0.0)]),
         ("hostile", vec![hostile()]),
+        ("believed", vec![believed(), encounter(0.0, "none")]),
     ];
     for (name, runs) in pages {
         let title = match name {
@@ -112,6 +113,37 @@ fn one_sample() -> ReplayRun {
     run.decision_times.truncate(1);
     run.events.clear();
     run.outcome = None;
+    run
+}
+
+/// From 5 to 30 s a chance of a loss is known, and once a second what N0 may do: three futures.
+fn believed() -> ReplayRun {
+    let mut run = flight("belief", 60.0, obstacles(4, 60.0), 1.0);
+    let (meets, decisions) = (&run.obstacles[0].motion[0], &mut run.decisions);
+    let weighed = decisions
+        .iter_mut()
+        .filter(|d| (5.0..30.0).contains(&d.t_s));
+    for (n, decision) in weighed.enumerate() {
+        let t_s = decision.t_s;
+        decision.p_loss = Some([0.3, 0.01]);
+        if !n.is_multiple_of(10) {
+            continue;
+        }
+        let at = |after_s: f64, aside_m: f64| {
+            let along =
+                |axis: usize| meets.position_m[axis] + (t_s + after_s) * meets.velocity_mps[axis];
+            [along(0) + aside_m, along(1) - aside_m, along(2)]
+        };
+        let ways = [(0.7, 0.0), (0.2, 150.0), (0.1, -150.0)];
+        decision.futures = vec![ReplayFutures {
+            obstacle: 0,
+            ways: ways
+                .map(|(weight, aside_m)| {
+                    (weight, vec![at(0.0, 0.0), at(10.0, 0.0), at(60.0, aside_m)])
+                })
+                .into(),
+        }];
+    }
     run
 }
 

@@ -34,8 +34,8 @@ use crate::page;
 
 pub use data::{
     Replay, ReplayAlert, ReplayBand, ReplayBands, ReplayDecision, ReplayDecisionTime, ReplayEvent,
-    ReplayGround, ReplayGuidance, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
-    ReplayPiece, ReplayRegion, ReplayRun, ReplaySample, ReplayState,
+    ReplayFutures, ReplayGround, ReplayGuidance, ReplayObstacle, ReplayOutcome, ReplayPath,
+    ReplayPathKind, ReplayPiece, ReplayRegion, ReplayRun, ReplaySample, ReplayState,
 };
 pub use live::{LiveMessage, render_live};
 

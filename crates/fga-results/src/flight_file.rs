@@ -4,10 +4,11 @@ use std::path::Path;
 
 use fga_formats::OutputError;
 use fga_formats::flight::{
-    Flight, FlightEvent, FlightObstacle, FlightSample, FlightZone, ObstacleSample,
+    Flight, FlightEvent, FlightFutures, FlightObstacle, FlightSample, FlightWay, FlightZone,
+    ObstacleSample,
 };
 use fga_formats::geodesy::{Earth, LocalFrame};
-use fga_sim::run::RunLog;
+use fga_sim::run::{FutureWay, RunLog};
 use fga_sim::track::Track;
 use fga_sim::zone::WorldZone;
 use serde_json::Value;
@@ -85,6 +86,16 @@ pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
                 detail: event.clone(),
             })
             .collect(),
+        futures: (log.decisions.iter())
+            .flat_map(|moment| {
+                let name = |id| log.name_of(id).to_owned();
+                (moment.futures.iter()).map(move |one| FlightFutures {
+                    time_s: moment.time_s,
+                    obstacle: name(one.obstacle),
+                    ways: one.ways.iter().map(way).collect(),
+                })
+            })
+            .collect(),
     }
 }
 
@@ -97,6 +108,18 @@ pub(crate) fn zone(zone: &WorldZone) -> FlightZone {
         ring_m: zone.ring_m().iter().map(fga::Vec2::to_array).collect(),
         floor_m: limit_m(floor_m),
         ceiling_m: limit_m(ceiling_m),
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "far within two million kilometres"
+)]
+fn way(way: &FutureWay) -> FlightWay {
+    let whole = |point_m: &fga::Vec3| point_m.to_array().map(|along_m| along_m.round() as i32);
+    FlightWay {
+        weight: way.weight,
+        points_m: way.points_m.iter().map(whole).collect(),
     }
 }
 

@@ -13,13 +13,13 @@ use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
 use fga_formats::words::{decision_words, reason_words};
 use fga_report::replay::{
-    Replay, ReplayDecision, ReplayEvent, ReplayGround, ReplayObstacle, ReplayOutcome, ReplayPath,
-    ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, render,
+    Replay, ReplayDecision, ReplayEvent, ReplayFutures, ReplayGround, ReplayObstacle,
+    ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, render,
 };
 use fga_report::zone::DrawnZone;
 use fga_sim::ground::WorldGround;
 use fga_sim::progress::MissedWaypoint;
-use fga_sim::run::{DecisionLog, Plan, RunLog};
+use fga_sim::run::{AircraftFutures, DecisionLog, FutureWay, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::world::WorldZone;
 
@@ -282,7 +282,7 @@ impl Drawer {
         let mut kept: Vec<ReplayDecision> = Vec::new();
         for moment in &log.decisions {
             let last_s = kept.last().map(|last| last.t_s);
-            if due(last_s, moment.time_s, moment.changed) {
+            if due(last_s, moment.time_s, has_news(moment)) {
                 kept.push(self.decision(&log.plan, moment, true));
             }
         }
@@ -299,7 +299,11 @@ impl Drawer {
             ownship,
             ..
         } = moment;
-        self.record(*time_s, decision, ownship, name, hazards.as_deref())
+        let record = self.record(*time_s, decision, ownship, name, hazards.as_deref());
+        ReplayDecision {
+            futures: moment.futures.iter().map(futures).collect(),
+            ..record
+        }
     }
 
     /// A record; if the obstacles are known, also with alternative turns.
@@ -352,6 +356,8 @@ impl Drawer {
             threat: record.threat.map(|threat| threat.id),
             latest_start_s: record.latest_start_s,
             paths,
+            p_loss: record.p_loss_hold.zip(record.p_loss).map(<[f64; 2]>::from),
+            futures: Vec::new(),
         }
     }
 
@@ -447,6 +453,21 @@ fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
     (moment.known.iter())
         .map(|known| Hazard::new(known, world.wind_mps, sigmas))
         .collect()
+}
+
+/// What an aircraft may do, for the page.
+fn futures(of: &AircraftFutures) -> ReplayFutures {
+    let points_m = |way: &FutureWay| way.points_m.iter().map(Vec3::to_array).collect();
+    let ways = of.ways.iter();
+    ReplayFutures {
+        obstacle: of.obstacle,
+        ways: (ways.map(|way| (way.weight.into(), points_m(way)))).collect(),
+    }
+}
+
+/// Whether a decision has news for the page.
+pub const fn has_news(moment: &DecisionLog) -> bool {
+    moment.changed || !moment.futures.is_empty()
 }
 
 /// Whether a decision, with or without news, deserves a record after the one at `last_s`.

@@ -3,6 +3,7 @@
 use alloc::collections::VecDeque;
 
 use fga::avoider::Decision;
+use fga::avoider::belief::Beliefs;
 use fga::maneuver::{Maneuver, Stage};
 use fga::pilot::Pilot;
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -124,6 +125,10 @@ impl<P: Pilot> Pilot for Ahead<P> {
         });
         self.under_way.push_back((now_s, *decision.command));
         decision
+    }
+
+    fn beliefs(&self) -> Option<&Beliefs> {
+        self.pilot.beliefs()
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

@@ -2,10 +2,12 @@
 
 mod conflict;
 mod decision;
+mod futures;
 
 pub use crate::plan::Plan;
 pub use conflict::RunConflict;
 pub use decision::DecisionLog;
+pub use futures::{AircraftFutures, FutureWay};
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +16,7 @@ use fga::situation::{Obstacle, ProtectedVolume};
 use fga_files::TomlText;
 use fga_files::from_mission::{over, scenario_text};
 use fga_formats::error::{read_bytes, text_of};
+use fga_formats::words::LEAST_CHANCE;
 use fga_formats::{InputError, gzip, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
@@ -105,6 +108,9 @@ impl Plan {
     }
 }
 
+/// Futures are logged this far apart, seconds: as often as there is a choice without a report.
+const FUTURES_EVERY_S: f64 = 1.0;
+
 /// Accuracy of an altitude at a limit, metres.
 const LIMIT_KNOWN_M: f64 = 0.1;
 
@@ -176,6 +182,8 @@ struct Logger<'a> {
     samples: Vec<Sample>,
     decisions: Vec<DecisionLog>,
     surveillance_radius_m: f64,
+    /// When futures were logged last, seconds.
+    futures_s: f64,
     watch: &'a mut dyn FnMut(&DecisionLog),
 }
 
@@ -197,6 +205,7 @@ impl Observer for Logger<'_> {
             elapsed_ns: moment.elapsed_ns,
             changed,
             known: self.known(moment),
+            futures: self.futures(moment),
         };
         (self.watch)(&log);
         self.decisions.push(log);
@@ -204,6 +213,18 @@ impl Observer for Logger<'_> {
 }
 
 impl Logger<'_> {
+    /// The futures that a choice weighs, where the mission has a chance of a loss and none were logged for a while.
+    fn futures(&mut self, moment: &DecisionMoment<'_>) -> Vec<AircraftFutures> {
+        let on_mission = moment.decision.record.p_loss_hold;
+        let is_weighed = on_mission.is_some_and(|chance| chance >= LEAST_CHANCE);
+        let is_due = moment.time_s - self.futures_s >= FUTURES_EVERY_S - 1e-6;
+        let Some(beliefs) = moment.beliefs.filter(|_| is_weighed && is_due) else {
+            return Vec::new();
+        };
+        self.futures_s = moment.time_s;
+        AircraftFutures::nearest(beliefs, moment.situation.ownship.position_m, moment.time_s)
+    }
+
     /// The situation of a decision against a threat.
     fn known(&self, moment: &DecisionMoment<'_>) -> Vec<Obstacle> {
         if !matches!(moment.decision.state, State::Threatened | State::Avoiding) {
@@ -245,6 +266,7 @@ pub fn fly(
         samples: Vec::new(),
         decisions: Vec::new(),
         surveillance_radius_m: plan.world.settings.avoider.surveillance_radius_m,
+        futures_s: f64::NEG_INFINITY,
         watch,
     };
     let outcome = engine.fly(&plan.world, pilot.as_mut(), &mut logger);

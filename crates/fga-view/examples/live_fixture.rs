@@ -10,8 +10,8 @@ use std::{env, thread};
 
 use fga::situation::ProtectedVolume;
 use fga_report::replay::{
-    LiveMessage, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, ReplayOutcome,
-    ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
+    LiveMessage, ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayFutures, ReplayObstacle,
+    ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
 };
 use fga_view::{Live, ServedFolder, Server};
 
@@ -121,16 +121,23 @@ fn intruder() -> ReplayObstacle {
 
 fn decision(sample: &ReplaySample) -> ReplayDecision {
     let [x, y, z] = sample.position_m;
+    let is_avoiding = sample.state == ReplayState::Avoiding;
+    let futures = ReplayFutures {
+        obstacle: 3,
+        ways: vec![(1.0, vec![[x + 300.0, 0.0, z], [x - 300.0, 0.0, z]])],
+    };
     ReplayDecision {
         t_s: sample.t_s,
         state: sample.state,
         lines: vec![format!("Decided live at {:.1} s.", sample.t_s)],
-        threat: (sample.state == ReplayState::Avoiding).then_some(3),
+        threat: is_avoiding.then_some(3),
         latest_start_s: None,
         paths: vec![ReplayPath {
             kind: ReplayPathKind::Chosen,
             margin_m: Some(7.25),
             points_m: vec![[x, y, z], [x + 80.0, y + 50.0, z]],
         }],
+        p_loss: is_avoiding.then_some([0.4, 0.02]),
+        futures: is_avoiding.then_some(futures).into_iter().collect(),
     }
 }

@@ -3,7 +3,7 @@
 //! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone, the paper's rules, a peer, or one
 //! of your own.
 
-use crate::avoider::belief::BeliefAvoider;
+use crate::avoider::belief::{BeliefAvoider, Beliefs};
 use crate::avoider::{Avoider, Decision, Places};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
@@ -17,6 +17,11 @@ pub trait Pilot {
     /// its last one, seconds; 0 for a pilot that looks.
     fn stands_s(&self, _situation: &Situation<'_>) -> f64 {
         0.0
+    }
+
+    /// What it believes of the aircraft around, if it flies by that.
+    fn beliefs(&self) -> Option<&Beliefs> {
+        None
     }
 
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
@@ -57,6 +62,10 @@ impl Pilot for BeliefAvoider {
         let mut decision = Decision::default();
         self.step_into(situation, &mut decision);
         decision
+    }
+
+    fn beliefs(&self) -> Option<&Beliefs> {
+        Some(self.beliefs())
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

@@ -208,11 +208,16 @@ fn a_proven_share_is_the_weight_of_the_futures_that_are_kept_clear_of() {
         let volume = aircraft(at_m, velocity_mps).volume;
         let stages = decision.command.stages();
         let least_m = |future: &fga_belief::future::Future| {
-            let margins = (0..=600).map(|step| {
-                let after_s = 0.1 * f64::from(step);
-                let own =
-                    fga::prediction::flown(&flyer, &start, stages, after_s, &Meter::unlimited());
-                let [x, y, z] = future.position_m(after_s as f32).map(f64::from);
+            let margins = (0..=600_u16).map(|step| {
+                let after_s = 0.1 * f32::from(step);
+                let own = fga::prediction::flown(
+                    &flyer,
+                    &start,
+                    stages,
+                    after_s.into(),
+                    &Meter::unlimited(),
+                );
+                let [x, y, z] = future.position_m(after_s).map(f64::from);
                 volume.margin_m(own.position_m - (futures.origin_m + Vec3::new(x, y, z)))
             });
             margins.fold(f64::INFINITY, f64::min)

@@ -18,6 +18,8 @@
 //! Then the widest turn and back between walls (`fga-search` 41 lines, `fga` 27), the depth at which a flight leads out of a fence
 //! (`fga-proof` 35) and the drift that is learned of the own aircraft (`fga` 14) raised it: 9 of 10,200 drawn encounters in corridors leave a
 //! fence that an oracle keeps (13 before), and 4 fly back for more than 30 s (19).
+//!
+//! What a pilot believes of the others, for whoever shows it, raised `fga` by 15 lines.
 #![cfg(target_pointer_width = "64")]
 
 extern crate alloc;

@@ -68,6 +68,56 @@ fn a_scenario_is_flown_and_everything_is_written() {
     assert!(decisions_follow_their_schema(&out.join("events.jsonl")) > 3);
 }
 
+const CROSSING: &str = "name = 'crossing'
+duration_s = 20.0
+[mission]
+waypoints_m = [[0, 0, 100], [600, 0, 100]]
+[[obstacle]]
+name = 'N1'
+movement = 'uas'
+position_m = [450, -300, 100]
+velocity_mps = [-5, 15, 0]
+";
+
+#[test]
+fn a_flight_on_beliefs_writes_the_futures_it_weighs() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("crossing.toml"), CROSSING).unwrap();
+    let flown = |policy| {
+        let output = fga_in(
+            folder.path(),
+            &["run", "crossing.toml", "--policy", policy, "--out", policy],
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+        let flight = fs::read(folder.path().join(policy).join("flight.json")).unwrap();
+        serde_json::from_slice::<serde_json::Value>(&flight).unwrap()
+    };
+    assert!(flown("turn-aware").get("futures").is_none());
+    let flight = flown("belief");
+    let futures = flight["futures"].as_array().unwrap();
+    assert!(futures.len() > 5, "{}", futures.len());
+    let mut last_s = f64::NEG_INFINITY;
+    for one in futures {
+        assert_eq!(one["obstacle"], "N1");
+        let time_s = one["time_s"].as_f64().unwrap();
+        assert!(time_s - last_s > 0.99, "{last_s} s, {time_s} s");
+        last_s = time_s;
+        let ways = one["ways"].as_array().unwrap();
+        let weights = ways.iter().map(|way| way["weight"].as_f64().unwrap());
+        let sum: f64 = weights.sum();
+        assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+        for way in ways {
+            assert_eq!(way["points_m"].as_array().unwrap().len(), 13);
+        }
+        // Reports are exact, and it flies straight: it is where it is said to be now.
+        let x_m = ways[0]["points_m"][0][0].as_f64().unwrap();
+        assert!(
+            (x_m - (450.0 - 5.0 * time_s)).abs() < 5.0,
+            "{x_m} m at {time_s} s"
+        );
+    }
+}
+
 #[test]
 fn a_lost_scenario_ends_with_code_2() {
     let folder = tempfile::tempdir().unwrap();

@@ -247,6 +247,19 @@ pub struct ReplayDecision {
     pub latest_start_s: Option<f64>,
     /// The examined paths, and the way back.
     pub paths: Vec<ReplayPath>,
+    /// The chances of a loss on the mission and as it flies, of a decision on beliefs.
+    pub p_loss: Option<[f64; 2]>,
+    /// What other aircraft may do, as the decision weighs it; empty where the last ones still hold.
+    pub futures: Vec<ReplayFutures>,
+}
+
+/// What an aircraft may do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayFutures {
+    /// Identifier of the obstacle.
+    pub obstacle: u32,
+    /// Its futures: the weight, and points from the aircraft on, metres.
+    pub ways: Vec<(f64, Vec<[f64; 3]>)>,
 }
 
 /// An examined path.

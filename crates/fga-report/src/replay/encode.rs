@@ -116,6 +116,11 @@ pub(super) struct EncodedDecision<'a> {
     /// Length of one step of its points, metres.
     step: f64,
     paths: Vec<EncodedPath>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    loss: Option<[f64; 2]>,
+    /// For each aircraft its identifier, and of each future the weight and the number of its points.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    futures: Vec<(u32, Vec<(f64, usize)>)>,
 }
 
 #[derive(Serialize)]
@@ -301,11 +306,19 @@ pub(super) fn decision<'a>(
     decision: &'a ReplayDecision,
     pool: &mut Vec<u8>,
 ) -> EncodedDecision<'a> {
-    let lines: Vec<Vec<[f64; 3]>> = decision
-        .paths
-        .iter()
-        .map(|path| thin::polyline(&path.points_m))
+    let ways = decision.futures.iter().flat_map(|one| &one.ways);
+    let lines: Vec<Vec<[f64; 3]>> = (decision.paths.iter().map(|path| &path.points_m))
+        .chain(ways.map(|(_, points_m)| points_m))
+        .map(|points_m| thin::polyline(points_m))
         .collect();
+    let mut numbers = lines.iter().skip(decision.paths.len()).map(Vec::len);
+    let futures = decision.futures.iter().map(|one| {
+        let ways = one.ways.iter().zip(&mut numbers);
+        (
+            one.obstacle,
+            ways.map(|((weight, _), n)| (short(*weight), n)).collect(),
+        )
+    });
     let origin = lines.iter().flatten().next().copied().unwrap_or_default();
     let reach_m = lines
         .iter()
@@ -343,6 +356,8 @@ pub(super) fn decision<'a>(
                 n: points.len(),
             })
             .collect(),
+        loss: decision.p_loss.map(|both| both.map(short)),
+        futures: futures.collect(),
     }
 }
 

@@ -116,15 +116,17 @@ fn differs(a: &ReplayDecision, b: &ReplayDecision) -> bool {
         || a.threat != b.threat
         || a.latest_start_s != b.latest_start_s
         || a.paths != b.paths
+        || a.p_loss != b.p_loss
+        || !b.futures.is_empty()
 }
 
 /// Approximate size of a record in the page: text, and six bytes a point in base64.
 fn cost_bytes(decision: &ReplayDecision) -> usize {
     let text: usize = decision.lines.iter().map(|line| line.len() + 3).sum();
-    let paths: usize = decision
-        .paths
-        .iter()
-        .map(|path| 16 + 8 * polyline(&path.points_m).len())
+    let ways = decision.futures.iter().flat_map(|one| &one.ways);
+    let paths: usize = (decision.paths.iter().map(|path| &path.points_m))
+        .chain(ways.map(|(_, points_m)| points_m))
+        .map(|points_m| 16 + 8 * polyline(points_m).len())
         .sum();
     60 + text + paths
 }

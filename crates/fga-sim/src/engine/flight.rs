@@ -307,6 +307,7 @@ impl<'a> EngineFlight<'a> {
             time_s,
             situation: &situation,
             decision: &decision,
+            beliefs: pilot.beliefs(),
             elapsed_ns,
         });
         self.elapsed_ns.push(elapsed_ns);

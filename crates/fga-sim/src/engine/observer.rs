@@ -1,6 +1,7 @@
 //! What a flight shows while it lasts.
 
 use fga::Vec3;
+use fga::avoider::belief::Beliefs;
 use fga::avoider::{Decision, State};
 use fga::situation::Situation;
 
@@ -30,6 +31,8 @@ pub struct DecisionMoment<'a> {
     pub situation: &'a Situation<'a>,
     /// The decision.
     pub decision: &'a Decision,
+    /// What the pilot believes of the aircraft around, if it flies by that.
+    pub beliefs: Option<&'a Beliefs>,
     /// Duration of the step, nanoseconds.
     pub elapsed_ns: u64,
 }

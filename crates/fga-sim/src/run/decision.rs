@@ -3,6 +3,8 @@
 use fga::avoider::Decision;
 use fga::situation::{Obstacle, Ownship};
 
+use super::AircraftFutures;
+
 /// A logged decision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionLog {
@@ -19,4 +21,6 @@ pub struct DecisionLog {
     /// The known obstacles within the surveillance radius, over the ground; kept only
     /// while something threatens.
     pub known: Vec<Obstacle>,
+    /// The futures of the aircraft that a choice weighs, once a second while the mission has a chance of a loss.
+    pub futures: Vec<AircraftFutures>,
 }

@@ -7,7 +7,8 @@
 
 use fga_belief::future::{Future, Futures};
 pub use fga_belief::{Errors, Sigma, Source};
-use fga_choice::{Beliefs, Chooser, Plan, Ranked, Scene};
+pub use fga_choice::Beliefs;
+use fga_choice::{Chooser, Plan, Ranked, Scene};
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::turn_aware::ENOUGH_M;
@@ -111,6 +112,11 @@ impl BeliefAvoider {
     /// The avoider among what is exact, to change its limits or its mission.
     pub const fn avoider_mut(&mut self) -> &mut Avoider {
         &mut self.avoider
+    }
+
+    /// What it believes of the aircraft around.
+    pub const fn beliefs(&self) -> &Beliefs {
+        &self.beliefs
     }
 
     /// Forgets everything but its settings, its errors and the limits of its vehicle.
