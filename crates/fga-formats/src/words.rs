@@ -176,7 +176,7 @@ pub fn decision_words(
 }
 
 /// A chance, which below one in a hundred is not to be trusted.
-fn chance_words(chance: f64) -> String {
+pub fn chance_words(chance: f64) -> String {
     match chance {
         0.095.. => format!("{:.0} in 10", 10.0 * chance),
         0.01.. => format!("{:.0} in 100", 100.0 * chance),

@@ -4,7 +4,7 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
 
-use super::{CommandMode, Config, ConfigError, NMAC, VolumesConfig};
+use super::{CommandMode, Config, ConfigError, NMAC, PolicyName, VolumesConfig};
 use crate::traffic::class::{AircraftClass, Volumes, volume_of};
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
@@ -26,6 +26,12 @@ impl Config {
         if protection.radius_m.is_some() && self.volumes != VolumesConfig::default() {
             return Err(ConfigError(
                 "protection.radius_m and [volumes] are given, expected one of them".to_owned(),
+            ));
+        }
+        if (self.command.mode, self.command.policy) == (CommandMode::Paper, PolicyName::Belief) {
+            return Err(ConfigError(
+                "command.policy is 'belief' beside command.mode 'paper', expected one of them"
+                    .to_owned(),
             ));
         }
         let Some(surveillance_m) = protection.surveillance_m else {

@@ -121,6 +121,9 @@ pub struct World {
     pub keep_sent: bool,
     /// Every message that the companion heard, with its time, where kept.
     pub heard: Option<Vec<(f64, MavHeader, MavMessage)>>,
+    /// σ of the places and velocities in reports along an axis, metres and metres per second.
+    pub noise: (f64, f64),
+    noise_fate: Random,
     /// Reports give pressure altitudes, in air with this pressure at sea level, hectopascals.
     pub sea_level_hpa: Option<f64>,
 }
@@ -294,6 +297,8 @@ impl World {
             sent: Vec::new(),
             keep_sent: false,
             heard: None,
+            noise: (0.0, 0.0),
+            noise_fate: Random::new(seed ^ 0x4015E),
             sea_level_hpa: None,
         }
     }
@@ -434,7 +439,8 @@ impl World {
             }
             if self.shown[index] && time_s >= self.next_report_s[index] {
                 self.next_report_s[index] = time_s + self.report_every_s;
-                let report = self.report(index);
+                let seen = self.with_noise(&self.intruders[index].clone());
+                let report = self.report_of(&seen);
                 self.post(false, 2, (200, 156), &report);
             }
         }
@@ -496,6 +502,17 @@ impl World {
             }
             self.post(true, 1, (outgoing.system_id, 196), &outgoing.message);
         }
+    }
+
+    /// An aircraft as it is reported, with noise in its level place and its velocity.
+    fn with_noise(&mut self, intruder: &Intruder) -> Intruder {
+        let mut seen = intruder.clone();
+        let (sigma_m, sigma_mps) = self.noise;
+        for axis in 0..2 {
+            seen.position_m[axis] += self.noise_fate.normal(sigma_m);
+            seen.velocity_mps[axis] += self.noise_fate.normal(sigma_mps);
+        }
+        seen
     }
 
     /// A receiver's present report of an intruder.

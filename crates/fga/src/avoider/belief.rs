@@ -79,7 +79,8 @@ impl Choice {
 }
 
 impl BeliefAvoider {
-    /// For a vehicle, in cruise on the first leg; reports of aircraft have these errors.
+    /// For a vehicle, in cruise on the first leg; reports of aircraft have these errors. A σ that nobody said ([`Source::Assumed`]) is that
+    /// of the [`Obstacle`], where it has one.
     ///
     /// # Errors
     /// A setting or a limit of the vehicle that is not finite or out of range.
@@ -104,9 +105,21 @@ impl BeliefAvoider {
         })
     }
 
+    /// The avoider among what is exact: its limits, its state, and the leg that is flown.
+    pub const fn avoider(&self) -> &Avoider {
+        &self.avoider
+    }
+
     /// The avoider among what is exact, to change its limits or its mission.
     pub const fn avoider_mut(&mut self) -> &mut Avoider {
         &mut self.avoider
+    }
+
+    /// Forgets the aircraft that the next situation does not have, as where a tracker says which reports are of one aircraft. Without it an
+    /// aircraft without reports is believed to be there for 8 s.
+    pub fn forget_absent(&mut self, situation: &Situation<'_>) {
+        let is_there = |id| situation.obstacles.iter().any(|obstacle| obstacle.id == id);
+        self.beliefs.retain(is_there);
     }
 
     /// Forgets everything but its settings, its errors and the limits of its vehicle.
