@@ -470,6 +470,18 @@ fn sum_up(words: &str, flown: Flown, results: &[Result]) {
     );
 }
 
+/// By beliefs, on reports with noise: σ of 15 m and 1 m/s.
+#[test]
+fn encounters_reported_in_noise_are_kept_apart_by_beliefs() {
+    let flown = Flown {
+        policy: "belief",
+        noise: (15.0, 1.0),
+    };
+    for result in run(12, (500.0, 2000.0), NORMAL_LIMIT_DEG, flown) {
+        assert!(result.least_m >= PROTECTED_M && result.resumed, "{result:?}");
+    }
+}
+
 /// The same encounters by both policies, on exact reports and on reports in noise; `FGA_ENCOUNTERS` of each.
 #[test]
 #[ignore = "minutes; for the table in the docs"]
