@@ -93,6 +93,10 @@ impl Config {
                 "Algorithm 4 (command.mode \"paper\") knows no ground: terrain has no effect";
             warnings.push(words.to_owned());
         }
+        if self.command.policy == PolicyName::Belief && self.alerts.act_at_level > 0 {
+            let words = "policy belief begins manoeuvres by their cost: alerts.act_at_level has no effect on aircraft";
+            warnings.push(words.to_owned());
+        }
         let crewed = self.volume(AircraftClass::Crewed);
         if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
             warnings.push(format!(

@@ -24,6 +24,7 @@ use std::collections::BinaryHeap;
 use std::path::PathBuf;
 
 use fga_emulator::{Emulator, EmulatorSettings, MissionItem, PlaneMode, STEP_S};
+use fga_link::config::PolicyName;
 use fga_link::player::{LoggedLine, read_log};
 use fga_link::wire::{Signing, encode};
 use fga_link::{Companion, Config};
@@ -224,9 +225,13 @@ pub fn upload(
 }
 
 /// A configuration, with the sphere of 60 m and the 3,000 m of surveillance that the encounters of these tests are made
-/// for, where it gives no volume of its own.
+/// for, where it gives no volume of its own. `FGA_POLICY=belief` flies those that name no policy by beliefs.
 pub fn configuration(text: &str) -> Config {
     let mut config = Config::parse(text).expect("configuration");
+    let policy = std::env::var("FGA_POLICY").ok();
+    if let Some(policy) = policy.filter(|_| !text.contains("[command]")) {
+        config.command.policy = PolicyName::from_name(&policy).expect("FGA_POLICY is a policy");
+    }
     if !text.contains("[volumes") {
         config.protection.radius_m.get_or_insert(60.0);
         config.protection.surveillance_m.get_or_insert(3000.0);

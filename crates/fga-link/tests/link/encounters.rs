@@ -478,7 +478,10 @@ fn encounters_reported_in_noise_are_kept_apart_by_beliefs() {
         noise: (15.0, 1.0),
     };
     for result in run(12, (500.0, 2000.0), NORMAL_LIMIT_DEG, flown) {
-        assert!(result.least_m >= PROTECTED_M && result.resumed, "{result:?}");
+        assert!(
+            result.least_m >= PROTECTED_M && result.resumed,
+            "{result:?}"
+        );
     }
 }
 
