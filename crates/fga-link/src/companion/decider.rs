@@ -9,8 +9,8 @@ use fga::vehicle::Vehicle;
 use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 
 use crate::config::{CommandMode, Config, PolicyName};
+use crate::traffic::motion::ALTITUDE_STEP_M;
 use crate::traffic::report::VELOCITY_SIGMA_MPS;
-use crate::traffic::vertical::ALTITUDE_SIGMA_M;
 
 /// How much faster than estimated a vehicle may turn: the estimate of the turn-rate factor is a little low.
 const TURN_RATE_EXCESS: f64 = 1.07;
@@ -26,7 +26,8 @@ fn assumed_errors(position_sigma_m: f64) -> Errors {
     let assumed = |value: f64| Sigma::new(value as f32, Source::Assumed);
     Errors {
         position_m: assumed(position_sigma_m),
-        altitude_m: Sigma::new(ALTITUDE_SIGMA_M as f32, Source::Standard),
+        // σ of what is rounded to steps.
+        altitude_m: assumed(ALTITUDE_STEP_M / libm::sqrt(12.0)),
         velocity_mps: assumed(VELOCITY_SIGMA_MPS),
         climb_mps: assumed(VELOCITY_SIGMA_MPS),
         ..Errors::default()

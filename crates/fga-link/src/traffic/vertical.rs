@@ -21,8 +21,6 @@ const EXPONENT: f64 = 0.190_263;
 const QNH_HPA: [f64; 2] = [950.0, 1050.0];
 /// Possible difference of two altimeters at one place, metres: a transponder's 75 ft, with rounding.
 const ALTIMETERS_M: f64 = 25.0;
-/// σ of an altitude that is reported in steps of 25 ft, metres: the step over √12.
-pub(crate) const ALTITUDE_SIGMA_M: f64 = 2.2;
 /// Share of a height by which air of a non-standard temperature misleads.
 const TEMPERATURE: f64 = 0.1;
 /// Validity of a comparison with the vehicle's pressure, seconds: the weather changes by at most 3 hPa in an hour.

@@ -444,7 +444,7 @@ impl World {
             }
             if self.shown[index] && time_s >= self.next_report_s[index] {
                 self.next_report_s[index] = time_s + self.report_every_s;
-                let seen = self.with_noise(&self.intruders[index].clone());
+                let seen = self.with_noise(self.intruders[index]);
                 let report = self.report_of(&seen);
                 self.post(false, 2, (200, 156), &report);
             }
@@ -510,8 +510,7 @@ impl World {
     }
 
     /// An aircraft as it is reported, with noise in its level place and its velocity.
-    fn with_noise(&mut self, intruder: &Intruder) -> Intruder {
-        let mut seen = intruder.clone();
+    fn with_noise(&mut self, mut seen: Intruder) -> Intruder {
         let (sigma_m, sigma_mps) = self.noise;
         for axis in 0..2 {
             seen.position_m[axis] += self.noise_fate.normal(sigma_m);
