@@ -1,6 +1,6 @@
 //! The aircraft that are known: reports in, a belief of each.
 
-use fga_belief::{Belief, Errors, Report};
+use fga_belief::{Belief, Errors, Report, Sigma, Source};
 use fga_index::situation::{Obstacle, ProtectedVolume, Situation, Uncertainty};
 use fga_proof::Vec3;
 use fga_proof::list::List;
@@ -17,6 +17,23 @@ pub(crate) struct Known {
     id: u32,
     pub(crate) volume: ProtectedVolume,
     pub(crate) belief: Belief,
+}
+
+/// The errors of a report with this uncertainty: its own σ in the place of one that is only assumed.
+fn errors_of(uncertainty: Uncertainty, errors: &Errors) -> Errors {
+    let sigma = |own: f64, known: Sigma| {
+        if own > 0.0 && known.source == Source::Assumed {
+            Sigma::new(own as f32, Source::Report)
+        } else {
+            known
+        }
+    };
+    Errors {
+        position_m: sigma(uncertainty.position_m, errors.position_m),
+        velocity_mps: sigma(uncertainty.velocity_mps, errors.velocity_mps),
+        climb_mps: sigma(uncertainty.velocity_mps, errors.climb_mps),
+        ..*errors
+    }
 }
 
 /// The beliefs about all aircraft, in the order in which they were first heard.
@@ -47,6 +64,13 @@ impl Beliefs {
         self.left_out = 0;
     }
 
+    /// Forgets the aircraft whose numbers do not fit.
+    pub fn retain(&mut self, fits: impl Fn(u32) -> bool) {
+        for slot in self.known.iter_mut() {
+            *slot = slot.filter(|known| fits(known.id));
+        }
+    }
+
     /// Whether nobody is known.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
@@ -68,8 +92,9 @@ impl Beliefs {
         self.left_out
     }
 
-    /// Takes the reports of aircraft, whose errors are these: whether there is a new one. Obstacles are as reported, carried on along
-    /// their velocities for their age; one that keeps its velocity by contract, or rests, is no aircraft.
+    /// Takes the reports of aircraft, whose errors are these: whether there is a new one. A σ that these only assume gives way to that of
+    /// the obstacle, where it has one. Obstacles are as reported, carried on along their velocities for their age; one that keeps its
+    /// velocity by contract, or rests, is no aircraft.
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
         self.left_out = 0;
@@ -86,7 +111,7 @@ impl Beliefs {
                 position_m: obstacle.position_m,
                 velocity_mps: Some(obstacle.velocity_mps),
                 carried_s: age_s as f32,
-                errors: *errors,
+                errors: errors_of(obstacle.uncertainty, errors),
             };
             let mut known = self.known.iter_mut().flatten();
             if let Some(known) = known.find(|known| known.id == obstacle.id) {

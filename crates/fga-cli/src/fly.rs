@@ -13,6 +13,7 @@ use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::gzip::unpacked;
 use fga_formats::terrain::Terrain;
+use fga_link::config::PolicyName;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::replay::replay;
@@ -33,6 +34,9 @@ pub(crate) struct FlyArgs {
     /// The configuration (TOML); without it every key has its default.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// What decides what is flown, turn-aware or belief; without it the configuration's command.policy.
+    #[arg(long, value_name = "POLICY", value_parser = policy)]
+    policy: Option<PolicyName>,
     /// A receiver of traffic: sbs:HOST:PORT, beast:HOST:PORT, flarm:HOST:PORT, or gdl90:0.0.0.0:4000 for its datagrams to this port; may be given several times.
     #[arg(long, value_name = "RECEIVER")]
     traffic: Vec<ReceiverEndpoint>,
@@ -68,6 +72,7 @@ impl FlyArgs {
         Self {
             connect: Some(connect),
             config,
+            policy: None,
             traffic: Vec::new(),
             dry_run: false,
             replay: None,
@@ -79,13 +84,20 @@ impl FlyArgs {
     }
 }
 
+fn policy(name: &str) -> Result<PolicyName, String> {
+    PolicyName::from_name(name).ok_or_else(|| "expected turn-aware or belief".to_owned())
+}
+
 pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     run_until(args, &count_interrupts())
 }
 
 /// Flies until the number of signals to end is not 0.
 pub(crate) fn run_until(args: &FlyArgs, signals: &Arc<AtomicU32>) -> Result<ExitCode, Failure> {
-    let (config, terrain) = read_config(args.config.as_ref())?;
+    let (mut config, terrain) = read_config(args.config.as_ref())?;
+    if let Some(policy) = args.policy {
+        config.command.policy = policy;
+    }
     if let Some(path) = &args.replay {
         return run_replay(config, terrain, path);
     }

@@ -125,6 +125,8 @@ tables! {
     CommandConfig {
         /// The messages that fly the manoeuvre.
         mode: CommandMode = CommandMode::Attitude,
+        /// What decides what is flown.
+        policy: PolicyName = PolicyName::TurnAware,
         /// Rate of attitude targets, hertz.
         rate_hz: f64 = 20.0,
         /// Time from one decision to the next, seconds.
@@ -259,6 +261,27 @@ pub enum CommandMode {
     Heading,
     /// Algorithm 4: CRUISE, FBWB with roll by `RC_CHANNELS_OVERRIDE`, CRUISE.
     Paper,
+}
+
+/// What decides what is flown; the simulator has the same names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PolicyName {
+    /// The worst of what each aircraft may do.
+    TurnAware,
+    /// The least expected cost among what each aircraft may do, from its reports as they came.
+    Belief,
+}
+
+impl PolicyName {
+    /// The policy with this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "turn-aware" => Some(Self::TurnAware),
+            "belief" => Some(Self::Belief),
+            _ => None,
+        }
+    }
 }
 
 /// Who is asked for heights of the ground.

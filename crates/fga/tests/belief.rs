@@ -5,7 +5,9 @@ use fga::avoider::{Decision, Settings, State};
 use fga::meter::Meter;
 use fga::pilot::Pilot;
 use fga::prediction::{Flyer, MotionState};
-use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
+use fga::situation::{
+    Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation, Uncertainty,
+};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga::{Vec2, Vec3};
@@ -63,11 +65,17 @@ fn aircraft(place_m: Vec3, velocity_mps: Vec3) -> Obstacle {
 
 /// The last decision after reports for ten seconds of an aircraft that is at a place after them, with a velocity.
 fn decided(mission: Mission<'_>, at_m: Vec3, velocity_mps: Vec3) -> Decision {
-    let mut pilot = pilot();
+    decided_by(&mut pilot(), mission, &aircraft(at_m, velocity_mps))
+}
+
+fn decided_by(pilot: &mut BeliefAvoider, mission: Mission<'_>, last: &Obstacle) -> Decision {
     let mut decision = Decision::default();
     for second in 0..=10 {
         let (time_s, left_s) = (f64::from(second), f64::from(10 - second));
-        let obstacle = aircraft(at_m - velocity_mps * left_s, velocity_mps);
+        let obstacle = Obstacle {
+            position_m: last.position_m - last.velocity_mps * left_s,
+            ..*last
+        };
         decision = pilot.step(&Situation {
             time_s,
             ownship: ownship(Vec3::new(30.0 * time_s, 0.0, 300.0)),
@@ -93,6 +101,34 @@ fn a_head_on_aircraft_is_avoided_and_one_far_above_is_not() {
     let above = decided(mission, Vec3::new(2600.0, 0.0, 700.0), TOWARDS_MPS);
     assert_eq!(above.state, State::Cruise, "{above:?}");
     assert!(above.record.p_loss_hold.unwrap() < 0.05, "{above:?}");
+}
+
+/// The σ of a report counts in the place of one that is assumed, and not in the place of one that somebody said.
+#[test]
+fn a_report_that_says_its_own_errors_is_believed_by_them() {
+    let near = aircraft(Vec3::new(2600.0, 200.0, 300.0), TOWARDS_MPS);
+    let worse = Obstacle {
+        uncertainty: Uncertainty {
+            position_m: 80.0,
+            velocity_mps: 4.0,
+        },
+        ..near
+    };
+    let by = |errors: Errors, reported: &Obstacle| {
+        let mut pilot = BeliefAvoider::new(Settings::default(), VEHICLE, errors).unwrap();
+        decided_by(&mut pilot, Mission::new(&WAYPOINTS_M), reported)
+    };
+    let with = |source, position_m, velocity_mps| Errors {
+        position_m: Sigma::new(position_m, source),
+        velocity_mps: Sigma::new(velocity_mps, source),
+        climb_mps: Sigma::new(velocity_mps, source),
+        ..errors()
+    };
+    let said = with(Source::Sensor, 15.0, 1.0);
+    let wide = by(with(Source::Sensor, 80.0, 4.0), &near);
+    assert_eq!(by(with(Source::Assumed, 15.0, 1.0), &worse), wide);
+    assert_eq!(by(said, &worse), by(said, &near));
+    assert_ne!(by(said, &near), wide);
 }
 
 /// Two minutes away nothing is lost yet, and it waits.

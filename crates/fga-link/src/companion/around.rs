@@ -5,7 +5,7 @@ use fga_formats::geodesy::{Geodetic, LocalFrame};
 
 use super::route::LaidRoute;
 use super::voice::Voice;
-use crate::config::{Config, ConfigError, VirtualObstacle};
+use crate::config::{Config, ConfigError, PolicyName, VirtualObstacle};
 use crate::number::velocity_mps;
 use crate::ownship::OwnState;
 use crate::traffic::class::volume_of;
@@ -126,6 +126,7 @@ impl ObstaclesAround {
             within_m,
             volumes: Volumes::new(config),
             most: MOST_TRACKS,
+            as_reported: config.command.policy == PolicyName::Belief,
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);
         if self.tracks.is_new_overload(voice.now_s()) {

@@ -56,9 +56,10 @@ impl Companion {
         // The vehicle answers while the aircraft settles on the leg.
         let is_set = self.handover.settles() && self.item_is_set();
         let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
-        let ends = self.handover.is_ending()
-            && !self.handover.listens(now_s)
-            && (is_back || !self.given_back_collides(state, clear_m));
+        let is_clear =
+            || decision.record.threat.is_none() && !self.given_back_collides(state, clear_m);
+        let ends =
+            self.handover.is_ending() && !self.handover.listens(now_s) && (is_back || is_clear());
         if !(is_back && is_set || ends && self.item_is_set()) {
             return;
         }

@@ -158,10 +158,10 @@ impl Handover {
                 on_leg || now_s - since_s >= LONGEST_WAY_BACK_S
             }
             // The end of a planned way back leaves time for the slowest roll.
-            State::Recovering => decision.record.threat.is_none() && turns_onto_leg && on_leg,
+            State::Recovering => turns_onto_leg && on_leg,
             State::Threatened | State::Avoiding => false,
         };
-        if !on_way {
+        if !on_way || decision.record.threat.is_some() {
             self.on_way_since_s = None;
             return false;
         }

@@ -3,9 +3,11 @@
 use fga::avoider::{Decision, Threat};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::ObstacleKind;
+use fga_formats::words::chance_words;
 
 use super::Companion;
 use super::picture::FlightPicture;
+use crate::authority::Severity;
 use crate::ground::{AboveGround, each_second};
 
 impl Companion {
@@ -21,6 +23,16 @@ impl Companion {
             format!("fga: avoiding {name}, {entry_s:.0} s away")
         });
         self.voice.warn(words.as_deref().unwrap_or("fga: avoiding"));
+        if let Some([hold, flies]) = self.chances() {
+            let words = format!("fga: {hold} to enter, flown {flies}");
+            self.voice.tell(Severity::Notice, &words);
+        }
+    }
+
+    /// The chances in words to enter a protected volume on the mission and as it flies; `None` of a policy that has none.
+    fn chances(&self) -> Option<[String; 2]> {
+        let record = &self.decisions.last()?.decision.record;
+        Some([record.p_loss_hold?, record.p_loss?].map(chance_words))
     }
 
     /// Name of the obstacle that a decision is about.
@@ -52,6 +64,9 @@ impl Companion {
         let threat = self.threat().map_or(String::new(), |(name, threat)| {
             format!(" | {name} in {:.0} s", threat.entry_s.max(0.0))
         });
+        let chances = self.chances().map_or(String::new(), |[hold, flies]| {
+            format!(" | {hold} to enter, flown {flies}")
+        });
         let unseen = match self.reports.defects().unseen() {
             0 => String::new(),
             count => format!(", {count} unseen"),
@@ -59,7 +74,7 @@ impl Companion {
         let above = self.above_ground();
         let above = above.map_or(String::new(), |above| format!(" | {above}"));
         format!(
-            "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{above}{threat}",
+            "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{above}{threat}{chances}",
             system,
             mode,
             if self.session.is_armed() {

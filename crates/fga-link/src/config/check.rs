@@ -228,6 +228,8 @@ mod tests {
         assert!(error("[traffic]\nown_icao = \"xyz\"").contains("own_icao"));
         assert!(error("[link]\nsigning_key = \"00\"").contains("64"));
         assert!(error("[response]\ndead_time_s = nan").contains("dead_time_s"));
+        let both = error("[command]\nmode = \"paper\"\npolicy = \"belief\"");
+        assert!(both.contains("command.policy"), "{both}");
     }
 
     /// Files of earlier versions have them in `[safety]`.

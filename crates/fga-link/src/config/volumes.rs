@@ -4,7 +4,7 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, Vehicle};
 use fga_files::surveillance::{self, CREWED_MPS, Evasion};
 
-use super::{CommandMode, Config, ConfigError, NMAC, VolumesConfig};
+use super::{CommandMode, Config, ConfigError, NMAC, PolicyName, VolumesConfig};
 use crate::traffic::class::{AircraftClass, Volumes, volume_of};
 
 /// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
@@ -26,6 +26,12 @@ impl Config {
         if protection.radius_m.is_some() && self.volumes != VolumesConfig::default() {
             return Err(ConfigError(
                 "protection.radius_m and [volumes] are given, expected one of them".to_owned(),
+            ));
+        }
+        if (self.command.mode, self.command.policy) == (CommandMode::Paper, PolicyName::Belief) {
+            return Err(ConfigError(
+                "command.policy is 'belief' beside command.mode 'paper', expected one of them"
+                    .to_owned(),
             ));
         }
         let Some(surveillance_m) = protection.surveillance_m else {
@@ -85,6 +91,10 @@ impl Config {
         if self.command.mode == CommandMode::Paper && self.terrain.clearance_m.is_some() {
             let words =
                 "Algorithm 4 (command.mode \"paper\") knows no ground: terrain has no effect";
+            warnings.push(words.to_owned());
+        }
+        if self.command.policy == PolicyName::Belief && self.alerts.act_at_level > 0 {
+            let words = "policy belief begins manoeuvres by their cost: alerts.act_at_level has no effect on aircraft";
             warnings.push(words.to_owned());
         }
         let crewed = self.volume(AircraftClass::Crewed);

@@ -72,7 +72,7 @@ pub struct PlaceReport {
 /// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
 pub(super) const SIGMAS_IN_95: f64 = 2.4477;
 /// σ of a velocity along an axis without quality figures, metres per second.
-const VELOCITY_SIGMA_MPS: f64 = 1.0;
+pub(crate) const VELOCITY_SIGMA_MPS: f64 = 1.0;
 
 impl Quality {
     /// The quality of a report of a position alone, with its σ along an axis, metres.

@@ -10,7 +10,7 @@
 use alloc::collections::BTreeMap;
 
 use fga::Vec3;
-use fga::situation::{Obstacle, ObstacleKind, Uncertainty};
+use fga::situation::{Obstacle, ObstacleKind};
 use fga_formats::geodesy::LocalFrame;
 
 use super::class::Volumes;
@@ -58,6 +58,8 @@ pub struct Wanted {
     pub volumes: Volumes,
     /// Largest number.
     pub most: usize,
+    /// Whether obstacles are as last reported, for a policy that filters by itself, instead of as the track has them.
+    pub as_reported: bool,
 }
 
 /// All tracks.
@@ -480,7 +482,11 @@ impl TrackTable {
         wanted: &Wanted,
         claims: Claims,
     ) -> Option<(TrackUrgency, Obstacle)> {
-        let mut position_m = track.position_m(wanted.at_s);
+        let (mut position_m, uncertainty) = if wanted.as_reported {
+            track.as_reported(wanted.at_s)
+        } else {
+            track.smoothed(wanted.at_s)
+        };
         let off = position_m - wanted.own_m;
         if libm::hypot(off.x, off.y) > wanted.within_m {
             return None;
@@ -498,10 +504,7 @@ impl TrackTable {
             kind: ObstacleKind::Unknown,
             movement: track.movement,
             age_s: (wanted.at_s - track.last_seen().valid_s).max(0.0),
-            uncertainty: Uncertainty {
-                position_m: track.sigma_m(wanted.at_s),
-                velocity_mps: track.velocity_sigma_mps(),
-            },
+            uncertainty,
         };
         Some((self.urgency(track, wanted.at_s, claims), obstacle))
     }

@@ -9,7 +9,7 @@
 use alloc::collections::VecDeque;
 
 use fga::Vec3;
-use fga::situation::Movement;
+use fga::situation::{Movement, Uncertainty};
 
 use super::class::AircraftClass;
 use super::motion::{self, ReportedPlace};
@@ -232,6 +232,36 @@ impl AircraftTrack {
             0.0
         };
         reported_mps + self.estimated_mps
+    }
+
+    /// Its position at `at_s`, metres, and its uncertainty then.
+    pub(super) fn smoothed(&self, at_s: f64) -> (Vec3, Uncertainty) {
+        let uncertainty = Uncertainty {
+            position_m: self.sigma_m(at_s),
+            velocity_mps: self.velocity_sigma_mps(),
+        };
+        (self.position_m(at_s), uncertainty)
+    }
+
+    /// The position of its last report carried on to `at_s`, metres, and the errors of that report, those that a receiver assumes too.
+    pub(super) fn as_reported(&self, at_s: f64) -> (Vec3, Uncertainty) {
+        let last = &self.last;
+        let mut position_m = last.position_m + self.velocity_mps * (at_s - last.valid_s);
+        if last.quality.altitude != self.quality.altitude {
+            position_m.z = self.position_m(at_s).z;
+        }
+        let velocity_mps = if !self.has_velocity && self.shown_mps.is_none() {
+            0.5 * GATE_UNKNOWN_MPS
+        } else if self.has_velocity && !self.contradicts {
+            last.quality.velocity_mps
+        } else {
+            self.estimated_mps
+        };
+        let uncertainty = Uncertainty {
+            position_m: last.quality.position_m,
+            velocity_mps,
+        };
+        (position_m, uncertainty)
     }
 
     /// Name for the operator: call sign, else address, else number.

@@ -24,6 +24,7 @@ use std::collections::BinaryHeap;
 use std::path::PathBuf;
 
 use fga_emulator::{Emulator, EmulatorSettings, MissionItem, PlaneMode, STEP_S};
+use fga_link::config::PolicyName;
 use fga_link::player::{LoggedLine, read_log};
 use fga_link::wire::{Signing, encode};
 use fga_link::{Companion, Config};
@@ -121,6 +122,9 @@ pub struct World {
     pub keep_sent: bool,
     /// Every message that the companion heard, with its time, where kept.
     pub heard: Option<Vec<(f64, MavHeader, MavMessage)>>,
+    /// σ of the places and velocities in reports along an axis, metres and metres per second.
+    pub noise: (f64, f64),
+    noise_fate: Random,
     /// Reports give pressure altitudes, in air with this pressure at sea level, hectopascals.
     pub sea_level_hpa: Option<f64>,
 }
@@ -221,9 +225,13 @@ pub fn upload(
 }
 
 /// A configuration, with the sphere of 60 m and the 3,000 m of surveillance that the encounters of these tests are made
-/// for, where it gives no volume of its own.
+/// for, where it gives no volume of its own. `FGA_POLICY=belief` flies those that name no policy by beliefs.
 pub fn configuration(text: &str) -> Config {
     let mut config = Config::parse(text).expect("configuration");
+    let policy = std::env::var("FGA_POLICY").ok();
+    if let Some(policy) = policy.filter(|_| !text.contains("[command]")) {
+        config.command.policy = PolicyName::from_name(&policy).expect("FGA_POLICY is a policy");
+    }
     if !text.contains("[volumes") {
         config.protection.radius_m.get_or_insert(60.0);
         config.protection.surveillance_m.get_or_insert(3000.0);
@@ -294,6 +302,8 @@ impl World {
             sent: Vec::new(),
             keep_sent: false,
             heard: None,
+            noise: (0.0, 0.0),
+            noise_fate: Random::new(seed ^ 0x4015E),
             sea_level_hpa: None,
         }
     }
@@ -434,7 +444,8 @@ impl World {
             }
             if self.shown[index] && time_s >= self.next_report_s[index] {
                 self.next_report_s[index] = time_s + self.report_every_s;
-                let report = self.report(index);
+                let seen = self.with_noise(self.intruders[index]);
+                let report = self.report_of(&seen);
                 self.post(false, 2, (200, 156), &report);
             }
         }
@@ -496,6 +507,16 @@ impl World {
             }
             self.post(true, 1, (outgoing.system_id, 196), &outgoing.message);
         }
+    }
+
+    /// An aircraft as it is reported, with noise in its level place and its velocity.
+    fn with_noise(&mut self, mut seen: Intruder) -> Intruder {
+        let (sigma_m, sigma_mps) = self.noise;
+        for axis in 0..2 {
+            seen.position_m[axis] += self.noise_fate.normal(sigma_m);
+            seen.velocity_mps[axis] += self.noise_fate.normal(sigma_mps);
+        }
+        seen
     }
 
     /// A receiver's present report of an intruder.

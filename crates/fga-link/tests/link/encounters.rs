@@ -162,10 +162,36 @@ struct Result {
 const NORMAL_LIMIT_DEG: f32 = 45.0;
 const STEEP_LIMIT_DEG: f32 = 65.0;
 
-fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
+/// How an encounter is flown: by which policy, and on reports with which σ along an axis, metres and metres per second.
+#[derive(Debug, Clone, Copy)]
+struct Flown {
+    policy: &'static str,
+    noise: (f64, f64),
+}
+
+const DEFAULT: Flown = Flown {
+    policy: "turn-aware",
+    noise: (0.0, 0.0),
+};
+
+impl Flown {
+    /// A world with the vehicle alone, whose companion knows the σ of places.
+    fn world(self, seed: u32) -> World {
+        let sigma_m = self.noise.0.max(2.0);
+        let config = format!(
+            "[command]\npolicy = \"{}\"\n[traffic]\nposition_sigma_m = {sigma_m:.1}\n",
+            self.policy
+        );
+        let mut world = World::new(&config, BAD, u64::from(seed));
+        world.noise = self.noise;
+        world
+    }
+}
+
+fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32, flown: Flown) -> Result {
     let mut random = Random::new(u64::from(seed) * 7919 + 13);
     let shown_m = random.uniform(shown.0, shown.1);
-    let mut world = World::new("", BAD, u64::from(seed));
+    let mut world = flown.world(seed);
     if limit_deg != NORMAL_LIMIT_DEG {
         world.set_parameter("ROLL_LIMIT_DEG", limit_deg);
     }
@@ -237,14 +263,14 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
     }
 }
 
-fn run(count: u32, shown: (f64, f64), limit_deg: f32) -> Vec<Result> {
+fn run(count: u32, shown: (f64, f64), limit_deg: f32, flown: Flown) -> Vec<Result> {
     let only = std::env::var("FGA_SEED")
         .ok()
         .and_then(|text| text.parse::<u32>().ok());
     (0..count)
         .filter(|seed| only.is_none_or(|only| only == *seed))
         .map(|seed| {
-            let result = fly(seed, KINDS[(seed % 6) as usize], shown, limit_deg);
+            let result = fly(seed, KINDS[(seed % 6) as usize], shown, limit_deg, flown);
             eprintln!(
                 "{:3} {:10} shown {:4.0} m: least {:6.1} m, off the leg {:5.1} m, back after {:5.1} s, {} mode changes, resumed {}, flew {}, in need {}",
                 result.seed, format!("{:?}", result.kind), result.shown_m, result.least_m,
@@ -272,11 +298,11 @@ struct OnNewMission {
 
 /// An encounter on a leg that was uploaded on another link 50 s before: from the aircraft's position,
 /// rotated by up to 25° to either side.
-fn fly_new_mission(seed: u32) -> OnNewMission {
+fn fly_new_mission(seed: u32, flown: Flown) -> OnNewMission {
     let kind = KINDS[(seed % 6) as usize];
     let mut random = Random::new(u64::from(seed) * 7919 + 13);
     let shown_m = random.uniform(500.0, 2000.0);
-    let mut world = World::new("", BAD, u64::from(seed));
+    let mut world = flown.world(seed);
     world.run_until(UPLOAD_S);
     let from_m = world.emulator.plant().position_m();
     let (sin, cos) = random.uniform(-25.0, 25.0_f64).to_radians().sin_cos();
@@ -346,7 +372,7 @@ fn with_a_new_mission_on_another_link_before_each_it_comes_back_to_the_new_leg()
     let count = std::env::var("FGA_ENCOUNTERS").map_or(50, |text| text.parse().expect("a number"));
     let (mut wrong, mut back) = (Vec::new(), Vec::new());
     for seed in 0..count {
-        let result = fly_new_mission(seed);
+        let result = fly_new_mission(seed, DEFAULT);
         eprintln!(
             "{:3} {:10} least {:6.1} m, back after {:5.1} s, {} mode changes",
             result.seed,
@@ -372,7 +398,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 #[test]
 fn fifty_encounters_shown_early_are_kept_apart_with_a_small_departure() {
-    let results = run(50, (500.0, 2000.0), NORMAL_LIMIT_DEG);
+    let results = run(50, (500.0, 2000.0), NORMAL_LIMIT_DEG, DEFAULT);
     for result in &results {
         assert!(result.least_m >= PROTECTED_M, "{result:?}");
         assert!(result.resumed, "{result:?}");
@@ -408,7 +434,7 @@ fn the_bank_in_need_saves_what_the_oracle_can_with_the_vehicles_own_limit() {
 }
 
 fn saved_where_the_oracle_can(limit_deg: f32) -> Vec<Result> {
-    let results = run(50, (200.0, 300.0), limit_deg);
+    let results = run(50, (200.0, 300.0), limit_deg, DEFAULT);
     for result in results.iter().filter(|result| result.least_m < PROTECTED_M) {
         eprintln!("lost: {result:?}");
     }
@@ -419,4 +445,58 @@ fn saved_where_the_oracle_can(limit_deg: f32) -> Vec<Result> {
         }
     }
     results
+}
+
+/// One line: what each policy makes of the same encounters.
+fn sum_up(words: &str, flown: Flown, results: &[Result]) {
+    let kept = results.iter().filter(|r| r.least_m >= PROTECTED_M).count();
+    let largest = |value: fn(&Result) -> f64| results.iter().map(value).fold(0.0, f64::max);
+    let middle = |value: fn(&Result) -> f64| median(results.iter().map(value).collect());
+    let least_m = results
+        .iter()
+        .map(|r| r.least_m)
+        .fold(f64::INFINITY, f64::min);
+    let changes = [0, 2, 4, 6].map(|n| results.iter().filter(|r| r.changes == n).count());
+    eprintln!(
+        "{words}, {flown:?}: kept {kept} of {}, least {least_m:.1} m, off the leg {:.0} m, {:.0} m, back {:.1} s, {:.1} s, \
+         {} flew, {} resumed, 0, 2, 4 and 6 changes {changes:?}",
+        results.len(),
+        middle(|r| r.largest_m),
+        largest(|r| r.largest_m),
+        middle(|r| r.back_s),
+        largest(|r| r.back_s),
+        results.iter().filter(|r| r.flew).count(),
+        results.iter().filter(|r| r.resumed).count(),
+    );
+}
+
+/// By beliefs, on reports with noise: σ of 15 m and 1 m/s.
+#[test]
+fn encounters_reported_in_noise_are_kept_apart_by_beliefs() {
+    let flown = Flown {
+        policy: "belief",
+        noise: (15.0, 1.0),
+    };
+    for result in run(12, (500.0, 2000.0), NORMAL_LIMIT_DEG, flown) {
+        assert!(
+            result.least_m >= PROTECTED_M && result.resumed,
+            "{result:?}"
+        );
+    }
+}
+
+/// The same encounters by both policies, on exact reports and on reports in noise; `FGA_ENCOUNTERS` of each.
+#[test]
+#[ignore = "minutes; for the table in the docs"]
+fn the_same_encounters_by_both_policies() {
+    let count = std::env::var("FGA_ENCOUNTERS").map_or(50, |text| text.parse().expect("a number"));
+    for noise in [(0.0, 0.0), (15.0, 1.0)] {
+        for policy in ["turn-aware", "belief"] {
+            let flown = Flown { policy, noise };
+            for (words, shown) in [("early", (500.0, 2000.0)), ("late", (200.0, 300.0))] {
+                let results = run(count, shown, NORMAL_LIMIT_DEG, flown);
+                sum_up(words, flown, &results);
+            }
+        }
+    }
 }

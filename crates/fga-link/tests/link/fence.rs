@@ -47,7 +47,12 @@ fn round(center_m: [f64; 2], radius_m: f64, count: u32) -> Vec<[f64; 2]> {
 
 /// A head-on intruder meets the vehicle after a minute.
 fn head_on() -> World {
-    let mut world = World::new("", GOOD, 8);
+    head_on_by("turn-aware")
+}
+
+fn head_on_by(policy: &str) -> World {
+    let config = format!("[command]\npolicy = \"{policy}\"\n");
+    let mut world = World::new(&config, GOOD, 8);
     world.add(Intruder::head_on());
     world
 }
@@ -61,7 +66,15 @@ fn flown(
     before: impl Fn(&World) -> Vec<MissionItem>,
     then: Option<Stored<'_>>,
 ) -> ((f64, f64), World) {
-    let mut world = head_on();
+    flown_by("turn-aware", before, then)
+}
+
+fn flown_by(
+    policy: &str,
+    before: impl Fn(&World) -> Vec<MissionItem>,
+    then: Option<Stored<'_>>,
+) -> ((f64, f64), World) {
+    let mut world = head_on_by(policy);
     let fence = before(&world);
     world.emulator.set_fence(fence);
     let (mut least_m, mut most_m) = (0.0_f64, 0.0_f64);
@@ -166,7 +179,9 @@ fn among_more_corners_than_there_is_room_for_traffic_is_avoided() {
 #[test]
 fn a_fence_with_no_room_for_a_manoeuvre_comes_after_the_traffic() {
     let corridor = rectangle([-8.0, 8.0, -2000.0, 20_000.0]);
-    flown(|world| polygon(world, IN, &corridor), None);
+    for policy in ["turn-aware", "belief"] {
+        flown_by(policy, |world| polygon(world, IN, &corridor), None);
+    }
 }
 
 #[test]

@@ -92,14 +92,42 @@ fn write_without_steps(from: &Path, to: &Path) {
 
 #[test]
 fn a_log_repeats_its_flight_to_the_step() {
-    let live = Live::udp(None, None);
-    let out = live::folder("repeats");
     let config = live::config();
+    let (log, flown) = repeats_a_flight("repeats", &config);
+    // Without its steps, as an older log: the same take-over, at another moment.
+    let old = log.with_file_name("old.tlog");
+    write_without_steps(&log, &old);
+    let (done, repeated) = replayed(&old, &config);
+    let taken_s = |lines: &[Value]| {
+        let takes = |line: &&Value| line["kind"] == "set-mode" && line["mode"] == "GUIDED";
+        lines
+            .iter()
+            .find(takes)
+            .and_then(|line| line["t_s"].as_f64())
+    };
+    let (flown_s, again_s) = (taken_s(&flown), taken_s(&repeated));
+    let off_s = flown_s.zip(again_s).map(|(a, b)| (a - b).abs());
+    assert!(
+        !done.repeats && off_s.is_some_and(|s| s < 0.3),
+        "{flown_s:?} {again_s:?}"
+    );
+}
+
+#[test]
+fn a_log_repeats_a_flight_by_beliefs() {
+    let config = format!("{}\n[command]\npolicy = \"belief\"\n", live::config());
+    repeats_a_flight("repeats-belief", &config);
+}
+
+/// Flies, and repeats the flight from its log; the log, and the lines of its decisions.
+fn repeats_a_flight(name: &str, config: &str) -> (PathBuf, Vec<Value>) {
+    let live = Live::udp(None, None);
+    let out = live::folder(name);
     let options = FlyOptions {
         endpoint: format!("udpout:{}", live.address)
             .parse()
             .expect("an endpoint"),
-        config: Config::parse(&config).expect("a configuration"),
+        config: Config::parse(config).expect("a configuration"),
         traffic: vec![receiver().parse().expect("a receiver")],
         terrain: None,
         dry_run: false,
@@ -120,7 +148,7 @@ fn a_log_repeats_its_flight_to_the_step() {
         .lines()
         .map(|line| serde_json::from_str(line).expect("a line"))
         .collect();
-    let (done, repeated) = replayed(&log, &config);
+    let (done, repeated) = replayed(&log, config);
     assert!(done.repeats && done.skipped == 0, "{done:?}");
     let decisions = flown.iter().filter(|line| line["kind"] == "decision");
     assert!(decisions.count() > 5);
@@ -128,24 +156,8 @@ fn a_log_repeats_its_flight_to_the_step() {
         assert_eq!(flown, repeated, "line {number}");
     }
     assert_eq!(flown.len(), repeated.len());
-    // Without its steps, as an older log: the same take-over, at another moment.
-    let old = out.join("old.tlog");
-    write_without_steps(&log, &old);
-    let (done, repeated) = replayed(&old, &config);
-    let taken_s = |lines: &[Value]| {
-        let takes = |line: &&Value| line["kind"] == "set-mode" && line["mode"] == "GUIDED";
-        lines
-            .iter()
-            .find(takes)
-            .and_then(|line| line["t_s"].as_f64())
-    };
-    let (flown_s, again_s) = (taken_s(&flown), taken_s(&repeated));
-    let off_s = flown_s.zip(again_s).map(|(a, b)| (a - b).abs());
-    assert!(
-        !done.repeats && off_s.is_some_and(|s| s < 0.3),
-        "{flown_s:?} {again_s:?}"
-    );
     // Another configuration repeats nothing, and says so.
-    let (done, _) = replayed(&log, &format!("{config}\n[command]\nrate_hz = 10.0\n"));
+    let (done, _) = replayed(&log, &format!("{config}\n[traffic]\ndrop_after_s = 10.0\n"));
     assert!(!done.repeats);
+    (log, flown)
 }

@@ -84,7 +84,8 @@ impl Choice {
 }
 
 impl BeliefAvoider {
-    /// For a vehicle, in cruise on the first leg; reports of aircraft have these errors.
+    /// For a vehicle, in cruise on the first leg; reports of aircraft have these errors. A σ that nobody said ([`Source::Assumed`]) is that
+    /// of the [`Obstacle`], where it has one.
     ///
     /// # Errors
     /// A setting or a limit of the vehicle that is not finite or out of range.
@@ -109,6 +110,11 @@ impl BeliefAvoider {
         })
     }
 
+    /// The avoider among what is exact: its limits, its state, and the leg that is flown.
+    pub const fn avoider(&self) -> &Avoider {
+        &self.avoider
+    }
+
     /// The avoider among what is exact, to change its limits or its mission.
     pub const fn avoider_mut(&mut self) -> &mut Avoider {
         &mut self.avoider
@@ -117,6 +123,13 @@ impl BeliefAvoider {
     /// What it believes of the aircraft around.
     pub const fn beliefs(&self) -> &Beliefs {
         &self.beliefs
+    }
+
+    /// Forgets the aircraft that the next situation does not have, as where a tracker says which reports are of one aircraft. Without it an
+    /// aircraft without reports is believed to be there for 8 s.
+    pub fn forget_absent(&mut self, situation: &Situation<'_>) {
+        let is_there = |id| situation.obstacles.iter().any(|obstacle| obstacle.id == id);
+        self.beliefs.retain(is_there);
     }
 
     /// Forgets everything but its settings, its errors and the limits of its vehicle.
@@ -219,6 +232,10 @@ impl Chooses<'_> {
         };
         avoider.load_tracks(situation, None);
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
+        // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
+        if self.choice.is_left && matches!(avoider.state, State::Avoiding | State::Recovering) {
+            return avoider.step_turn_aware(situation, now, None, decision);
+        }
         let since_s = time_s - self.choice.at_s;
         let is_due =
             since_s < 0.0 || since_s >= PERIOD_S.1 || self.has_news && since_s >= PERIOD_S.0;
@@ -263,11 +280,12 @@ impl Chooses<'_> {
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
         };
-        // The least cost decides whether a manoeuvre begins. Among plans that cost little more, a proof decides which one flies.
+        // The least cost decides whether a manoeuvre begins. Among plans that cost little more, a proof decides which one flies. A plan
+        // that keeps clear of what is fixed and costs much more flies through the others.
         let is_off = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
         let cheapest = ranked.first().copied();
         let was_off = self.choice.plan.way_at(scene.time_s).is_some();
-        let is_near = |one: &Ranked| {
+        let is_near = |one: &&Ranked| {
             cheapest.is_some_and(|cheapest| {
                 one.cost_m <= cheapest.cost_m + PROVEN_M
                     && (was_off || is_off(one) == is_off(&cheapest))
@@ -275,7 +293,7 @@ impl Chooses<'_> {
         };
         for is_wanted in [true, false] {
             choice.is_proven = is_wanted;
-            for one in ranked.iter().filter(|one| !is_wanted || is_near(one)) {
+            for one in ranked.iter().filter(is_near) {
                 scene.set(&one.plan, decision.command.edit());
                 if keeps(avoider, scene, (&one.plan, is_wanted), decision, now) {
                     choice.plan = one.plan;

@@ -22,6 +22,11 @@ impl Random {
         z ^ (z >> 31)
     }
 
+    /// About normal, with σ: the sum of twelve.
+    pub fn normal(&mut self, sigma: f64) -> f64 {
+        sigma * (0..12).map(|_| self.uniform(-0.5, 0.5)).sum::<f64>()
+    }
+
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64)
     }
