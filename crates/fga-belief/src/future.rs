@@ -18,8 +18,11 @@ pub const FUTURES: usize = DRAWN + EDGES;
 /// Weight of each edge.
 const EDGE_WEIGHT: f32 = 0.005;
 
-/// A turn is followed by chords of this time, seconds: at 60 m/s and 6 °/s it bows by 3 m.
-const CHORD_S: f32 = 2.0;
+/// A turn is followed by chords that bow by this, metres.
+const BOW_M: f32 = 3.0;
+
+/// A turn rate above this is a turn, radians per second (1.5 °/s).
+const TURNS_RADPS: f32 = 0.026;
 
 /// A climb rate above this is a climb, metres per second.
 const CLIMBS_MPS: f32 = 0.5;
@@ -77,7 +80,7 @@ impl Spread {
         Self {
             own: climb.own,
             cross: climb.cross,
-            white: prior::STEADY_CLIMB,
+            white: prior::CLIMB_AHEAD,
             until_s,
         }
     }
@@ -124,17 +127,12 @@ impl Future {
             let ends_s = next
                 .and_then(|next| self.legs.get(next))
                 .map_or(until_s, |next| next.from_s.min(until_s));
-            let to_s = if leg.turn_radps == 0.0 {
-                ends_s
-            } else {
-                ends_s.min(from_s + CHORD_S)
-            };
+            // The way to the side, a t² / 2, bows by a t² / 8.
+            let across_mps2 = libm::sqrtf(leg.velocity.squared()) * leg.turn_radps.abs();
+            let chord_s = libm::sqrtf(8.0 * BOW_M / across_mps2.max(1e-3));
+            let to_s = ends_s.min(from_s + chord_s);
             let lasts_s = to_s - from_s;
-            let chord = (
-                [from_s, to_s],
-                libm::sqrtf(leg.velocity.squared()) * leg.turn_radps.abs() * lasts_s * lasts_s
-                    / 8.0,
-            );
+            let chord = ([from_s, to_s], across_mps2 * lasts_s * lasts_s / 8.0);
             from_s = to_s;
             (lasts_s > 0.0).then_some(chord)
         })
@@ -273,9 +271,10 @@ impl Belief {
             altitude_m: climb.at[0],
             climb_mps: climb.at[1],
             turn_radps: if kind.side() == 0.0 {
-                0.0
+                normal(a0) * prior::WANDERS_RADPS
             } else {
-                rate.max(-brief_radps).min(brief_radps)
+                let change = normal(a0) * prior::TURN_CHANGE * self.bounds.turn_rate_radps as f32;
+                (rate + change).max(-brief_radps).min(brief_radps)
             },
         };
         let second = self.changed(&first, [t1, what1, how1].map(unit));
@@ -293,7 +292,10 @@ impl Belief {
 
     /// The piece after a piece: when, what, how, by numbers in (0, 1).
     fn changed(&self, leg: &Leg, [when, what, how]: [f32; 3]) -> Leg {
-        let (turns, climbs) = (leg.turn_radps != 0.0, leg.climb_mps.abs() > CLIMBS_MPS);
+        let (turns, climbs) = (
+            leg.turn_radps.abs() > TURNS_RADPS,
+            leg.climb_mps.abs() > CLIMBS_MPS,
+        );
         let turn_rate = if turns {
             prior::TURN_ENDS_PER_S + prior::TURN_CHANGES_SIDE_PER_S
         } else {

@@ -158,3 +158,70 @@ fn no_bounds_end_a_program() {
         assert_eq!(belief.futures(20.0).all.len(), FUTURES);
     }
 }
+
+/// Where recorded aircraft are after some seconds, by the quantiles of what was said along their way, across it and above: 2 of 100 lie beyond
+/// the outer ones.
+#[test]
+fn recorded_flights_are_where_their_futures_say() {
+    let below = |off_m: f64, variance_m2: f32| {
+        0.5 * libm::erfc(-off_m / f64::from(2.0 * variance_m2.max(1e-4)).sqrt())
+    };
+    for sigma_m in [5.0, 15.0, 40.0] {
+        let sight = Sight::of(sigma_m, 10);
+        let mut ranks = [5_u8, 10, 20, 30].map(|ahead_s| (ahead_s, [vec![], vec![], vec![]]));
+        for (stream, track) in (0..).zip(support::recorded()) {
+            let mut draw = Draw::new(17, stream);
+            let mut belief: Option<Belief> = None;
+            for (n, moment) in track.iter().enumerate().step_by(10) {
+                let report = sight.report(moment, &mut draw).unwrap();
+                let belief =
+                    belief.get_or_insert_with(|| Belief::new(&report, &MovementBounds::CREWED));
+                belief.update(&report);
+                if n < 200 || n % 50 != 0 {
+                    continue;
+                }
+                let futures = belief.futures(moment.time_s);
+                let along = moment.velocity_mps.truncate().normalize();
+                for (ahead_s, ranks) in &mut ranks {
+                    let Some(later) = track.get(n + 10 * usize::from(*ahead_s)) else {
+                        continue;
+                    };
+                    let mut said = [0.0; 3];
+                    for future in &futures.all {
+                        let at = future.position_m(f32::from(*ahead_s)).map(f64::from);
+                        let off = later.position_m - futures.origin_m - Vec3::from(at);
+                        let spread = |spread: &Spread, lasting_m2: f32| {
+                            spread.variance(f32::from(*ahead_s)) + lasting_m2
+                        };
+                        let beside_m2 = spread(&future.beside, futures.lasting_m2[0]);
+                        let above_m2 = spread(&future.above, futures.lasting_m2[1]);
+                        let parts = [
+                            below(along.dot(off.truncate()), beside_m2),
+                            below(along.perp_dot(off.truncate()), beside_m2),
+                            below(off.z, above_m2),
+                        ];
+                        for (said, part) in said.iter_mut().zip(parts) {
+                            *said += f64::from(future.weight) * part;
+                        }
+                    }
+                    for (ranks, said) in ranks.iter_mut().zip(said) {
+                        ranks.push(said);
+                    }
+                }
+            }
+        }
+        for (ahead_s, ranks) in &ranks {
+            for (name, ranks) in ["along", "across", "above"].iter().zip(ranks) {
+                let beyond = |edge: f64| {
+                    let far = ranks
+                        .iter()
+                        .filter(|rank| (**rank - 0.5).abs() > 0.5 - edge);
+                    far.count() as f64 / ranks.len() as f64
+                };
+                let shares = [0.01, 0.25].map(beyond);
+                eprintln!("sigma {sigma_m} m, {ahead_s} s, {name}: {shares:.3?}");
+                assert!(ranks.is_empty() || shares[0] < 0.07, "{name} {shares:?}");
+            }
+        }
+    }
+}

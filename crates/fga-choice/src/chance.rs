@@ -17,6 +17,9 @@ const INNER: (f32, f32) = (0.62, 0.7);
 /// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
 const COLLISION_M: (f32, f32) = (152.4, 30.48);
 
+/// A volume that the aircraft is in is lost only if it is in it after this time, seconds, or again.
+const LEAVES_S: usize = 15;
+
 /// Heights count while a future is within the radius and this many σ of its place.
 const NEAR_SIGMAS: f32 = 2.0;
 
@@ -131,6 +134,7 @@ impl Ahead {
             (radius_m * INNER.0, half_m * INNER.1),
             (radius_m.min(COLLISION_M.0), half_m.min(COLLISION_M.1)),
         ];
+        let from = sizes.map(|size| if self.is_in(path, size) { LEAVES_S } else { 0 });
         let mut low = [[f32::MAX; FUTURES]; 3];
         let mut high = [[f32::MIN; FUTURES]; 3];
         let mut nearest = [(f32::MAX, 0_usize); FUTURES];
@@ -141,7 +145,12 @@ impl Ahead {
                 let (dx, dy) = (fx - x, fy - y);
                 *away = dx * dx + dy * dy;
             }
-            for ((low, high), (radius_m, _)) in low.iter_mut().zip(&mut high).zip(sizes) {
+            for (((low, high), (radius_m, _)), from) in
+                low.iter_mut().zip(&mut high).zip(sizes).zip(from)
+            {
+                if second < from {
+                    continue;
+                }
                 let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
                 for ((((low, high), away), fz), sigma) in rows {
                     let dz = fz - z;
@@ -187,6 +196,18 @@ impl Ahead {
             collision,
             passed_s: passed_s.into(),
         }
+    }
+
+    /// Whether a path begins in a volume of this radius and half height, metres, as most futures have it.
+    fn is_in(&self, path: &Path, (radius_m, half_m): (f32, f32)) -> bool {
+        let [x, y, z] = path.first().copied().unwrap_or_default();
+        let [xs, ys, zs] = [&self.x, &self.y, &self.z].map(|rows| rows.iter().flatten());
+        let places = xs.zip(ys).zip(zs).zip(&self.weights);
+        let inside = places.filter(|(((fx, fy), fz), _)| {
+            let (dx, dy) = (*fx - x, *fy - y);
+            dx * dx + dy * dy < radius_m * radius_m && (*fz - z).abs() < half_m
+        });
+        inside.map(|(_, weight)| weight).sum::<f32>() > 0.5
     }
 
     /// The least horizontal distance of a path from a future, which is near at a second, metres: between seconds both fly straight.

@@ -128,13 +128,13 @@ impl Chooser {
         (self.leg_rad, own_rad - self.course_rad)
     }
 
-    /// Weighs the plans of a moment, where `present` is flown; returns the chances of the mission. The plans are in [`Self::ranked`]:
+    /// Weighs the plans of a moment, where `present` is flown, away from the mission for some seconds; returns the chances of the mission. The plans are in [`Self::ranked`]:
     /// the mission alone where it has no chance of a loss.
     pub fn weigh(
         &mut self,
         scene: &Scene<'_>,
         (beliefs, obstacles): (&Beliefs, &Obstacles<'_>),
-        present: &Plan,
+        (present, away_s): (&Plan, f64),
         flight: &mut FlightPath,
     ) -> Chance {
         let others = others(scene, beliefs, obstacles);
@@ -146,7 +146,7 @@ impl Chooser {
             .looked
             .first()
             .map_or(Chance::default(), |on| on.chance);
-        if hold.loss < price::NO_CHANCE {
+        if hold.loss < price::no_chance(away_s) {
             self.rank(Plan::Mission, &Chance::default(), 0.0);
             return hold;
         }

@@ -37,7 +37,19 @@ pub const CHANGE_SHARE: f64 = 0.3;
 pub const DISSOLVES_S: f64 = 10.0;
 
 /// A smaller chance of a loss on the mission counts as 0.
-pub const NO_CHANCE: f64 = 1e-4;
+const NO_CHANCE: f64 = 1e-4;
+
+/// The same for each minute away from the mission, after the first one: who flies alongside must not keep an aircraft away for ever.
+const NO_CHANCE_A_MINUTE: f64 = 0.01;
+
+/// The chance of a loss on the mission that counts as 0 after some seconds away from it.
+pub(crate) fn no_chance(away_s: f64) -> f64 {
+    if away_s < 60.0 {
+        NO_CHANCE
+    } else {
+        NO_CHANCE_A_MINUTE * away_s / 60.0
+    }
+}
 
 /// The price of some chances, metres.
 pub(crate) fn loss_m(chance: &Chance) -> f64 {

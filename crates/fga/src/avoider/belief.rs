@@ -59,6 +59,8 @@ struct Choice {
     /// Weight of the futures that its certificate covers.
     proven_share: f64,
     cost_m: f64,
+    /// When it left the mission, seconds on the situation's clock: now, while it is on it.
+    left_s: f64,
     /// When the way back began that is flown, and when it is on its leg, seconds on the situation's clock.
     back_s: (f64, f64),
     /// What the mission enters by its expected motion, as seen then.
@@ -76,6 +78,7 @@ impl Choice {
         p_loss: [0.0; 2],
         proven_share: 0.0,
         cost_m: 0.0,
+        left_s: f64::INFINITY,
         back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
         threat: None,
         is_proven: false,
@@ -268,7 +271,13 @@ impl Chooses<'_> {
         decision: &mut Decision,
     ) {
         let others = (self.beliefs, &situation.obstacles);
-        let hold = (self.chooser).weigh(scene, others, &self.choice.plan, &mut avoider.path);
+        let left_s = if matches!(avoider.state, State::Cruise | State::Threatened) {
+            scene.time_s
+        } else {
+            self.choice.left_s.min(scene.time_s)
+        };
+        let present = (&self.choice.plan, scene.time_s - left_s);
+        let hold = (self.chooser).weigh(scene, others, present, &mut avoider.path);
         let threat = (hold.loss > 0.0).then(|| {
             let demand = avoider.first_demand();
             avoider.first_threat(scene.mission, now, &demand)
@@ -276,6 +285,7 @@ impl Chooses<'_> {
         let ranked = self.chooser.ranked();
         let mut choice = Choice {
             at_s: scene.time_s,
+            left_s,
             back_s: self.choice.back_s,
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
