@@ -29,7 +29,7 @@ use crate::{Vec3, assumptions::Assumptions};
 /// Shortest and longest time between two choices, seconds: at a report, or without one.
 const PERIOD_S: (f64, f64) = (0.45, 0.95);
 
-/// A plan that is proven may cost this much more than the cheapest one, metres: of 40,000 m for a loss, one in 40. Among the first 1,000
+/// A plan that is proven may cost this much more than the cheapest one, metres: of 60,000 m for a loss, one in 60. Among the first 1,000
 /// encounters of `campaigns/low-altitude-adsb.toml` (seed 2) 300 m and 1,000 m left the same losses.
 const PROVEN_M: f64 = 1000.0;
 
