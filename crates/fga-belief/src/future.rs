@@ -21,8 +21,8 @@ const EDGE_WEIGHT: f32 = 0.005;
 /// A turn is followed by chords that bow by this, metres.
 const BOW_M: f32 = 3.0;
 
-/// A turn rate above this is a turn, radians per second (1.5 °/s).
-const TURNS_RADPS: f32 = 0.026;
+/// A turn rate above this is a turn, radians per second: six σ of what wanders, less than any turn that begins.
+const TURNS_RADPS: f32 = 0.015;
 
 /// A climb rate above this is a climb, metres per second.
 const CLIMBS_MPS: f32 = 0.5;

@@ -126,18 +126,19 @@ impl Ahead {
         self.half_height_m = obstacle.volume.half_height_m() as f32;
     }
 
-    /// The chances of a path with this aircraft.
-    pub(crate) fn meets(&self, path: &Path) -> Chance {
+    /// The chances of a path with this aircraft. A volume that it begins in may be left first, unless the path leaves its mission later.
+    pub(crate) fn meets(&self, path: &Path, may_leave: bool) -> Chance {
         let (radius_m, half_m) = (self.radius_m, self.half_height_m);
         let sizes = [
             (radius_m, half_m),
             (radius_m * INNER.0, half_m * INNER.1),
             (radius_m.min(COLLISION_M.0), half_m.min(COLLISION_M.1)),
         ];
-        let from = sizes.map(|size| if self.is_in(path, size) { LEAVES_S } else { 0 });
+        let leaves = sizes.map(|size| may_leave && self.is_in(path, size));
         let mut low = [[f32::MAX; FUTURES]; 3];
         let mut high = [[f32::MIN; FUTURES]; 3];
-        let mut nearest = [(f32::MAX, 0_usize); FUTURES];
+        // The nearest second of all, and of those after it may have left a volume.
+        let mut nearest = [[(f32::MAX, 0_usize); FUTURES]; 2];
         let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
         for (((((xs, ys), zs), sigmas), [x, y, z]), second) in rows.zip(path).zip(0..) {
             let mut away = [0.0; FUTURES];
@@ -145,10 +146,10 @@ impl Ahead {
                 let (dx, dy) = (fx - x, fy - y);
                 *away = dx * dx + dy * dy;
             }
-            for (((low, high), (radius_m, _)), from) in
-                low.iter_mut().zip(&mut high).zip(sizes).zip(from)
+            for (((low, high), (radius_m, _)), leaves) in
+                low.iter_mut().zip(&mut high).zip(sizes).zip(leaves)
             {
-                if second < from {
+                if leaves && second < LEAVES_S {
                     continue;
                 }
                 let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
@@ -160,32 +161,34 @@ impl Ahead {
                     *high = if is_near { high.max(dz) } else { *high };
                 }
             }
-            for ((least, at), away) in nearest.iter_mut().zip(&away) {
-                if *away < *least {
-                    (*least, *at) = (*away, second);
+            for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]) {
+                for ((least, at), away) in nearest.iter_mut().zip(&away) {
+                    if second >= from && *away < *least {
+                        (*least, *at) = (*away, second);
+                    }
                 }
             }
         }
+        let [nearest, later] = nearest;
         let mut chances = [0.0_f64; 3];
         let mut passed_s = 0.0;
-        for (future, (_, at)) in nearest.iter().enumerate() {
-            let at_s = *at as f32;
+        for (future, ((_, at), (_, later))) in nearest.iter().zip(&later).enumerate() {
             let weight = self.weights.get(future).copied().unwrap_or(0.0);
-            passed_s += weight * at_s;
-            let spread = self.above.get(future).copied().unwrap_or(Spread::NONE);
-            let above_m = libm::sqrtf(spread.variance(at_s) + self.lasting_above_m2);
-            let beside_m = value(&self.beside_m, *at, future);
-            let away_m = self.closest_m(path, *at, future);
-            for (((chance, low), high), (radius_m, half_m)) in
-                chances.iter_mut().zip(&low).zip(&high).zip(sizes)
-            {
+            passed_s += weight * *at as f32;
+            let all = chances
+                .iter_mut()
+                .zip(&low)
+                .zip(&high)
+                .zip(sizes)
+                .zip(leaves);
+            for ((((chance, low), high), size), leaves) in all {
                 let (Some(low), Some(high)) = (low.get(future), high.get(future)) else {
                     continue;
                 };
                 if low <= high {
-                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
-                    let above = Futures::comes_within(*low, *high, half_m, above_m);
-                    *chance += f64::from(weight * beside * above);
+                    let at = if leaves { *later } else { *at };
+                    let meets = self.comes_within(path, (at, future), (*low, *high), size);
+                    *chance += f64::from(weight * meets);
                 }
             }
         }
@@ -196,6 +199,22 @@ impl Ahead {
             collision,
             passed_s: passed_s.into(),
         }
+    }
+
+    /// The chance that a path, nearest to a future at a second and off its height within a range, metres, comes within a radius and half height.
+    fn comes_within(
+        &self,
+        path: &Path,
+        (at, future): (usize, usize),
+        (low_m, high_m): (f32, f32),
+        (radius_m, half_m): (f32, f32),
+    ) -> f32 {
+        let spread = self.above.get(future).copied().unwrap_or(Spread::NONE);
+        let above_m = libm::sqrtf(spread.variance(at as f32) + self.lasting_above_m2);
+        let beside_m = value(&self.beside_m, at, future);
+        let away_m = self.closest_m(path, at, future);
+        Futures::comes_within(away_m, away_m, radius_m, beside_m)
+            * Futures::comes_within(low_m, high_m, half_m, above_m)
     }
 
     /// Whether a path begins in a volume of this radius and half height, metres, as most futures have it.

@@ -128,7 +128,7 @@ impl Chooser {
         (self.leg_rad, own_rad - self.course_rad)
     }
 
-    /// Weighs the plans of a moment, where `present` is flown, away from the mission for some seconds; returns the chances of the mission. The plans are in [`Self::ranked`]:
+    /// Weighs the plans of a moment, where `present` is flown, away from the mission for some seconds; returns the mission's chances. The plans are in [`Self::ranked`]:
     /// the mission alone where it has no chance of a loss.
     pub fn weigh(
         &mut self,
@@ -147,7 +147,7 @@ impl Chooser {
             .first()
             .map_or(Chance::default(), |on| on.chance);
         if hold.loss < price::no_chance(away_s) {
-            self.rank(Plan::Mission, &Chance::default(), 0.0);
+            self.rank(Plan::Mission, &hold, 0.0);
             return hold;
         }
         let flown = present.way_at(scene.time_s);
@@ -257,7 +257,8 @@ impl Chooser {
             for looked in self.looked.iter_mut() {
                 scene.set(&looked.plan, &mut command);
                 scene.fly(&command, flight, &mut self.path);
-                let chance = self.ahead.meets(&self.path);
+                let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
+                let chance = self.ahead.meets(&self.path, !waits);
                 let is_later = chance.passed_s >= looked.chance.passed_s;
                 looked.chance = looked.chance.and(chance);
                 let at_s = looked.measured_s(scene);

@@ -80,8 +80,14 @@ pub fn fly_one(
     settings: &BatchSettings,
 ) -> BatchRow {
     populate(world, encounter, &settings.model.protection);
+    let asked = (encounter.id, settings.tracks);
+    if let Some(seen) = settings.policy.sees(world)
+        && let Ok(mut pilot) = settings.policy.pilot(&seen.settings, &seen.vehicle)
+    {
+        return row_of(engine, &seen, pilot.as_mut(), asked);
+    }
     pilot.restart();
-    row_of(engine, world, pilot, (encounter.id, settings.tracks))
+    row_of(engine, world, pilot, asked)
 }
 
 /// An encounter as a plan for [`show`], in the world of [`empty_world`].

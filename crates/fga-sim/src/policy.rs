@@ -16,7 +16,8 @@ use crate::world::World;
 /// A policy by its name on the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PolicyChoice {
-    /// The core's policy: where reports have errors, by the least expected cost among the futures of a belief.
+    /// The core's policy. Where one sensor sees all, its reports have errors, and all that it sees are aircraft: by the least expected cost
+    /// among the futures of a belief.
     Avoider(Start),
     /// The mission, whatever comes.
     Mission,
@@ -105,7 +106,13 @@ impl PolicyChoice {
     /// The world as it must see it, where that differs: reports without a tracker, and their errors.
     pub fn sees(&self, world: &World) -> Option<World> {
         let believes = match self {
-            Self::Avoider(Start::Free) => !world.sensor.errors().is_exact(),
+            Self::Avoider(Start::Free) => {
+                let mut unsure = world.obstacles.iter();
+                !world.sensor.errors().is_exact()
+                    && world.more_sensors.is_empty()
+                    && unsure
+                        .all(|it| it.charted_sigma_m.is_some() || it.movement.bounds().is_some())
+            }
             Self::Belief => true,
             _ => false,
         };

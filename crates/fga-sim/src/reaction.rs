@@ -74,6 +74,7 @@ pub fn react(
             .map_err(|error| error.to_string())?;
         others.push((place, Party::new(its, pilot, after_s)));
     }
+    let world = policy.sees(&world).unwrap_or(world);
     let pilot = policy
         .pilot(&world.settings, &world.vehicle)
         .map_err(|error| error.to_string())?;

@@ -280,16 +280,29 @@ fn a_proven_share_is_the_weight_of_the_futures_that_are_kept_clear_of() {
 /// Two aircraft fly side by side for ten minutes, the first time one in the other's volume: ours leaves that, and is near its mission in the end.
 #[test]
 fn who_flies_alongside_keeps_no_aircraft_away_for_ever() {
-    for (beside_m, speed_mps) in [(150.0, 30.0), (400.0, 30.0), (700.0, 31.0), (900.0, 29.0)] {
+    for (beside_m, speed_mps, radius_m) in [
+        (150.0, 30.0, 609.6),
+        (400.0, 30.0, 609.6),
+        (700.0, 31.0, 609.6),
+        (900.0, 29.0, 609.6),
+        (30.0, 30.0, 60.0),
+        (90.0, 30.0, 60.0),
+    ] {
         let (mut pilot, flyer) = (pilot(), Flyer::new(&VEHICLE));
         let mut own = MotionState::of(&ownship(Vec3::new(0.0, 0.0, 300.0)));
         for step in 0..6000 {
             let time_s = 0.1 * f64::from(step);
             let velocity_mps = Vec3::new(speed_mps, 0.0, 0.0);
-            let obstacle = aircraft(
-                Vec3::new(-200.0, beside_m, 300.0) + velocity_mps * time_s,
-                velocity_mps,
-            );
+            let obstacle = Obstacle {
+                volume: ProtectedVolume::Cylinder {
+                    radius_m,
+                    half_height_m: 30.0,
+                },
+                ..aircraft(
+                    Vec3::new(-0.3 * radius_m, beside_m, 300.0) + velocity_mps * time_s,
+                    velocity_mps,
+                )
+            };
             let decision = pilot.step(&Situation {
                 time_s,
                 ownship: Ownship {

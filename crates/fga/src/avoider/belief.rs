@@ -2,8 +2,8 @@
 //!
 //! Reports become beliefs, beliefs become futures, and each plan is weighed by its chance of a loss (`fga-choice`). Whether a manoeuvre
 //! begins is decided by the least cost. Of the plans that cost little more the cheapest one flies that is proven to keep clear of the expected
-//! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one that keeps clear of what
-//! is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
+//! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one of these that keeps clear
+//! of what is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
 use fga_belief::future::{Future, Futures};
 pub use fga_belief::{Errors, Sigma, Source};
@@ -56,8 +56,8 @@ struct Choice {
     at_s: f64,
     /// Chance of a loss on the mission, and of the plan.
     p_loss: [f64; 2],
-    /// Weight of the futures that its certificate covers.
-    proven_share: f64,
+    /// Weight of the futures that its certificate covers, if it was proven then and no aircraft is left out.
+    proven_share: Option<f64>,
     cost_m: f64,
     /// When it left the mission, seconds on the situation's clock: now, while it is on it.
     left_s: f64,
@@ -76,7 +76,7 @@ impl Choice {
         plan: Plan::Mission,
         at_s: f64::NEG_INFINITY,
         p_loss: [0.0; 2],
-        proven_share: 0.0,
+        proven_share: None,
         cost_m: 0.0,
         left_s: f64::INFINITY,
         back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
@@ -309,8 +309,8 @@ impl Chooses<'_> {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
-                    if is_wanted {
-                        choice.proven_share = proven_share(avoider, self.beliefs, situation);
+                    if is_wanted && self.beliefs.left_out() == 0 {
+                        choice.proven_share = Some(proven_share(avoider, self.beliefs, situation));
                     }
                     *self.choice = choice;
                     return;
@@ -363,7 +363,7 @@ impl Chooses<'_> {
         avoider.say(decision, reason);
         let record = &mut decision.record;
         [record.p_loss_hold, record.p_loss] = choice.p_loss.map(Some);
-        record.proven_share = is_proven.then_some(choice.proven_share);
+        record.proven_share = choice.proven_share.filter(|_| is_proven);
         let elapsed_s = time_s - choice.at_s;
         record.threat = choice.threat.and_then(|threat| threat.later(elapsed_s));
         record.work.threats = u32::from(choice.threat.is_some());
@@ -421,12 +421,19 @@ fn keeps_clear(
         futures.origin_m + Vec3::new(x, y, z)
     };
     let mut chords = future.chords(horizon_s);
-    chords.all(|([from_s, to_s], bow_m)| {
-        let window_s = (from_s.into(), to_s.into());
+    let mut until_s = 0.0;
+    let are_clear = chords.all(|([from_s, to_s], bow_m)| {
+        until_s = to_s.into();
+        let window_s = (from_s.into(), until_s);
         let places = (at(from_s), at(to_s));
         let hazard = Hazard::passing(aircraft, places, window_s, bow_m.into(), wind_mps);
-        (avoider.certify_one(&hazard, (horizon_s, margin_m, ENOUGH_M))).holds(margin_m)
-    })
+        let one = Assumptions::only(core::slice::from_ref(&hazard));
+        let asked = (horizon_s, margin_m, ENOUGH_M);
+        let meter = Meter::unlimited();
+        certify_set(&avoider.flyer, &avoider.path, &one, asked, &meter).holds(margin_m)
+    });
+    // A future whose numbers make no sense ends early.
+    are_clear && until_s > horizon_s - 0.001
 }
 
 /// Whether a command flies the mission on its leg, which is never avoided for what is fixed.

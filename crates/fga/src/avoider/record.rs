@@ -160,8 +160,8 @@ pub struct Record {
     pub p_loss_hold: Option<f64>,
     /// The same as it flies.
     pub p_loss: Option<f64>,
-    /// Weight of the futures of the aircraft around of which the certificate keeps clear, each aircraft deciding for itself; `None` where
-    /// reports count as exact, and without a certificate.
+    /// Weight of the futures of the aircraft around of which the certified path keeps clear of the whole volumes, as of the last choice, each
+    /// aircraft deciding for itself; `None` where reports count as exact, without a certificate, and where an aircraft is left out.
     pub proven_share: Option<f64>,
     /// Number of aircraft that count as flying straight on, because only the turns of the nearest ones are considered.
     pub straight_aircraft: u32,
