@@ -263,7 +263,7 @@ pub enum CommandMode {
     Paper,
 }
 
-/// What decides what is flown; the simulator has the same names.
+/// What decides what is flown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PolicyName {

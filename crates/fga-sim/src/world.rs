@@ -7,8 +7,9 @@ pub use crate::zone::{WorldOutline, WorldZone};
 use alloc::sync::Arc;
 
 use fga::Vec3;
-use fga::situation::Passing;
+use fga::situation::{Passing, Uncertainty};
 use fga::vehicle::Vehicle;
+use fga_belief::Source;
 
 use crate::plant::{Autopilot, Gust, PlantDifference};
 use crate::sensor::SensorSettings;
@@ -138,7 +139,19 @@ impl World {
         for sensor in sensors {
             sensor.tracked = false;
         }
-        reported.settings.errors = self.sensor.errors();
+        let errors = &mut reported.settings.errors;
+        *errors = self.sensor.errors();
+        let mut reports = self.obstacles.iter().flat_map(|obstacle| &obstacle.reports);
+        if reports.any(|report| report.uncertainty != Uncertainty::default()) {
+            // Each report says its own.
+            for sigma in [
+                &mut errors.position_m,
+                &mut errors.velocity_mps,
+                &mut errors.climb_mps,
+            ] {
+                sigma.source = Source::Assumed;
+            }
+        }
         reported
     }
 }
