@@ -408,7 +408,7 @@ type DecisionParts = (
     Option<PyThreat>,
     (Option<PyCandidate>, Option<PyCandidate>),
     (Option<f64>, Option<f64>, Option<f64>),
-    (Option<f64>, Option<f64>),
+    (Option<f64>, Option<f64>, Option<f64>),
     (bool, bool, bool),
     (u32, u32, u32, u32, u32, u32),
     Option<PyOwnship>,

@@ -168,7 +168,7 @@ class Decision:
         ...
     @property
     def p_loss_hold(self) -> float | None:
-        """Chance to enter a protected volume within a minute on the mission, of the policy belief."""
+        """Chance to enter a protected volume within a minute on the mission, of decisions by beliefs."""
         ...
     def predicted(self, vehicle: Vehicle, after_s: float) -> Ownship:
         """The predicted state of an aircraft with these limits some seconds after the decision, if nothing new
@@ -183,6 +183,10 @@ class Decision:
         """What is proven about the command: "certified" if it keeps clear of everything that is assumed, "leaving" if the aircraft
         is already in a volume and it leads out, None if nothing is proven.
         """
+        ...
+    @property
+    def proven_share(self) -> float | None:
+        """Weight of the futures of the aircraft around of which the certificate keeps clear; None where reports count as exact."""
         ...
     @property
     def reason(self) -> str:
