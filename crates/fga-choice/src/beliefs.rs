@@ -64,10 +64,19 @@ impl Beliefs {
         self.left_out = 0;
     }
 
-    /// Forgets the aircraft whose numbers do not fit.
-    pub fn retain(&mut self, fits: impl Fn(u32) -> bool) {
+    /// Forgets the aircraft that a situation does not have.
+    pub fn forget_absent(&mut self, situation: &Situation<'_>) {
+        self.retain(|known| {
+            situation
+                .obstacles
+                .iter()
+                .any(|obstacle| obstacle.id == known.id)
+        });
+    }
+
+    fn retain(&mut self, is_kept: impl Fn(&Known) -> bool) {
         for slot in self.known.iter_mut() {
-            *slot = slot.filter(|known| fits(known.id));
+            *slot = slot.filter(|known| is_kept(known));
         }
     }
 
@@ -98,9 +107,7 @@ impl Beliefs {
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
         self.left_out = 0;
-        for slot in self.known.iter_mut() {
-            *slot = slot.filter(|known| !known.belief.has_ended(situation.time_s));
-        }
+        self.retain(|known| !known.belief.has_ended(situation.time_s));
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
                 continue;

@@ -137,7 +137,8 @@ impl Ahead {
         let leaves = sizes.map(|size| may_leave && self.is_in(path, size));
         let mut low = [[f32::MAX; FUTURES]; 3];
         let mut high = [[f32::MIN; FUTURES]; 3];
-        // The nearest second of all, and of those after it may have left a volume.
+        // The nearest second of all; and, where the path may leave a volume first, the nearest one after that.
+        let looks = if leaves.contains(&true) { 2 } else { 1 };
         let mut nearest = [[(f32::MAX, 0_usize); FUTURES]; 2];
         let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
         for (((((xs, ys), zs), sigmas), [x, y, z]), second) in rows.zip(path).zip(0..) {
@@ -161,7 +162,7 @@ impl Ahead {
                     *high = if is_near { high.max(dz) } else { *high };
                 }
             }
-            for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]) {
+            for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]).take(looks) {
                 for ((least, at), away) in nearest.iter_mut().zip(&away) {
                     if second >= from && *away < *least {
                         (*least, *at) = (*away, second);
@@ -175,20 +176,27 @@ impl Ahead {
         for (future, ((_, at), (_, later))) in nearest.iter().zip(&later).enumerate() {
             let weight = self.weights.get(future).copied().unwrap_or(0.0);
             passed_s += weight * *at as f32;
+            let passing = self.passing(path, *at, future);
+            let later = if looks == 2 {
+                self.passing(path, *later, future)
+            } else {
+                passing
+            };
             let all = chances
                 .iter_mut()
                 .zip(&low)
                 .zip(&high)
                 .zip(sizes)
                 .zip(leaves);
-            for ((((chance, low), high), size), leaves) in all {
+            for ((((chance, low), high), (radius_m, half_m)), leaves) in all {
                 let (Some(low), Some(high)) = (low.get(future), high.get(future)) else {
                     continue;
                 };
                 if low <= high {
-                    let at = if leaves { *later } else { *at };
-                    let meets = self.comes_within(path, (at, future), (*low, *high), size);
-                    *chance += f64::from(weight * meets);
+                    let [away_m, beside_m, above_m] = if leaves { later } else { passing };
+                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
+                    let above = Futures::comes_within(*low, *high, half_m, above_m);
+                    *chance += f64::from(weight * (beside * above));
                 }
             }
         }
@@ -201,20 +209,15 @@ impl Ahead {
         }
     }
 
-    /// The chance that a path, nearest to a future at a second and off its height within a range, metres, comes within a radius and half height.
-    fn comes_within(
-        &self,
-        path: &Path,
-        (at, future): (usize, usize),
-        (low_m, high_m): (f32, f32),
-        (radius_m, half_m): (f32, f32),
-    ) -> f32 {
+    /// How far a path passes a future beside, near a second, and the σ of both axes there, metres: distance, σ beside, σ above.
+    fn passing(&self, path: &Path, at: usize, future: usize) -> [f32; 3] {
         let spread = self.above.get(future).copied().unwrap_or(Spread::NONE);
         let above_m = libm::sqrtf(spread.variance(at as f32) + self.lasting_above_m2);
-        let beside_m = value(&self.beside_m, at, future);
-        let away_m = self.closest_m(path, at, future);
-        Futures::comes_within(away_m, away_m, radius_m, beside_m)
-            * Futures::comes_within(low_m, high_m, half_m, above_m)
+        [
+            self.closest_m(path, at, future),
+            value(&self.beside_m, at, future),
+            above_m,
+        ]
     }
 
     /// Whether a path begins in a volume of this radius and half height, metres, as most futures have it.

@@ -14,7 +14,7 @@ use crate::chance::{Ahead, Chance, Path, SECONDS};
 use crate::price;
 
 /// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
-const MOST_WEIGHED: usize = 6;
+pub const MOST_WEIGHED: usize = 6;
 
 /// Begins later, seconds.
 const LATER_S: [f64; 3] = [2.0, 5.0, 10.0];
@@ -128,8 +128,8 @@ impl Chooser {
         (self.leg_rad, own_rad - self.course_rad)
     }
 
-    /// Weighs the plans of a moment, where `present` is flown, away from the mission for some seconds; returns the mission's chances. The plans are in [`Self::ranked`]:
-    /// the mission alone where it has no chance of a loss.
+    /// Weighs the plans of a moment, while `present` is flown, for some seconds away from the mission. Returns the chances of the mission.
+    /// The plans are in [`Self::ranked`]: the mission alone where its chance of a loss counts as 0.
     pub fn weigh(
         &mut self,
         scene: &Scene<'_>,

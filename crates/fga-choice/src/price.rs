@@ -28,9 +28,9 @@ pub const START_M: f64 = 300.0;
 /// Another manoeuvre than the present one, metres.
 pub const CHANGE_M: f64 = 300.0;
 
-/// Another manoeuvre must save this share of what the present one costs, up to half of a loss: a cost is that of a few futures, seen through
-/// noise. In the recorded flights, as above, a tenth left 6 of 164 losses, 720 m aside, when it was chosen; three tenths left 7, 825 m aside. Without it, and
-/// with futures that did not wander, the aircraft turned to the other side more than three times in 87 of 232 flights.
+/// Another manoeuvre must save this share of what the present one costs, at most of half a loss, because costs are estimates. In the recorded
+/// flights, as above, a tenth left 6 of 164 losses, 720 m aside, when it was chosen; three tenths left 7, 825 m aside. Without it, and with
+/// futures that did not wander, the aircraft turned to the other side more than three times in 87 of 232 flights.
 pub const CHANGE_SHARE: f64 = 0.1;
 
 /// A conflict that is waited for ends by itself within this time, seconds, in 63 of 100 cases that end.
@@ -39,8 +39,10 @@ pub const DISSOLVES_S: f64 = 10.0;
 /// A smaller chance of a loss on the mission counts as 0.
 const NO_CHANCE: f64 = 1e-4;
 
-/// The same for each minute away from the mission, after the first one, and at most: who flies alongside must not keep an aircraft away for ever.
+/// The same for each minute away from the mission, after the first one: an aircraft alongside must not keep ours away for ever.
 const NO_CHANCE_A_MINUTE: f64 = 0.01;
+
+/// The largest chance that counts as 0.
 const MOST_NO_CHANCE: f64 = 0.1;
 
 /// The chance of a loss on the mission that counts as 0 after some seconds away from it.

@@ -107,8 +107,8 @@ impl Hazard {
         hazard.growing(sigmas * uncertainty.velocity_mps)
     }
 
-    /// One of the motions of an aircraft, in an air mass that moves with a wind, metres per second: from one place over the ground to another one,
-    /// metres, between two moments, seconds, and no farther from that line than a bow, metres.
+    /// One of the motions of an aircraft, in an air mass that moves with a wind, metres per second. It flies from one place over the ground to
+    /// another one, metres, between two moments, seconds, never farther from that line than a bow, metres.
     pub fn passing(
         (id, volume): (u32, ProtectedVolume),
         (from_m, to_m): (Vec3, Vec3),

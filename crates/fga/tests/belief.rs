@@ -152,6 +152,39 @@ fn the_same_reports_give_the_same_decision() {
     assert_eq!(decided(), decided());
 }
 
+/// Flies a mission for some seconds past an obstacle that is where it is said at a time; `watch` sees the aircraft after each step, and the
+/// obstacle as it was.
+fn fly_past(
+    mission: Mission<'_>,
+    seconds: u32,
+    obstacle: impl Fn(f64) -> Obstacle,
+    mut watch: impl FnMut(&MotionState, &Obstacle, f64),
+) {
+    let (mut pilot, flyer) = (pilot(), Flyer::new(&VEHICLE));
+    let mut own = MotionState::of(&ownship(Vec3::new(0.0, 0.0, 300.0)));
+    for step in 0..10 * seconds {
+        let time_s = 0.1 * f64::from(step);
+        let obstacle = obstacle(time_s);
+        let decision = pilot.step(&Situation {
+            time_s,
+            ownship: Ownship {
+                position_m: own.position_m,
+                course_rad: own.course_rad,
+                climb_rad: own.climb_rad,
+                bank_rad: own.bank_rad,
+                airspeed_mps: 30.0,
+            },
+            obstacles: Obstacles::Rows(&[obstacle]),
+            mission,
+            wind_mps: Vec3::ZERO,
+        });
+        let stages = decision.command.stages();
+        own = fga::prediction::flown(&flyer, &own, stages, 0.1, &Meter::unlimited());
+        own.time_s = 0.0;
+        watch(&own, &obstacle, time_s);
+    }
+}
+
 /// A head-on aircraft between walls 600 m to either side, under a ceiling 30 m above: the flight of a minute stays within them, though
 /// without them it leaves by more.
 #[test]
@@ -164,41 +197,17 @@ fn zones_and_limits_bound_what_is_flown() {
         heights_m: ALL_HEIGHTS_M,
     }];
     let flown = |mission: Mission<'_>| {
-        let (mut pilot, flyer) = (pilot(), Flyer::new(&VEHICLE));
-        let mut own = MotionState::of(&ownship(Vec3::new(0.0, 0.0, 300.0)));
         let mut most_m = (0.0_f64, 0.0_f64);
-        for step in 0..600 {
-            let time_s = 0.1 * f64::from(step);
-            let obstacle = aircraft(
-                Vec3::new(3400.0, 100.0, 300.0) + TOWARDS_MPS * time_s,
-                TOWARDS_MPS,
-            );
-            let decision = pilot.step(&Situation {
-                time_s,
-                ownship: Ownship {
-                    position_m: own.position_m,
-                    course_rad: own.course_rad,
-                    climb_rad: own.climb_rad,
-                    bank_rad: own.bank_rad,
-                    airspeed_mps: 30.0,
-                },
-                obstacles: Obstacles::Rows(&[obstacle]),
-                mission,
-                wind_mps: Vec3::ZERO,
-            });
-            own = fga::prediction::flown(
-                &flyer,
-                &own,
-                decision.command.stages(),
-                0.1,
-                &Meter::unlimited(),
-            );
-            own.time_s = 0.0;
+        let head_on = |time_s| {
+            let at_m = Vec3::new(3400.0, 100.0, 300.0) + TOWARDS_MPS * time_s;
+            aircraft(at_m, TOWARDS_MPS)
+        };
+        fly_past(mission, 60, head_on, |own, _, _| {
             most_m = (
                 most_m.0.max(own.position_m.y.abs()),
                 most_m.1.max(own.position_m.z),
             );
-        }
+        });
         most_m
     };
     let free_m = flown(Mission::new(&WAYPOINTS_M));
@@ -288,54 +297,33 @@ fn who_flies_alongside_keeps_no_aircraft_away_for_ever() {
         (30.0, 30.0, 60.0),
         (90.0, 30.0, 60.0),
     ] {
-        let (mut pilot, flyer) = (pilot(), Flyer::new(&VEHICLE));
-        let mut own = MotionState::of(&ownship(Vec3::new(0.0, 0.0, 300.0)));
-        for step in 0..6000 {
-            let time_s = 0.1 * f64::from(step);
-            let velocity_mps = Vec3::new(speed_mps, 0.0, 0.0);
-            let obstacle = Obstacle {
-                volume: ProtectedVolume::Cylinder {
-                    radius_m,
-                    half_height_m: 30.0,
-                },
-                ..aircraft(
-                    Vec3::new(-0.3 * radius_m, beside_m, 300.0) + velocity_mps * time_s,
-                    velocity_mps,
-                )
-            };
-            let decision = pilot.step(&Situation {
-                time_s,
-                ownship: Ownship {
-                    position_m: own.position_m,
-                    course_rad: own.course_rad,
-                    climb_rad: own.climb_rad,
-                    bank_rad: own.bank_rad,
-                    airspeed_mps: 30.0,
-                },
-                obstacles: Obstacles::Rows(&[obstacle]),
-                mission: Mission::new(&WAYPOINTS_M),
-                wind_mps: Vec3::ZERO,
-            });
-            own = fga::prediction::flown(
-                &flyer,
-                &own,
-                decision.command.stages(),
-                0.1,
-                &Meter::unlimited(),
-            );
-            own.time_s = 0.0;
-            if step == 300 {
-                let away_m = own.position_m - (obstacle.position_m + velocity_mps * 0.1);
-                assert!(
-                    obstacle.volume.margin_m(away_m) > 0.0,
-                    "{beside_m}: {away_m}"
-                );
-            }
-        }
-        assert!(
-            own.position_m.y.abs() < 2500.0,
-            "{beside_m}: {}",
-            own.position_m
+        let velocity_mps = Vec3::new(speed_mps, 0.0, 0.0);
+        let alongside = |time_s| Obstacle {
+            volume: ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m: 30.0,
+            },
+            ..aircraft(
+                Vec3::new(-0.3 * radius_m, beside_m, 300.0) + velocity_mps * time_s,
+                velocity_mps,
+            )
+        };
+        let mut last_m = Vec3::ZERO;
+        fly_past(
+            Mission::new(&WAYPOINTS_M),
+            600,
+            alongside,
+            |own, obstacle, time_s| {
+                last_m = own.position_m;
+                if (time_s - 30.0).abs() < 0.01 {
+                    let away_m = last_m - (obstacle.position_m + velocity_mps * 0.1);
+                    assert!(
+                        obstacle.volume.margin_m(away_m) > 0.0,
+                        "{beside_m}: {away_m}"
+                    );
+                }
+            },
         );
+        assert!(last_m.y.abs() < 2500.0, "{beside_m}: {last_m}");
     }
 }

@@ -3,9 +3,7 @@
 use fga::Vec3;
 use fga::avoider::belief::Beliefs;
 use fga_belief::Belief;
-
-/// Most aircraft whose futures are logged: the nearest ones, as many as a choice weighs.
-const MOST_WEIGHED: usize = 6;
+use fga_choice::chooser::MOST_WEIGHED;
 
 /// What an aircraft may do from a moment on.
 #[derive(Debug, Clone, PartialEq)]

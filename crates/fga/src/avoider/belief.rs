@@ -131,8 +131,7 @@ impl BeliefAvoider {
     /// Forgets the aircraft that the next situation does not have, as where a tracker says which reports are of one aircraft. Without it an
     /// aircraft without reports is believed to be there for 8 s.
     pub fn forget_absent(&mut self, situation: &Situation<'_>) {
-        let is_there = |id| situation.obstacles.iter().any(|obstacle| obstacle.id == id);
-        self.beliefs.retain(is_there);
+        self.beliefs.forget_absent(situation);
     }
 
     /// Forgets everything but its settings, its errors and the limits of its vehicle.
