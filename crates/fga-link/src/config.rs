@@ -9,6 +9,7 @@ mod volumes;
 
 use fga_files::scenario::TerrainFiles;
 use serde::Deserialize;
+use serde::de::value::{Error as ValueError, StrDeserializer};
 
 /// An unusable configuration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -276,11 +277,7 @@ pub enum PolicyName {
 impl PolicyName {
     /// The policy with this name.
     pub fn from_name(name: &str) -> Option<Self> {
-        match name {
-            "turn-aware" => Some(Self::TurnAware),
-            "belief" => Some(Self::Belief),
-            _ => None,
-        }
+        Self::deserialize(StrDeserializer::<ValueError>::new(name)).ok()
     }
 }
 

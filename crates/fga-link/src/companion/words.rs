@@ -23,16 +23,17 @@ impl Companion {
             format!("fga: avoiding {name}, {entry_s:.0} s away")
         });
         self.voice.warn(words.as_deref().unwrap_or("fga: avoiding"));
-        if let Some([hold, flies]) = self.chances() {
-            let words = format!("fga: {hold} to enter, flown {flies}");
-            self.voice.tell(Severity::Notice, &words);
+        if let Some(chances) = self.chances() {
+            self.voice
+                .tell(Severity::Notice, &format!("fga: {chances}"));
         }
     }
 
     /// The chances in words to enter a protected volume on the mission and as it flies; `None` of a policy that has none.
-    fn chances(&self) -> Option<[String; 2]> {
+    fn chances(&self) -> Option<String> {
         let record = &self.decisions.last()?.decision.record;
-        Some([record.p_loss_hold?, record.p_loss?].map(chance_words))
+        let [hold, flies] = [record.p_loss_hold?, record.p_loss?].map(chance_words);
+        Some(format!("{hold} to enter, flown {flies}"))
     }
 
     /// Name of the obstacle that a decision is about.
@@ -64,9 +65,8 @@ impl Companion {
         let threat = self.threat().map_or(String::new(), |(name, threat)| {
             format!(" | {name} in {:.0} s", threat.entry_s.max(0.0))
         });
-        let chances = self.chances().map_or(String::new(), |[hold, flies]| {
-            format!(" | {hold} to enter, flown {flies}")
-        });
+        let chances = self.chances();
+        let chances = chances.map_or(String::new(), |chances| format!(" | {chances}"));
         let unseen = match self.reports.defects().unseen() {
             0 => String::new(),
             count => format!(", {count} unseen"),
