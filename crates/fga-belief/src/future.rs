@@ -9,14 +9,8 @@ use crate::prior;
 use crate::table::{DRAWN, TABLE, normal, unit};
 use crate::turn::{Kind, Turn};
 
-/// Futures that stand for the edges of its bounds: a hard turn to either side, a climb, a descent.
-const EDGES: usize = 4;
-
 /// Futures of an aircraft.
-pub const FUTURES: usize = DRAWN + EDGES;
-
-/// Weight of each edge.
-const EDGE_WEIGHT: f32 = 0.005;
+pub const FUTURES: usize = DRAWN;
 
 /// A turn is followed by chords that bow by this, metres.
 const BOW_M: f32 = 3.0;
@@ -96,6 +90,14 @@ impl Spread {
         }
     }
 
+    /// What of the variance after a time is learned until another one, seconds, as a σ, metres; and what is left of it, m²: a belief stays
+    /// as sharp as it is.
+    pub fn parted(&self, after_s: f32, learned_s: f32) -> (f32, f32) {
+        let left_m2 = self.variance((after_s - learned_s).max(0.0));
+        let learned_m2 = self.variance(after_s) - left_m2;
+        (libm::sqrtf(learned_m2.max(0.0)), left_m2)
+    }
+
     /// The variance after a time, seconds, m².
     pub fn variance(&self, after_s: f32) -> f32 {
         let t = after_s.min(self.until_s);
@@ -114,6 +116,8 @@ pub struct Future {
     pub beside: Spread,
     /// The same for its altitude.
     pub above: Spread,
+    /// Where it is off along the axes, in σ of what is learned later.
+    pub off: [f32; 3],
     legs: [Leg; 3],
 }
 
@@ -153,6 +157,32 @@ impl Future {
     }
 }
 
+/// What an aircraft may do at any moment, whatever its future: a turn, a climb or a descent within its bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Freedom {
+    /// The chance that it does.
+    pub share: f32,
+    speed_mps: f32,
+    across_mps2: f32,
+    climb_mps: f32,
+}
+
+impl Freedom {
+    /// Of what keeps its velocity.
+    pub const NONE: Self = Self {
+        share: 0.0,
+        speed_mps: 0.0,
+        across_mps2: 0.0,
+        climb_mps: 0.0,
+    };
+
+    /// How far it may be off after a time along a horizontal axis and in altitude, as σ of an even distribution, metres.
+    pub fn off_m(&self, after_s: f32) -> [f32; 2] {
+        let beside_m = (self.across_mps2 * after_s / 2.0).min(self.speed_mps) * after_s;
+        [beside_m, self.climb_mps * after_s].map(|most_m| most_m * 0.577)
+    }
+}
+
 /// The futures of an aircraft from a moment on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Futures {
@@ -160,6 +190,10 @@ pub struct Futures {
     pub origin_m: Vec3,
     /// Variances of the errors that last, along each horizontal axis and of the altitude, m².
     pub lasting_m2: [f32; 2],
+    /// What it may do at any moment.
+    pub freedom: Freedom,
+    /// How well place and velocity are known now: variances along a horizontal axis and of the altitude, m² and m²/s².
+    pub known: [[f32; 2]; 2],
     /// The futures; the first of them need not be the most likely one.
     pub all: [Future; FUTURES],
 }
@@ -167,8 +201,15 @@ pub struct Futures {
 impl Futures {
     /// The chance that what is off by a distance in `least_m..=most_m` comes within `half_m`, given its σ, metres.
     pub fn comes_within(least_m: f32, most_m: f32, half_m: f32, sigma_m: f32) -> f32 {
-        let below =
-            |x: f32| 0.5 * libm::erfcf(-x / (core::f32::consts::SQRT_2 * sigma_m.max(0.01)));
+        let sigma_m = sigma_m.max(0.01);
+        let below = |x: f32| {
+            let sigmas = x / sigma_m;
+            if sigmas.abs() > 5.0 {
+                f32::from(u8::from(sigmas > 0.0))
+            } else {
+                0.5 * libm::erfcf(-sigmas * core::f32::consts::FRAC_1_SQRT_2)
+            }
+        };
         (below(half_m - least_m) - below(-half_m - most_m)).max(0.0)
     }
 }
@@ -192,60 +233,25 @@ impl Belief {
         let errors = now.errors();
         let lasting_m2 =
             [errors.lasting_position_m, errors.lasting_altitude_m].map(|sigma| sigma.variance(0.0));
-        let (brief, change_mps) = (
-            now.bounds.brief_turn_rate_radps as f32,
-            now.bounds.climb_change_mps as f32,
-        );
-        let middle = now.middle();
-        let still = Future {
-            weight: EDGE_WEIGHT,
-            legs: [middle; 3],
-            beside: Spread::beside(&Turn::mixed(&now.turns)),
-            above: Spread::above(&Climb::mixed(&now.climbs), f32::INFINITY),
-        };
-        let mut all = [still; FUTURES];
-        let (some, edges) = all.split_at_mut(DRAWN);
-        for ((future, row), n) in some.iter_mut().zip(&TABLE).zip(0_u8..) {
+        let brief = now.bounds.brief_turn_rate_radps as f32;
+        let mut all = [now.drawn(TABLE[0], 0, brief); FUTURES];
+        for ((future, row), n) in all.iter_mut().zip(&TABLE).zip(0_u8..) {
             *future = now.drawn(*row, n, brief);
         }
-        let turn_s = now.bounds.turn_rad as f32 / brief.max(1e-3);
-        for (future, [side, up]) in
-            (edges.iter_mut()).zip([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-        {
-            let first = Leg {
-                turn_radps: if side == 0.0 {
-                    middle.turn_radps
-                } else {
-                    side * brief
-                },
-                climb_mps: middle.climb_mps + up * change_mps,
-                ..middle
-            };
-            let straight = Leg {
-                turn_radps: 0.0,
-                ..first.later(turn_s)
-            };
-            future.legs = [first, straight, straight];
-        }
+        let turn = Turn::mixed(&now.turns);
+        let speed_mps = libm::sqrtf(turn.at[1].squared());
+        let freedom = Freedom {
+            share: prior::FREE_SHARE,
+            speed_mps,
+            across_mps2: speed_mps * brief,
+            climb_mps: now.bounds.climb_change_mps as f32,
+        };
         Futures {
             origin_m: now.origin_m,
             lasting_m2,
+            freedom,
+            known: [[turn.own[0], turn.own[1]], Climb::mixed(&now.climbs).own],
             all,
-        }
-    }
-
-    /// The mean motion.
-    fn middle(&self) -> Leg {
-        let turn = Turn::mixed(&self.turns);
-        let climb = Climb::mixed(&self.climbs);
-        let [at, velocity, _] = turn.at;
-        Leg {
-            from_s: 0.0,
-            at,
-            velocity,
-            altitude_m: climb.at[0],
-            climb_mps: climb.at[1],
-            turn_radps: turn.rate_radps(),
         }
     }
 
@@ -283,9 +289,10 @@ impl Belief {
         let until_s = [&second, &third].into_iter().find(changes);
         let until_s = until_s.map_or(f32::INFINITY, |leg| leg.from_s);
         Future {
-            weight: (1.0 - EDGES as f32 * EDGE_WEIGHT) / DRAWN as f32,
+            weight: 1.0 / DRAWN as f32,
             beside: Spread::beside(&turn),
             above: Spread::above(&climb, until_s),
+            off: off(n),
             legs: [first, second, third],
         }
     }
@@ -329,6 +336,13 @@ impl Belief {
         }
         next
     }
+}
+
+/// Where the `n`th future is off: numbers of another row, so that they say nothing of its changes.
+fn off(n: u8) -> [f32; 3] {
+    let row = (usize::from(n) + DRAWN / 2) % DRAWN;
+    let [.., what1, how1, _, what2, _] = TABLE.get(row).copied().unwrap_or_default();
+    [what1, how1, what2].map(normal)
 }
 
 /// The first mode up to which the weights add up to a number in (0, 1); the last one if none does.

@@ -1,6 +1,5 @@
 //! The chance that a path meets the others.
 
-use fga_belief::future::Spread;
 use fga_belief::{FUTURES, Futures};
 use fga_proof::Vec3;
 use fga_proof::situation::{Obstacle, ProtectedVolume};
@@ -23,6 +22,9 @@ const LEAVES_S: usize = 15;
 /// Heights count while a future is within the radius and this many σ of its place.
 const NEAR_SIGMAS: f32 = 2.0;
 
+/// Something else than its future brings an aircraft near only within this many σ.
+const FREE_SIGMAS: f32 = 3.0;
+
 /// Chances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Chance {
@@ -37,6 +39,21 @@ pub struct Chance {
 }
 
 impl Chance {
+    /// The mean of chances with these weights.
+    pub(crate) fn mean(each: &[Self; FUTURES], weights: &[f32; FUTURES]) -> Self {
+        let mut sum = Self::default();
+        for (chance, weight) in each.iter().zip(weights) {
+            let weight = f64::from(*weight);
+            sum = Self {
+                loss: sum.loss + weight * chance.loss,
+                inner: sum.inner + weight * chance.inner,
+                collision: sum.collision + weight * chance.collision,
+                passed_s: sum.passed_s + weight * chance.passed_s,
+            };
+        }
+        sum
+    }
+
     /// The chances with one more aircraft.
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
@@ -48,6 +65,17 @@ impl Chance {
     }
 }
 
+/// How a path passes a future.
+#[derive(Debug, Clone, Copy)]
+struct Passing {
+    /// Horizontal distance, and the σ of both axes, metres.
+    expected: [f32; 3],
+    /// How far the future is above the path there, metres.
+    dz_m: f32,
+    /// The σ of both axes if it does something else, metres.
+    free_m: [f32; 2],
+}
+
 /// The positions of an aircraft's futures, second by second, metres from where the own aircraft is now.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
@@ -57,9 +85,13 @@ pub(crate) struct Ahead {
     weights: [f32; FUTURES],
     /// σ along a horizontal axis, metres.
     beside_m: [[f32; FUTURES]; SECONDS + 1],
-    above: [Spread; FUTURES],
-    /// Variance of the lasting error of the altitude, m².
-    lasting_above_m2: f32,
+    /// σ of the altitude, metres.
+    above_m: [[f32; FUTURES]; SECONDS + 1],
+    /// The chance that it does something else, and how far off it is then: σ of both axes, metres.
+    free: f32,
+    free_m: [[f32; 2]; SECONDS + 1],
+    /// How well place and velocity are known now, as of [`Futures::known`].
+    known: [[f32; 2]; 2],
     radius_m: f32,
     half_height_m: f32,
 }
@@ -71,38 +103,52 @@ impl Ahead {
         z: [[0.0; FUTURES]; SECONDS + 1],
         weights: [0.0; FUTURES],
         beside_m: [[0.0; FUTURES]; SECONDS + 1],
-        above: [Spread::NONE; FUTURES],
-        lasting_above_m2: 0.0,
+        above_m: [[0.0; FUTURES]; SECONDS + 1],
+        free: 0.0,
+        free_m: [[0.0; 2]; SECONDS + 1],
+        known: [[0.0; 2]; 2],
         radius_m: 0.0,
         half_height_m: 0.0,
     };
 
-    /// Takes the futures of an aircraft.
-    pub(crate) fn set(&mut self, futures: &Futures, own_m: Vec3, volume: &ProtectedVolume) {
+    /// Takes the futures of an aircraft as they will be known after some seconds: what is learned until then of how far a future is off is
+    /// drawn, the rest stays its spread.
+    pub(crate) fn set(
+        &mut self,
+        futures: &Futures,
+        own_m: Vec3,
+        volume: &ProtectedVolume,
+        learned_s: f32,
+    ) {
         let off = futures.origin_m - own_m;
         let [ox, oy, oz] = [off.x as f32, off.y as f32, off.z as f32];
+        let [lasting_m2, above_m2] = futures.lasting_m2;
         let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
-        for (((xs, ys), zs), second) in rows.zip(0_u8..) {
-            let row = xs.iter_mut().zip(ys).zip(zs).zip(&futures.all);
-            for (((x, y), z), future) in row {
-                let [dx, dy, dz] = future.position_m(f32::from(second));
-                (*x, *y, *z) = (ox + dx, oy + dy, oz + dz);
+        let rows = rows.zip(&mut self.beside_m).zip(&mut self.above_m);
+        for (((((xs, ys), zs), besides), aboves), second) in rows.zip(0_u8..) {
+            let row = xs.iter_mut().zip(ys).zip(zs).zip(besides).zip(aboves);
+            for (((((x, y), z), beside), above), future) in row.zip(&futures.all) {
+                let after_s = f32::from(second);
+                let [dx, dy, dz] = future.position_m(after_s);
+                let [nx, ny, nz] = future.off;
+                let (learned_m, left_m2) = future.beside.parted(after_s, learned_s);
+                (*x, *y) = (ox + dx + nx * learned_m, oy + dy + ny * learned_m);
+                *beside = libm::sqrtf(left_m2 + lasting_m2);
+                let (learned_m, left_m2) = future.above.parted(after_s, learned_s);
+                *z = oz + dz + nz * learned_m;
+                *above = libm::sqrtf(left_m2 + above_m2);
             }
         }
         for (weight, future) in self.weights.iter_mut().zip(&futures.all) {
             *weight = future.weight;
         }
-        for (above, future) in self.above.iter_mut().zip(&futures.all) {
-            *above = future.above;
+        self.known = futures.known;
+        self.free = futures.freedom.share;
+        for (free_m, second) in self.free_m.iter_mut().zip(0_u8..) {
+            *free_m = futures
+                .freedom
+                .off_m((f32::from(second) - learned_s).max(0.0));
         }
-        let [lasting_m2, above_m2] = futures.lasting_m2;
-        for (sigmas, second) in self.beside_m.iter_mut().zip(0_u8..) {
-            for (sigma, future) in sigmas.iter_mut().zip(&futures.all) {
-                let variance = future.beside.variance(f32::from(second));
-                *sigma = libm::sqrtf(variance + lasting_m2);
-            }
-        }
-        self.lasting_above_m2 = above_m2;
         self.radius_m = volume.radius_m() as f32;
         self.half_height_m = volume.half_height_m() as f32;
     }
@@ -120,14 +166,15 @@ impl Ahead {
         self.weights = [0.0; FUTURES];
         self.weights[0] = 1.0;
         self.beside_m = [[0.0; FUTURES]; SECONDS + 1];
-        self.above = [Spread::NONE; FUTURES];
-        self.lasting_above_m2 = 0.0;
+        self.above_m = [[0.0; FUTURES]; SECONDS + 1];
+        self.free = 0.0;
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
     }
 
-    /// The chances of a path with this aircraft. A volume that it begins in may be left first, unless the path leaves its mission later.
-    pub(crate) fn meets(&self, path: &Path, may_leave: bool) -> Chance {
+    /// The chances of a path with this aircraft, if it flies each of its futures. A volume that the path begins in may be left first, unless
+    /// the path leaves its mission later.
+    pub(crate) fn meets(&self, path: &Path, may_leave: bool) -> [Chance; FUTURES] {
         let (radius_m, half_m) = (self.radius_m, self.half_height_m);
         let sizes = [
             (radius_m, half_m),
@@ -171,53 +218,96 @@ impl Ahead {
             }
         }
         let [nearest, later] = nearest;
-        let mut chances = [0.0_f64; 3];
-        let mut passed_s = 0.0;
-        for (future, ((_, at), (_, later))) in nearest.iter().zip(&later).enumerate() {
-            let weight = self.weights.get(future).copied().unwrap_or(0.0);
-            passed_s += weight * *at as f32;
+        let mut each = [Chance::default(); FUTURES];
+        let all = nearest.iter().zip(&later).zip(&mut each);
+        for (future, (((_, at), (_, later)), chance)) in all.enumerate() {
             let passing = self.passing(path, *at, future);
             let later = if looks == 2 {
                 self.passing(path, *later, future)
             } else {
                 passing
             };
-            let all = chances
-                .iter_mut()
-                .zip(&low)
-                .zip(&high)
-                .zip(sizes)
-                .zip(leaves);
+            chance.passed_s = *at as f64;
+            let Chance {
+                loss,
+                inner,
+                collision,
+                ..
+            } = chance;
+            let all = [loss, inner, collision].into_iter().zip(&low);
+            let all = all.zip(&high).zip(sizes).zip(leaves);
             for ((((chance, low), high), (radius_m, half_m)), leaves) in all {
                 let (Some(low), Some(high)) = (low.get(future), high.get(future)) else {
                     continue;
                 };
+                let passing = if leaves { &later } else { &passing };
+                let [away_m, beside_m, above_m] = passing.expected;
+                let mut sum = 0.0;
                 if low <= high {
-                    let [away_m, beside_m, above_m] = if leaves { later } else { passing };
                     let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
                     let above = Futures::comes_within(*low, *high, half_m, above_m);
-                    *chance += f64::from(weight * (beside * above));
+                    sum = (1.0 - self.free) * beside * above;
                 }
+                let [beside_m, above_m] = passing.free_m;
+                if away_m < radius_m + FREE_SIGMAS * beside_m {
+                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
+                    let dz = passing.dz_m;
+                    let above = Futures::comes_within(dz, dz, half_m, above_m);
+                    sum += self.free * beside * above;
+                }
+                *chance = sum.into();
             }
         }
-        let [loss, inner, collision] = chances;
-        Chance {
-            loss,
-            inner,
-            collision,
-            passed_s: passed_s.into(),
+        each
+    }
+
+    /// How likely each future looks after some seconds, in one row for each future that happens. What is known then of place and velocity is
+    /// as sharp as what is known now.
+    pub(crate) fn looks_after(&self, after_s: usize) -> [[f32; FUTURES]; FUTURES] {
+        let axes = [&self.x, &self.y, &self.z];
+        let [beside, above] = self.known;
+        let mut looks = [[0.0; FUTURES]; FUTURES];
+        for (happens, row) in looks.iter_mut().enumerate() {
+            for ((future, look), weight) in row.iter_mut().enumerate().zip(&self.weights) {
+                let mut apart = 0.0;
+                for (of, [place_m2, velocity_m2ps2]) in
+                    axes.into_iter().zip([beside, beside, above])
+                {
+                    let apart_m = |second| value(of, second, future) - value(of, second, happens);
+                    let place_m = apart_m(after_s);
+                    let velocity_mps = apart_m(after_s + 1) - place_m;
+                    apart += place_m * place_m / place_m2.max(1e-3)
+                        + velocity_mps * velocity_mps / velocity_m2ps2.max(1e-3);
+                }
+                // The likelihood exp(-d² / 2), with the error of what happens and that of what is known of it.
+                *look = weight * libm::expf(-apart / 4.0);
+            }
+            let sum = row.iter().sum::<f32>().max(f32::MIN_POSITIVE);
+            for look in row {
+                *look /= sum;
+            }
         }
+        looks
+    }
+
+    /// Weights of the futures.
+    pub(crate) const fn weights(&self) -> &[f32; FUTURES] {
+        &self.weights
     }
 
     /// How far a path passes a future beside, near a second, and the σ of both axes there, metres: distance, σ beside, σ above.
-    fn passing(&self, path: &Path, at: usize, future: usize) -> [f32; 3] {
-        let spread = self.above.get(future).copied().unwrap_or(Spread::NONE);
-        let above_m = libm::sqrtf(spread.variance(at as f32) + self.lasting_above_m2);
-        [
-            self.closest_m(path, at, future),
-            value(&self.beside_m, at, future),
-            above_m,
-        ]
+    fn passing(&self, path: &Path, at: usize, future: usize) -> Passing {
+        let [beside_m, above_m] = [&self.beside_m, &self.above_m].map(|of| value(of, at, future));
+        let free_m = self.free_m.get(at).copied().unwrap_or_default();
+        let own_z = path.get(at).map_or(0.0, |place| place[2]);
+        Passing {
+            expected: [self.closest_m(path, at, future), beside_m, above_m],
+            dz_m: value(&self.z, at, future) - own_z,
+            free_m: [
+                libm::hypotf(beside_m, free_m[0]),
+                libm::hypotf(above_m, free_m[1]),
+            ],
+        }
     }
 
     /// Whether a path begins in a volume of this radius and half height, metres, as most futures have it.

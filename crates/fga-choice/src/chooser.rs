@@ -1,5 +1,6 @@
 //! The choice: what each plan costs in expectation, the cheapest first.
 
+use fga_belief::FUTURES;
 use fga_index::situation::{Obstacle, Obstacles};
 use fga_proof::Vec3;
 use fga_proof::angle::wrap_pi;
@@ -16,14 +17,8 @@ use crate::price;
 /// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
 pub const MOST_WEIGHED: usize = 6;
 
-/// Begins later, seconds.
-const LATER_S: [f64; 3] = [2.0, 5.0, 10.0];
-
 /// Goes back later, seconds.
 const BACK_S: [f64; 2] = [3.0, 8.0];
-
-/// Ways that are looked at as later ones.
-const LATER_WAYS: usize = 12;
 
 /// Plans that are looked at together: courses with three climbs, the present way, and two ways back from it.
 const TOGETHER: usize = 60;
@@ -57,9 +52,9 @@ impl Ranked {
 
 /// A plan that is looked at: its chances so far, and where it is once the others have passed.
 #[derive(Debug, Clone, Copy)]
-struct Looked {
-    plan: Plan,
-    chance: Chance,
+pub(crate) struct Looked {
+    pub(crate) plan: Plan,
+    pub(crate) chance: Chance,
     there: Aside,
 }
 
@@ -79,18 +74,35 @@ impl Looked {
 
 /// What is near: an aircraft that is believed to be somewhere, or an obstacle that keeps its velocity.
 #[derive(Clone, Copy)]
-enum Other<'a> {
+pub(crate) enum Other<'a> {
     Known(&'a Known),
     Straight(Obstacle),
 }
 
+impl Other<'_> {
+    /// Its futures as they will be known after some seconds.
+    pub(crate) fn ahead(&self, scene: &Scene<'_>, learned_s: f32, ahead: &mut Ahead) {
+        let own_m = scene.now.position_m;
+        match self {
+            Self::Known(known) => {
+                let futures = known.belief.futures(scene.time_s);
+                ahead.set(&futures, own_m, &known.volume, learned_s);
+            }
+            Self::Straight(obstacle) => ahead.set_straight(obstacle, own_m),
+        }
+    }
+}
+
+/// All that is near, with its distance.
+pub(crate) type Others<'a> = List<(f64, Option<Other<'a>>), MOST_WEIGHED>;
+
 /// Weighs plans. It holds its scratch space, some 30 kB.
 #[derive(Debug, Clone)]
 pub struct Chooser {
-    ahead: Ahead,
+    pub(crate) ahead: Ahead,
     path: Path,
-    looked: List<Looked, TOGETHER>,
-    ranked: List<Ranked, RANKED>,
+    pub(crate) looked: List<Looked, TOGETHER>,
+    pub(crate) ranked: List<Ranked, RANKED>,
     /// The aircraft's course, and that of the leg, unwrapped, radians.
     course_rad: f64,
     leg_rad: f64,
@@ -153,8 +165,6 @@ impl Chooser {
         let flown = present.way_at(scene.time_s);
         let back_m = flown.map_or(0.0, |_| here.off_m);
         self.rank(Plan::Mission, &hold, price::loss_m(&hold) + back_m);
-        let likely = hold.loss.min(1.0);
-        let starts_m = price::START_M * (1.0 - likely);
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);
         let mut changes_m = 0.0;
@@ -162,53 +172,22 @@ impl Chooser {
             let Some(one) = self.looked.get(place).copied() else {
                 break;
             };
-            let mut cost_m = price::loss_m(&one.chance);
+            let mut cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
             match (one.plan, flown) {
                 (Plan::Mission, _) => continue,
-                (Plan::Back(_, until_s), _) => {
-                    let for_s = until_s - scene.time_s;
-                    cost_m += one.there.off_m.max(here.off_m) + price::SECOND_M * for_s;
+                (Plan::Off(..), None) => cost_m += price::starts_m(&hold),
+                // The present way is the first one off the mission.
+                (Plan::Off(way, _), Some(flown)) if way == flown => {
+                    changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
                 }
-                (Plan::Off(..), None) => cost_m += one.departs_m(scene, &here, 0.0) + starts_m,
-                (Plan::Off(way, _), Some(flown)) => {
-                    cost_m += one.departs_m(scene, &here, 0.0);
-                    // The present way is the first one off the mission.
-                    if way == flown {
-                        changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
-                    } else {
-                        cost_m += changes_m + way.change_m(&flown);
-                    }
-                }
+                (Plan::Off(way, _), Some(flown)) => cost_m += changes_m + way.change_m(&flown),
+                (Plan::Back(..), _) => {}
             }
             self.rank(one.plan, &one.chance, cost_m);
         }
         let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
-        if flown.is_some() || !self.ranked.first().is_some_and(is_off) {
-            return hold;
-        }
-        // Is it worth waiting? In the mean time the conflict may dissolve.
-        let now = self.ranked;
-        let off = now.iter().filter_map(|ranked| match ranked.plan {
-            Plan::Off(way, _) => Some(way),
-            _ => None,
-        });
-        let from = |way, later_s| Plan::Off(way, scene.time_s + later_s);
-        self.begin(
-            off.take(LATER_WAYS)
-                .flat_map(|way| LATER_S.map(|later_s| from(way, later_s))),
-        );
-        self.look(scene, &others, flight);
-        for place in 0..self.looked.len() {
-            let Some(one) = self.looked.get(place).copied() else {
-                break;
-            };
-            let Plan::Off(_, from_s) = one.plan else {
-                continue;
-            };
-            let later_s = from_s - scene.time_s;
-            let flown = likely + (1.0 - likely) * libm::exp(-later_s / price::DISSOLVES_S);
-            let cost_m = flown * (one.departs_m(scene, &here, later_s) + starts_m);
-            self.rank(one.plan, &one.chance, price::loss_m(&one.chance) + cost_m);
+        if flown.is_none() && self.ranked.first().is_some_and(is_off) {
+            self.weigh_recourse(scene, &others, &here, flight);
         }
         hold
     }
@@ -219,7 +198,7 @@ impl Chooser {
     }
 
     /// Puts a plan among the cheapest ones; of two that cost the same the first one stays before.
-    fn rank(&mut self, plan: Plan, chance: &Chance, cost_m: f64) {
+    pub(crate) fn rank(&mut self, plan: Plan, chance: &Chance, cost_m: f64) {
         let chance = *chance;
         let new = Ranked {
             plan,
@@ -230,7 +209,7 @@ impl Chooser {
     }
 
     /// Takes plans to look at.
-    fn begin(&mut self, plans: impl IntoIterator<Item = Plan>) {
+    pub(crate) fn begin(&mut self, plans: impl IntoIterator<Item = Plan>) {
         self.looked.clear();
         for plan in plans {
             self.looked.push(Looked::new(plan));
@@ -238,35 +217,37 @@ impl Chooser {
     }
 
     /// Adds up the chances of the plans with all others.
-    fn look(
-        &mut self,
-        scene: &Scene<'_>,
-        others: &List<(f64, Option<Other<'_>>), MOST_WEIGHED>,
-        flight: &mut FlightPath,
-    ) {
-        let own_m = scene.now.position_m;
-        let mut command = Maneuver::hold();
+    pub(crate) fn look(&mut self, scene: &Scene<'_>, others: &Others<'_>, flight: &mut FlightPath) {
         for other in others.iter().filter_map(|other| other.1) {
-            match other {
-                Other::Known(known) => {
-                    let futures = known.belief.futures(scene.time_s);
-                    self.ahead.set(&futures, own_m, &known.volume);
-                }
-                Other::Straight(obstacle) => self.ahead.set_straight(&obstacle, own_m),
-            }
-            for looked in self.looked.iter_mut() {
-                scene.set(&looked.plan, &mut command);
-                scene.fly(&command, flight, &mut self.path);
-                let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
-                let chance = self.ahead.meets(&self.path, !waits);
-                let is_later = chance.passed_s >= looked.chance.passed_s;
-                looked.chance = looked.chance.and(chance);
-                let at_s = looked.measured_s(scene);
-                if is_later {
-                    looked.there = Aside::on(scene, &self.path, at_s);
-                }
+            other.ahead(scene, 0.0, &mut self.ahead);
+            for place in 0..self.looked.len() {
+                self.meet(scene, place, flight);
             }
         }
+    }
+
+    /// Adds the chances of a plan with one of the others, and returns them for each of its futures.
+    pub(crate) fn meet(
+        &mut self,
+        scene: &Scene<'_>,
+        place: usize,
+        flight: &mut FlightPath,
+    ) -> [Chance; FUTURES] {
+        let Some(looked) = self.looked.get_mut(place) else {
+            return [Chance::default(); FUTURES];
+        };
+        let mut command = Maneuver::hold();
+        scene.set(&looked.plan, &mut command);
+        scene.fly(&command, flight, &mut self.path);
+        let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
+        let each = self.ahead.meets(&self.path, !waits);
+        let chance = Chance::mean(&each, self.ahead.weights());
+        let is_later = chance.passed_s >= looked.chance.passed_s;
+        looked.chance = looked.chance.and(chance);
+        if is_later {
+            looked.there = Aside::on(scene, &self.path, looked.measured_s(scene));
+        }
+        each
     }
 }
 
@@ -285,11 +266,7 @@ fn keep_least<T: Copy, const N: usize>(
 }
 
 /// The nearest of what is around, by distance, metres.
-fn others<'a>(
-    scene: &Scene<'_>,
-    beliefs: &'a Beliefs,
-    obstacles: &Obstacles<'_>,
-) -> List<(f64, Option<Other<'a>>), MOST_WEIGHED> {
+fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>) -> Others<'a> {
     let own_m = scene.now.position_m;
     let mut nearest = List::new((f64::INFINITY, None));
     let mut keep = |away_m: f64, other| {
@@ -348,14 +325,20 @@ impl Looked {
         self.chance.passed_s.max(from_s + 3.0).min(SECONDS as f64)
     }
 
-    /// What it costs in departure, extra path and time, from a moment on until the others have passed, metres.
-    fn departs_m(&self, scene: &Scene<'_>, here: &Aside, from_s: f64) -> f64 {
-        let until_s = self.until_s(from_s);
-        let flown_m = scene.route.flyer.airspeed_mps() * until_s;
-        let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
-        self.there.off_m.max(here.off_m)
-            + price::EXTRA_PATH * extra_m
-            + price::SECOND_M * (until_s - from_s)
+    /// What it costs in departure, extra path and time, until it is back or until the others have passed, metres.
+    pub(crate) fn departs_m(&self, scene: &Scene<'_>, here: &Aside) -> f64 {
+        let off_m = self.there.off_m.max(here.off_m);
+        match self.plan {
+            Plan::Mission => 0.0,
+            Plan::Back(_, until_s) => off_m + price::SECOND_M * (until_s - scene.time_s),
+            Plan::Off(_, from_s) => {
+                let from_s = from_s - scene.time_s;
+                let until_s = self.until_s(from_s);
+                let flown_m = scene.route.flyer.airspeed_mps() * until_s;
+                let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
+                off_m + price::EXTRA_PATH * extra_m + price::SECOND_M * (until_s - from_s)
+            }
+        }
     }
 }
 
@@ -370,7 +353,7 @@ impl Way {
 
 /// A place off the mission's leg.
 #[derive(Debug, Clone, Copy)]
-struct Aside {
+pub(crate) struct Aside {
     /// Distance from the leg, metres.
     off_m: f64,
     /// Distance along it, metres.

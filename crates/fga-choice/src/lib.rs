@@ -11,6 +11,7 @@
 //! | [`candidate`] | which plans are there? |
 //! | [`chance`] | how likely does a path meet the others? |
 //! | [`price`] | what does a metre buy? |
+//! | `recourse` | what is learned later? |
 //! | [`chooser`] | which plans cost least? |
 //!
 //! It only proposes: zones, ground and continuous time are for the proof.
@@ -28,6 +29,7 @@ pub mod candidate;
 pub mod chance;
 pub mod chooser;
 pub mod price;
+mod recourse;
 
 pub use beliefs::Beliefs;
 pub use candidate::{Plan, Scene};

@@ -23,7 +23,7 @@ pub const EXTRA_PATH: f64 = 2.0;
 pub const SECOND_M: f64 = 10.0;
 
 /// A manoeuvre that begins, metres, where a loss is not likely.
-pub const START_M: f64 = 300.0;
+pub const START_M: f64 = 700.0;
 
 /// Another manoeuvre than the present one, metres.
 pub const CHANGE_M: f64 = 300.0;
@@ -32,9 +32,6 @@ pub const CHANGE_M: f64 = 300.0;
 /// flights, as above, a tenth left 6 of 164 losses, 720 m aside, when it was chosen; three tenths left 7, 825 m aside. Without it, and with
 /// futures that did not wander, the aircraft turned to the other side more than three times in 87 of 232 flights.
 pub const CHANGE_SHARE: f64 = 0.1;
-
-/// A conflict that is waited for ends by itself within this time, seconds, in 63 of 100 cases that end.
-pub const DISSOLVES_S: f64 = 10.0;
 
 /// A smaller chance of a loss on the mission counts as 0.
 const NO_CHANCE: f64 = 1e-4;
@@ -52,6 +49,11 @@ pub(crate) fn no_chance(away_s: f64) -> f64 {
     } else {
         (NO_CHANCE_A_MINUTE * away_s / 60.0).min(MOST_NO_CHANCE)
     }
+}
+
+/// The price of a start, metres, for what the mission meets.
+pub(crate) fn starts_m(hold: &Chance) -> f64 {
+    START_M * (1.0 - hold.loss.min(1.0))
 }
 
 /// The price of some chances, metres.
