@@ -32,15 +32,18 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
         if low > high {
             return 0.0;
         }
-        let sigma_m =
-            |spread: &Spread, lasting_m2: f32| (spread.variance(at_s) + lasting_m2).sqrt();
-        let (beside_m, above_m) = (
-            sigma_m(&future.beside, beside_m2),
-            sigma_m(&future.above, above_m2),
-        );
-        future.weight
-            * Futures::comes_within(least_m, least_m, radius_m, beside_m)
-            * Futures::comes_within(low, high, half_m, above_m)
+        let within = |free_m: [f32; 2]| {
+            let sigma_m = |spread: &Spread, lasting_m2: f32, free_m: f32| {
+                (spread.variance(at_s) + lasting_m2 + free_m * free_m).sqrt()
+            };
+            let beside_m = sigma_m(&future.beside, beside_m2, free_m[0]);
+            let above_m = sigma_m(&future.above, above_m2, free_m[1]);
+            Futures::comes_within(least_m, least_m, radius_m, beside_m)
+                * Futures::comes_within(low, high, half_m, above_m)
+        };
+        let freedom = &futures.freedom;
+        let free = within(freedom.off_m(at_s));
+        future.weight * ((1.0 - freedom.share) * within([0.0; 2]) + freedom.share * free)
     };
     futures.all.iter().map(one).sum()
 }
@@ -128,7 +131,9 @@ fn weights_add_up_and_the_same_belief_has_the_same_futures() {
     // Where they begin is where the belief is.
     let estimate = belief.at(60.0);
     let drawn = futures.all.iter().map(|future| future.position_m(0.0));
-    let mean = drawn.fold([0.0; 3], |sum, at| [0, 1, 2].map(|k| sum[k] + at[k] / 32.0));
+    let mean = drawn.fold([0.0; 3], |sum, at| {
+        [0, 1, 2].map(|k| sum[k] + at[k] / FUTURES as f32)
+    });
     let mean = futures.origin_m + Vec3::from(mean.map(f64::from));
     assert!(
         mean.distance(estimate.position_m) < 2.0,
@@ -190,18 +195,26 @@ fn recorded_flights_are_where_their_futures_say() {
                     for future in &futures.all {
                         let at = future.position_m(f32::from(*ahead_s)).map(f64::from);
                         let off = later.position_m - futures.origin_m - Vec3::from(at);
-                        let spread = |spread: &Spread, lasting_m2: f32| {
-                            spread.variance(f32::from(*ahead_s)) + lasting_m2
-                        };
-                        let beside_m2 = spread(&future.beside, futures.lasting_m2[0]);
-                        let above_m2 = spread(&future.above, futures.lasting_m2[1]);
-                        let parts = [
-                            below(along.dot(off.truncate()), beside_m2),
-                            below(along.perp_dot(off.truncate()), beside_m2),
-                            below(off.z, above_m2),
-                        ];
-                        for (said, part) in said.iter_mut().zip(parts) {
-                            *said += f64::from(future.weight) * part;
+                        let after_s = f32::from(*ahead_s);
+                        let (share, free_m) =
+                            (futures.freedom.share, futures.freedom.off_m(after_s));
+                        for (share, [beside_m, above_m]) in
+                            [(1.0 - share, [0.0; 2]), (share, free_m)]
+                        {
+                            let spread = |spread: &Spread, lasting_m2: f32, free_m: f32| {
+                                spread.variance(after_s) + lasting_m2 + free_m * free_m
+                            };
+                            let [lasting_m2, above_m2] = futures.lasting_m2;
+                            let beside_m2 = spread(&future.beside, lasting_m2, beside_m);
+                            let above_m2 = spread(&future.above, above_m2, above_m);
+                            let parts = [
+                                below(along.dot(off.truncate()), beside_m2),
+                                below(along.perp_dot(off.truncate()), beside_m2),
+                                below(off.z, above_m2),
+                            ];
+                            for (said, part) in said.iter_mut().zip(parts) {
+                                *said += f64::from(future.weight * share) * part;
+                            }
                         }
                     }
                     for (ranks, said) in ranks.iter_mut().zip(said) {
