@@ -25,6 +25,10 @@ const NEAR_SIGMAS: f32 = 2.0;
 /// Something else than its future brings an aircraft near only within this many σ.
 const FREE_SIGMAS: f32 = 3.0;
 
+/// Futures that are less than this apart do the same, however sharp the sight: place and velocity along a horizontal axis, and in altitude,
+/// metres and metres per second.
+const SAME: [[f32; 2]; 2] = [[10.0, 2.0], [5.0, 1.0]];
+
 /// Chances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Chance {
@@ -270,14 +274,15 @@ impl Ahead {
         for (happens, row) in looks.iter_mut().enumerate() {
             for ((future, look), weight) in row.iter_mut().enumerate().zip(&self.weights) {
                 let mut apart = 0.0;
-                for (of, [place_m2, velocity_m2ps2]) in
-                    axes.into_iter().zip([beside, beside, above])
+                for (of, ([place_m2, velocity_m2ps2], [least_m, least_mps])) in axes
+                    .into_iter()
+                    .zip([(beside, SAME[0]), (beside, SAME[0]), (above, SAME[1])])
                 {
                     let apart_m = |second| value(of, second, future) - value(of, second, happens);
                     let place_m = apart_m(after_s);
                     let velocity_mps = apart_m(after_s + 1) - place_m;
-                    apart += place_m * place_m / place_m2.max(1e-3)
-                        + velocity_mps * velocity_mps / velocity_m2ps2.max(1e-3);
+                    apart += place_m * place_m / place_m2.max(least_m * least_m)
+                        + velocity_mps * velocity_mps / velocity_m2ps2.max(least_mps * least_mps);
                 }
                 // The likelihood exp(-d² / 2), with the error of what happens and that of what is known of it.
                 *look = weight * libm::expf(-apart / 4.0);

@@ -23,7 +23,7 @@ pub const EXTRA_PATH: f64 = 2.0;
 pub const SECOND_M: f64 = 10.0;
 
 /// A manoeuvre that begins, metres, where a loss is not likely.
-pub const START_M: f64 = 700.0;
+pub const START_M: f64 = 1600.0;
 
 /// Another manoeuvre than the present one, metres.
 pub const CHANGE_M: f64 = 300.0;
