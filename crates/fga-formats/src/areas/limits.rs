@@ -9,6 +9,8 @@ use crate::units::{Dimension, FOOT_M, Unit};
 
 /// A flight level is this many feet.
 const LEVEL_FT: f64 = 100.0;
+/// Files round a height that they say again in another unit by this share at most.
+const ROUNDED: f64 = 0.02;
 
 /// What a file says of one limit, piece by piece.
 #[derive(Debug, Clone, Default)]
@@ -76,10 +78,10 @@ impl SaidLimit {
     }
 
     fn number(&mut self, number: f64) {
-        if self
-            .height
-            .is_some_and(|height| height != 0.0 && height != number)
-        {
+        let before = self.height.filter(|height| *height != 0.0);
+        if !number.is_finite() {
+            self.unknown = Some(number.to_string());
+        } else if before.is_some_and(|height| height != number) {
             self.unknown = Some(format!("{number} as a second height"));
         }
         self.height = Some(number);
@@ -102,7 +104,8 @@ impl SaidLimit {
                     }
                 }
             }
-            _ => (),
+            Value::Null => (),
+            other => self.unknown = Some(other.to_string()),
         }
     }
 
@@ -161,6 +164,13 @@ impl SaidLimit {
         }
     }
 
+    /// Whether it is the height of another one once more, perhaps in another unit and rounded.
+    fn says_the_same(&self, other: &Self) -> bool {
+        let height_m = |said: &Self| Some(said.height? * said.unit_m?);
+        let heights_m = height_m(self).zip(height_m(other));
+        heights_m.is_some_and(|(one_m, other_m)| (one_m - other_m).abs() <= ROUNDED * other_m.abs())
+    }
+
     fn is_said(&self) -> bool {
         self.height.is_some() || self.is_unlimited || self.unknown.is_some()
     }
@@ -177,7 +187,7 @@ fn reference(word: &str) -> Option<Reference> {
     })
 }
 
-fn length_m(word: &str) -> Option<f64> {
+pub(super) fn length_m(word: &str) -> Option<f64> {
     let word = if word == "F" { "FT" } else { word };
     let unit = Unit::parse(word).filter(|unit| unit.dimension == Dimension::Length);
     unit.map(|unit| unit.factor)
@@ -249,8 +259,8 @@ impl Areas<'_> {
         })
     }
 
-    /// Takes the limits that properties state by names of their own, and names those that cannot be read.
-    pub(super) fn take_limits(&mut self, properties: &Map<String, Value>) {
+    /// Takes the limits that properties state by names of their own, in a unit where they say none, and names those that cannot be read.
+    pub(super) fn take_limits(&mut self, properties: &Map<String, Value>, unit_m: Option<f64>) {
         let mut said = [SaidLimit::default(), SaidLimit::default()];
         let mut shared = SaidLimit::default();
         // Authorities keep what ED-269 says of a volume in an object, or a list of one, with its outline elsewhere.
@@ -285,12 +295,23 @@ impl Areas<'_> {
                 Role::Unit => side.take_unit(value),
                 Role::Reference => side.take_reference(value),
                 Role::Height => {
+                    let words = words.iter().map(|word| word.to_ascii_uppercase());
+                    let words: Vec<String> = words.collect();
+                    let mut again = SaidLimit {
+                        unit_m: words.iter().find_map(|word| length_m(word)),
+                        ..SaidLimit::default()
+                    };
+                    again.take_value(value);
+                    if again.says_the_same(side) {
+                        continue;
+                    }
                     side.take_value(value);
                     // As in floor_m and upper_ft_amsl.
-                    for word in words.iter().map(|word| word.to_ascii_uppercase()) {
-                        side.above = side.above.or(reference(&word).filter(|_| word != "ALT"));
-                        side.unit_m = side.unit_m.or(length_m(&word));
-                    }
+                    let above = words.iter().filter(|word| *word != "ALT");
+                    side.above = side
+                        .above
+                        .or(above.filter_map(|word| reference(word)).next());
+                    side.unit_m = side.unit_m.or(again.unit_m);
                 }
             }
         }
@@ -298,7 +319,10 @@ impl Areas<'_> {
             if !said.is_said() {
                 continue;
             }
-            said.unit_m = said.unit_m.or(shared.unit_m);
+            if said.unit_m.is_none() {
+                said.unknown = said.unknown.or(shared.unknown.clone());
+                said.unit_m = shared.unit_m.or(unit_m);
+            }
             let found = self.named(&said, what);
             if let Some(limit) = self.like.limits.get_mut(limit) {
                 *limit = found;

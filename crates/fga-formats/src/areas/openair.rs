@@ -22,14 +22,17 @@ pub(super) fn is_openair(text: &str) -> bool {
 
 impl Areas<'_> {
     pub(super) fn take_openair(&mut self, text: &str) -> Result<(), InputError> {
-        for airspace in openair::parse(text.as_bytes()) {
-            let airspace = airspace.map_err(|error| {
-                let told = format!(
-                    "after {} areas {error}, expected a whole airspace",
-                    self.all.len()
-                );
-                self.unreadable(0, "OpenAir", Some(&told))
-            })?;
+        for block in blocks(text) {
+            let airspace = match openair::parse(block.as_bytes()).next() {
+                Some(Ok(airspace)) => airspace,
+                None => continue,
+                Some(Err(error)) => {
+                    let name = block.lines().find_map(|line| line.strip_prefix("AN "));
+                    let name = name.unwrap_or_default().trim();
+                    self.leave_out(&format!("airspace {name} ({error})"));
+                    continue;
+                }
+            };
             let Airspace {
                 name,
                 lower_bound,
@@ -86,6 +89,28 @@ impl Areas<'_> {
             }
         }
     }
+}
+
+/// The lines of each airspace that say its name, its limits, its times for the first time, and its place.
+fn blocks(text: &str) -> Vec<String> {
+    let mut blocks: Vec<String> = Vec::new();
+    let mut was_head = false;
+    for line in text.trim_start_matches('\u{feff}').lines().map(str::trim) {
+        let letters = line.chars().filter(|letter| !letter.is_whitespace());
+        let kind: String = letters.take(2).collect();
+        let is_head = ["AC", "AN", "AL", "AH", "AA"].contains(&kind.as_str());
+        if !is_head && !kind.starts_with('D') && !["VX", "VD"].contains(&kind.as_str()) {
+            continue;
+        }
+        let is_next = is_head && !was_head;
+        was_head = is_head;
+        match blocks.last_mut().filter(|_| !is_next) {
+            Some(block) if kind == "AA" && block.contains("\nAA") => (),
+            Some(block) => *block = format!("{block}\n{line}"),
+            None => blocks.push(line.to_owned()),
+        }
+    }
+    blocks
 }
 
 fn place(at: &Coord) -> [f64; 2] {
