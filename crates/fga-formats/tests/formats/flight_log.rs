@@ -527,9 +527,15 @@ fn turned(bank_rad: f64, course_rad: f64) -> [f32; 4] {
     [cy * c, cy * s, sy * s, sy * c].map(|part| part as f32)
 }
 
-/// A short log of PX4.
-pub(crate) fn ulog() -> Vec<u8> {
-    px4_log(&flight(120, 0.1))
+/// A short log of each kind: PX4's, dataflash, telemetry, CSV.
+pub(crate) fn short_logs() -> [Vec<u8>; 4] {
+    let rows = flight(120, 0.1);
+    [
+        px4_log(&rows),
+        dataflash(&rows),
+        tlog(&rows),
+        csv(&rows).into_bytes(),
+    ]
 }
 
 /// A log of PX4 in a mission: its first seconds disarmed, a second airspeed sensor that is wrong.
