@@ -11,6 +11,7 @@ use crate::daa::{Recording, Track, TrackSample};
 use crate::error::InputError;
 use crate::geodesy::{Earth, LocalFrame};
 use crate::tally::{LeftOut, Tally};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Horizontal distance of a pair, metres.
@@ -48,30 +49,20 @@ pub(super) fn close_pairs(
         .flat_map(|track| unbroken(track, &mut tally))
         .collect();
     let mut found = Vec::new();
+    // The same two may meet twice.
+    let mut met: HashMap<String, usize> = HashMap::new();
     for (index, first) in pieces.iter().enumerate() {
         for second in pieces.iter().skip(index + 1) {
             if first.name != second.name
                 && let Some(recording) = pair(first, second)
             {
                 let name = format!("{name} {}-{}", first.name, second.name);
+                let times = met.entry(name.clone()).or_default();
+                *times += 1;
+                let again = format!("{name} #{times}");
+                let name = if *times > 1 { again } else { name };
                 found.push(Named { name, recording });
             }
-        }
-    }
-    // The same two may meet twice.
-    for index in 1..found.len() {
-        let (before, rest) = found.split_at_mut(index);
-        let Some(this) = rest.first_mut() else {
-            continue;
-        };
-        let again = before
-            .iter()
-            .filter(|other| {
-                other.name == this.name || other.name.starts_with(&format!("{} #", this.name))
-            })
-            .count();
-        if again > 0 {
-            this.name = format!("{} #{}", this.name, again + 1);
         }
     }
     if found.is_empty() {

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use alloc::collections::BTreeMap;
 use glam::DVec3;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::received::{Collector, Heard, Received, Who};
 use crate::error::{InputError, shown};
@@ -22,7 +22,7 @@ use crate::geodesy::{Geodetic, course_from_compass_rad};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::NON_ICAO;
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// A position that was older when the list was written is too old, seconds.
 const OLDEST_S: f64 = 60.0;
@@ -81,11 +81,7 @@ impl StateVector<'_> {
 /// # Errors
 /// Text that is no JSON, or JSON of something else.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
-    let mut reader = StateVectorReader {
-        path,
-        collector: Collector::default(),
-        tally: Tally::default(),
-    };
+    let mut reader = StateVectorReader::new(path);
     for document in serde_json::Deserializer::from_str(text).into_iter::<Value>() {
         let document = document.map_err(|error| {
             let message = format!("is no JSON that can be read: {error}");
@@ -113,11 +109,7 @@ pub(super) fn is_history(text: &str) -> bool {
 /// # Errors
 /// A table that is none.
 pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputError> {
-    let mut reader = StateVectorReader {
-        path,
-        collector: Collector::default(),
-        tally: Tally::default(),
-    };
+    let mut reader = StateVectorReader::new(path);
     let mut table = csv::ReaderBuilder::new()
         .flexible(true)
         .trim(csv::Trim::All)
@@ -140,7 +132,15 @@ struct StateVectorReader<'a> {
     tally: Tally,
 }
 
-impl StateVectorReader<'_> {
+impl<'a> StateVectorReader<'a> {
+    fn new(path: &'a Path) -> Self {
+        Self {
+            path,
+            collector: Collector::default(),
+            tally: Tally::default(),
+        }
+    }
+
     fn document(&mut self, document: &Value) -> Result<(), InputError> {
         let wrong = |message: &str| Err(InputError::in_file(self.path, message));
         match document {
@@ -224,11 +224,11 @@ impl StateVectorReader<'_> {
             time_s,
             age_s: 0.0,
             place_deg: place_deg.map(<[f64; 2]>::from),
-            altitude_m: altitude_ft.map(|feet| Feet(feet).to_m()),
+            altitude_m: altitude_ft.map(|feet| feet * FOOT_M),
             is_by_pressure: number("altitude").is_some(),
-            speed_mps: number("groundspeed").map(|knots| Knots(knots).to_mps()),
+            speed_mps: number("groundspeed").map(|knots| knots * KNOT_MPS),
             track_deg: number("track"),
-            climb_mps: number("vertical_rate").map(|fpm| FeetPerMinute(fpm).to_mps()),
+            climb_mps: number("vertical_rate").map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
             on_ground: ["onground", "on_ground"]
                 .iter()
                 .any(|key| is_true(row.get(key))),
@@ -251,12 +251,12 @@ impl StateVectorReader<'_> {
             time_s: now_s,
             age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
             place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: first(&["alt_baro", "altitude", "alt_geom"]).map(|feet| Feet(feet).to_m()),
+            altitude_m: first(&["alt_baro", "altitude", "alt_geom"]).map(|feet| feet * FOOT_M),
             is_by_pressure: first(&["alt_baro", "altitude"]).is_some(),
-            speed_mps: first(&["gs", "speed"]).map(|knots| Knots(knots).to_mps()),
+            speed_mps: first(&["gs", "speed"]).map(|knots| knots * KNOT_MPS),
             track_deg: number("track"),
             climb_mps: first(&["baro_rate", "vert_rate", "geom_rate"])
-                .map(|fpm| FeetPerMinute(fpm).to_mps()),
+                .map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
             on_ground: ["alt_baro", "altitude"]
                 .iter()
                 .any(|key| row.get(key).and_then(Value::as_str) == Some("ground")),
@@ -294,33 +294,32 @@ impl StateVectorReader<'_> {
         /// Flags of a row: its climb rate and its altitude are above the ellipsoid.
         const GEOMETRIC_RATE: u64 = 4;
         const GEOMETRIC: u64 = 8;
-        let field = |index: usize| row.get(index);
-        let number = |index: usize| number(field(index));
-        let flags = field(6).and_then(Value::as_u64).unwrap_or(0);
-        let details = field(8);
-        let callsign = details.and_then(|details| details.get("flight")?.as_str());
-        self.take(&StateVector {
-            name,
-            address: address_of(name),
-            callsign,
-            time_s: number(0).map(|after_s| begin_s + after_s),
-            age_s: 0.0,
-            place_deg: number(1).zip(number(2)).map(<[f64; 2]>::from),
-            altitude_m: number(3)
-                .or_else(|| number(10))
-                .map(|feet| Feet(feet).to_m()),
-            is_by_pressure: number(3).is_some() && flags & GEOMETRIC == 0,
-            speed_mps: number(4).map(|knots| Knots(knots).to_mps()),
-            track_deg: number(5),
-            climb_mps: number(7)
-                .filter(|_| flags & GEOMETRIC_RATE == 0 || number(11).is_none())
-                .or_else(|| number(11))
-                .map(|fpm| FeetPerMinute(fpm).to_mps()),
-            on_ground: field(3).and_then(Value::as_str) == Some("ground"),
+        let field = |index: usize| row.get(index).unwrap_or(&Value::Null);
+        let flags = field(6).as_u64().unwrap_or(0);
+        let is_geometric = |flag| flags & flag != 0;
+        let is_rate = is_geometric(GEOMETRIC_RATE) && field(11).is_number();
+        let pick = |is_second: bool, one: usize, other: usize| {
+            let index = if is_second { other } else { one };
+            field(index).clone()
+        };
+        let is_altitude = is_geometric(GEOMETRIC) && field(3).is_number();
+        let state = json!({
+            "hex": name,
+            "flight": field(8).get("flight"),
+            "lat": field(1),
+            "lon": field(2),
+            "alt_baro": if is_altitude { &Value::Null } else { field(3) },
+            "alt_geom": pick(is_altitude, 10, 3),
+            "gs": field(4),
+            "track": field(5),
+            "baro_rate": pick(is_rate, 7, 11),
+            "geom_rate": field(11),
         });
+        let time_s = number(Some(field(0))).map(|after_s| begin_s + after_s);
+        self.aircraft(&state, time_s);
     }
 
-    /// A row of OpenSky's history, a table of texts.
+    /// A row of OpenSky's history, a table of texts, as a row of its `states`.
     fn history(&mut self, columns: &csv::StringRecord, row: &csv::StringRecord) {
         let field = |name: &str| {
             let index = columns
@@ -331,44 +330,30 @@ impl StateVectorReader<'_> {
             };
             row.get(index).map(str::trim).filter(known)
         };
-        let Some(name) = field("icao24") else {
-            return self.tally.leave_out(LeftOut::NoAddress);
-        };
         let numbers = [
             "time",
             "lastposupdate",
-            "lat",
             "lon",
+            "lat",
             "baroaltitude",
-            "geoaltitude",
             "velocity",
             "heading",
             "vertrate",
+            "geoaltitude",
         ];
-        let read = |name| field(name).map(finite);
-        if numbers.into_iter().any(|name| read(name) == Some(None)) {
+        let read = numbers.map(|name| field(name).map(finite));
+        if field("icao24").is_some() && read.contains(&Some(None)) {
             return self.tally.leave_out(LeftOut::UnreadableField);
         }
-        let number = |name| read(name).flatten();
-        let time_s = number("time");
-        let age_s = time_s
-            .zip(number("lastposupdate"))
-            .map(|(time_s, heard_s)| time_s - heard_s);
-        self.take(&StateVector {
-            name,
-            address: address_of(name),
-            callsign: field("callsign"),
-            time_s,
-            age_s: age_s.unwrap_or(0.0).max(0.0),
-            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: number("baroaltitude").or_else(|| number("geoaltitude")),
-            is_by_pressure: number("baroaltitude").is_some(),
-            speed_mps: number("velocity"),
-            track_deg: number("heading"),
-            climb_mps: number("vertrate"),
-            on_ground: field("onground")
-                .is_some_and(|text| text.eq_ignore_ascii_case("true") || text == "1"),
-        });
+        let [time_s, heard, lon, lat, low, speed, track, climb, high] = read.map(Option::flatten);
+        let on_ground =
+            field("onground").is_some_and(|text| text.eq_ignore_ascii_case("true") || text == "1");
+        let (name, callsign) = (field("icao24"), field("callsign"));
+        let state = json!([
+            name, callsign, null, heard, null, lon, lat, low, on_ground, speed, track, climb, null,
+            high
+        ]);
+        self.opensky(&state, time_s);
     }
 
     fn take(&mut self, state: &StateVector<'_>) {

@@ -7,7 +7,7 @@ use crate::geodesy::course_from_compass_rad;
 use crate::tally::LeftOut;
 use crate::traffic::lines::LONGEST_LINE;
 use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport};
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// Fields of a message.
 pub(super) const FIELDS: usize = 22;
@@ -155,10 +155,9 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
         callsign: Callsign::new(callsign),
         place_deg,
         altitude: altitude_of(altitude)?,
-        ground_speed_mps: speed_kn.map(|knots| Knots(knots).to_mps()),
+        ground_speed_mps: speed_kn.map(|knots| knots * KNOT_MPS),
         course_rad: number(track, 360.0)?.map(course_from_compass_rad),
-        climb_mps: number(without_geometric(climb), 60_000.0)?
-            .map(|fpm| FeetPerMinute(fpm).to_mps()),
+        climb_mps: number(without_geometric(climb), 60_000.0)?.map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
         on_ground: match on_ground {
             "" => None,
             "0" => Some(false),
@@ -204,7 +203,7 @@ pub(super) fn address_of(text: &str) -> Result<u32, LeftOut> {
 pub(super) fn altitude_of(text: &str) -> Result<Option<Altitude>, LeftOut> {
     let digits = without_geometric(text);
     let is_geometric = digits.len() < text.len();
-    let altitude = number(digits, 150_000.0)?.map(|feet| Feet(feet).to_m());
+    let altitude = number(digits, 150_000.0)?.map(|feet| feet * FOOT_M);
     Ok(altitude.map(if is_geometric {
         Altitude::Ellipsoid
     } else {
