@@ -8,8 +8,8 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
-use super::file::{MOST_BYTES, Parsed, Stated};
+use super::field::{HOLE, HeightField, HeightGrid};
+use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
 use super::{name, projected};
 use crate::gzip::unread;
@@ -30,7 +30,7 @@ pub(super) fn is_tiff(bytes: &[u8]) -> bool {
         .any(|magic| bytes.starts_with(*magic))
 }
 
-pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String> {
+pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<TerrainFile, String> {
     let size = input
         .seek(SeekFrom::End(0))
         .map_err(|error| unread(&error))?;
@@ -81,14 +81,20 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Pars
     let image = decoder.read_image().map_err(failed)?;
     let mut heights = heights(image, unknown, line)?;
     if let Some(known) = mask(decoder, [columns, rows])? {
-        heights.keep(|index| known.get(index).copied().unwrap_or(false));
+        let masked = heights.iter_mut().zip(known).filter(|(_, known)| !known);
+        masked.for_each(|(height, _)| *height = f32::NAN);
     }
     let field = match keys.projected {
         Some(code) => projected::field(code, corner, size, &heights)?,
         None => HeightField::new(grid(corner, size), heights)?,
     };
     name::agrees(file_name, &field.grid().area())?;
-    Ok(Parsed::one("GeoTIFF", field, keys.datum, metadata.error))
+    Ok(TerrainFile::new(
+        "GeoTIFF",
+        vec![field],
+        keys.datum,
+        metadata.error,
+    ))
 }
 
 /// Whether each pixel is known, by the mask that follows the image; `None` without one. Smaller images are overviews.
@@ -357,55 +363,40 @@ fn unit_m(name: &str) -> Result<f64, String> {
     }
 }
 
-/// The heights in metres: the pixels times a scale, plus an offset; the value of a hole is one of the pixels.
+/// The heights in metres: the pixels times a scale, plus an offset; not a number for a hole, whose value is one of the pixels.
 fn heights(
     image: DecodingResult,
     unknown: Option<f64>,
     [scale, offset]: [f64; 2],
-) -> Result<Heights, String> {
+) -> Result<Vec<f32>, String> {
     // As 32-bit floats: no height of the earth needs more. Programs write the value of a hole with the digits of either.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a height beyond the range of f32 becomes infinite and is refused"
     )]
-    let fraction = |pixels: &mut dyn Iterator<Item = f64>| {
-        let is_hole = |pixel: f64| {
-            unknown.is_some_and(|unknown| pixel == unknown || pixel as f32 == unknown as f32)
-        };
-        let height_m = |pixel: f64| {
-            if is_hole(pixel) {
-                f32::NAN
-            } else {
-                (pixel * scale + offset) as f32
-            }
-        };
-        Heights::Fraction(pixels.map(height_m).collect())
+    let height_m = |pixel: f64| {
+        let is_hole = |unknown| pixel == unknown || pixel as f32 == unknown as f32;
+        if unknown.is_some_and(is_hole) {
+            f32::NAN
+        } else {
+            (pixel * scale + offset) as f32
+        }
+    };
+    // The most negative one is a hole, whether or not the file says so.
+    let whole = |pixel: i16| {
+        if pixel == HOLE {
+            f32::NAN
+        } else {
+            height_m(f64::from(pixel))
+        }
     };
     Ok(match image {
-        DecodingResult::I16(mut heights) if [scale, offset] == AS_THEY_ARE => {
-            for height in &mut heights {
-                if Some(f64::from(*height)) == unknown {
-                    *height = HOLE;
-                }
-            }
-            Heights::Whole(heights)
-        }
-        DecodingResult::I16(pixels) => {
-            // The most negative one is a hole, whether or not the file says so.
-            let pixel = |pixel| {
-                if pixel == HOLE {
-                    f64::NAN
-                } else {
-                    f64::from(pixel)
-                }
-            };
-            fraction(&mut pixels.into_iter().map(pixel))
-        }
-        DecodingResult::F32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::U16(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::I32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::U32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::F64(pixels) => fraction(&mut pixels.into_iter()),
+        DecodingResult::I16(pixels) => pixels.into_iter().map(whole).collect(),
+        DecodingResult::U16(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::I32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::U32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::F32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::F64(pixels) => pixels.into_iter().map(height_m).collect(),
         _ => {
             return Err(
                 "has pixels of another kind, expected integers of 16 or 32 bits or floats".into(),

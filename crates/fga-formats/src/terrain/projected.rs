@@ -6,7 +6,7 @@ use fga::Vec2;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-use super::field::{HeightField, HeightGrid, Heights};
+use super::field::{HeightField, HeightGrid};
 use super::file::MOST_BYTES;
 
 /// Posts from one that is projected to the next; between them places are linear, which is within 1/200 of a step of 1 km.
@@ -66,7 +66,7 @@ pub(super) fn field(
     code: u16,
     [west, north, east_step, north_step]: [f64; 4],
     size: [usize; 2],
-    heights: &Heights,
+    heights: &[f32],
 ) -> Result<HeightField, String> {
     if !(east_step > 0.0 && north_step > 0.0) || size.into_iter().any(|count| count < 2) {
         let [rows, columns] = size;
@@ -89,7 +89,7 @@ pub(super) fn field(
     let grid = source.posts().ok_or_else(beyond)?;
     let mut posts = source.sampled(&grid);
     source.raise(&grid, &mut posts);
-    HeightField::new(grid, Heights::Fraction(posts))
+    HeightField::new(grid, posts)
 }
 
 /// Heights on a map's grid.
@@ -100,7 +100,7 @@ struct MapGrid<'a> {
     step: Vec2,
     /// Rows and columns.
     size: [usize; 2],
-    heights: &'a Heights,
+    heights: &'a [f32],
 }
 
 impl MapGrid<'_> {
@@ -109,8 +109,8 @@ impl MapGrid<'_> {
     }
 
     fn post_m(&self, row: usize, column: usize) -> f64 {
-        let post_m = self.heights.post_m(row * self.size[1] + column);
-        post_m.unwrap_or(f64::NAN)
+        let post_m = self.heights.get(row * self.size[1] + column);
+        post_m.copied().map_or(f64::NAN, f64::from)
     }
 
     /// Posts of latitude and longitude over all of it, as far apart as in its middle; `None` beyond the map.

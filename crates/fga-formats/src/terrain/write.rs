@@ -11,7 +11,7 @@ use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
+use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::MOST_BYTES;
 use super::geokeys::{self, codes};
 use super::geotiff::{ERROR_ITEM, GDAL_METADATA};
@@ -86,7 +86,7 @@ impl Terrain {
             return Err(outside());
         }
         Ok(Cut {
-            field: HeightField::new(grid, smallest(heights))?,
+            field: HeightField::new(grid, heights)?,
             datum: self.datum(),
             vertical_error_m: self.vertical_error_m(),
             is_resampled,
@@ -135,18 +135,6 @@ fn grid(lattice: &HeightGrid, area: &Area) -> Result<HeightGrid, String> {
     })
 }
 
-/// Whole metres where all heights are.
-fn smallest(heights: Vec<f32>) -> Heights {
-    let whole =
-        |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
-    if !heights.iter().all(whole) {
-        return Heights::Fraction(heights);
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
-    let whole = |height: f32| if height.is_nan() { HOLE } else { height as i16 };
-    Heights::Whole(heights.into_iter().map(whole).collect())
-}
-
 impl Cut {
     /// Writes the part as a GeoTIFF, complete or not at all.
     ///
@@ -163,12 +151,24 @@ impl Cut {
         atomic::write(path, self.bytes().map_err(failed)?)
     }
 
-    /// The bytes of the file.
+    /// The bytes of the file, in whole metres where all heights are.
     fn bytes(&self) -> TiffResult<Vec<u8>> {
-        match self.field.heights() {
-            Heights::Whole(heights) => self.encode::<GrayI16>(heights, &format!("{HOLE}")),
-            Heights::Fraction(heights) => self.encode::<Gray32Float>(heights, "nan"),
+        let heights = self.field.heights();
+        let is_whole =
+            |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
+        if !heights.iter().all(is_whole) {
+            return self.encode::<Gray32Float>(heights, "nan");
         }
+        #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
+        let whole = |height: &f32| {
+            if height.is_nan() {
+                HOLE
+            } else {
+                *height as i16
+            }
+        };
+        let heights: Vec<i16> = heights.iter().map(whole).collect();
+        self.encode::<GrayI16>(&heights, &format!("{HOLE}"))
     }
 
     fn encode<C: ColorType>(&self, heights: &[C::Inner], hole: &str) -> TiffResult<Vec<u8>>
