@@ -202,27 +202,24 @@ pub fn from_rows(
 ) -> Result<Vec<Encounter>, String> {
     let mut grouped = Grouped::default();
     for (row, (id, obstacle)) in rows.into_iter().enumerate() {
-        for (value, (index, name)) in numbers_of(&obstacle).zip(COLUMNS.iter().skip(2).enumerate())
-        {
-            let largest = if (3..6).contains(&index) {
+        let names = COLUMNS.iter().skip(2);
+        let wrong = numbers_of(&obstacle).zip(names).find_map(|(value, name)| {
+            let largest = if name.ends_with("_mps") {
                 LARGEST_SPEED_MPS
             } else {
                 LARGEST_LENGTH_M
             };
-            if !value.is_finite() || value.abs() > largest {
-                return Err(format!(
-                    "row {row}: column {name} holds {value}, expected a finite number of at most {largest:e} either way"
-                ));
-            }
-        }
-        if obstacle.volume.radius_m() < 0.0 {
-            return Err(format!(
-                "row {row}: column radius_m holds {}, expected a radius of 0 metres or more",
-                obstacle.volume.radius_m()
-            ));
-        }
-        grouped
-            .push(id, obstacle)
+            let expected = if !value.is_finite() || value.abs() > largest {
+                format!("a finite number of at most {largest:e} either way")
+            } else if *name == "radius_m" && value < 0.0 {
+                "a radius of 0 metres or more".into()
+            } else {
+                return None;
+            };
+            Some(format!("column {name} holds {value}, expected {expected}"))
+        });
+        wrong
+            .map_or_else(|| grouped.push(id, obstacle), Err)
             .map_err(|message| format!("row {row}: {message}"))?;
     }
     if grouped.encounters.is_empty() {

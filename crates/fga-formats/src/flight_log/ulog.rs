@@ -7,7 +7,7 @@ use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
 use super::dataflash::{MessageFormat, climb_rad, width};
-use super::phases::Phases;
+use super::phases::{Phases, Word};
 use super::series::{Series, Signals};
 use super::tlog::bank_rad;
 use crate::tally::{LeftOut, Tally};
@@ -116,13 +116,16 @@ impl Topics {
                 let mode = mode
                     .filter(|_| !is_hovering)
                     .map_or(MANUAL, |(_, mode)| *mode);
-                phases.mode(time_s, mode);
-                phases.armed(time_s, field("arming_state")? == 2.0);
+                phases.take(time_s, Word::Mode(mode));
+                phases.take(time_s, Word::Armed(field("arming_state")? == 2.0));
             }
             "position_setpoint_triplet" => {
                 let kind = field("current.type")?;
                 let command = COMMANDS.iter().find(|(theirs, _)| *theirs == kind);
-                phases.command(time_s, command.map_or(16, |(_, command)| *command));
+                phases.take(
+                    time_s,
+                    Word::Command(command.map_or(16, |(_, command)| *command)),
+                );
             }
             _ => return Some(Err(LeftOut::NotNeeded)),
         }
