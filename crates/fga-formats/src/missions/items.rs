@@ -3,7 +3,7 @@
 //! Commands are those of MAVLink (`MAV_CMD`) as ArduPlane reads them.
 
 use alloc::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fga::situation::Passing;
 
@@ -41,9 +41,9 @@ pub(super) struct Item {
 }
 
 /// What the items have led to so far.
-#[derive(Debug)]
-pub(super) struct ItemReader<'a> {
-    path: &'a Path,
+#[derive(Debug, Default)]
+pub(super) struct ItemReader {
+    path: PathBuf,
     file: MissionFile,
     /// The corners of an unfinished polygon, how many there will be, and whether it keeps in.
     corners: Option<(Vec<[f64; 2]>, usize, bool)>,
@@ -57,19 +57,11 @@ pub(super) struct ItemReader<'a> {
     repeated: usize,
 }
 
-impl<'a> ItemReader<'a> {
-    pub(super) fn new(path: &'a Path) -> Self {
+impl ItemReader {
+    pub(super) fn new(path: &Path) -> Self {
         Self {
-            path,
-            file: MissionFile::default(),
-            corners: None,
-            groups: Vec::new(),
-            begun: false,
-            ended: false,
-            left_out: BTreeMap::new(),
-            after_end: 0,
-            circled: 0,
-            repeated: 0,
+            path: path.to_owned(),
+            ..Self::default()
         }
     }
 
@@ -81,8 +73,8 @@ impl<'a> ItemReader<'a> {
     pub(super) fn error(&self, item: &Item, message: &str) -> InputError {
         let message = format!("item {} {message}", item.number);
         match item.line {
-            Some(line) => InputError::at_line(self.path, line, message),
-            None => InputError::in_file(self.path, message),
+            Some(line) => InputError::at_line(&self.path, line, message),
+            None => InputError::in_file(&self.path, message),
         }
     }
 
@@ -125,15 +117,8 @@ impl<'a> ItemReader<'a> {
             20 => {
                 self.ended = true;
                 self.note("the return ends over home at the height of the last waypoint");
-                if let (Some(home), Some(last)) = (self.file.home, self.file.waypoints.last()) {
-                    let altitude_m = last.place.altitude_m;
-                    let place = Geodetic { altitude_m, ..home };
-                    let passing = Passing::FlyBy;
-                    self.add(Waypoint {
-                        place,
-                        passing,
-                        ..*last
-                    });
+                if let Some(last) = self.file.waypoints.last().copied() {
+                    self.add_over_home(last);
                 }
                 Ok(())
             }
@@ -149,7 +134,7 @@ impl<'a> ItemReader<'a> {
     pub(super) fn finish(mut self) -> Result<MissionFile, InputError> {
         if let Some((corners, expected, _)) = self.corners {
             let message = format!("the last fence has {} of {expected} corners", corners.len());
-            return Err(InputError::in_file(self.path, message));
+            return Err(InputError::in_file(&self.path, message));
         }
         if let [only] = self.file.waypoints[..] {
             let mut before = only;
@@ -228,16 +213,19 @@ impl<'a> ItemReader<'a> {
     fn begin(&mut self, first: Waypoint) {
         if !self.begun {
             self.begun = true;
-            if let Some(home) = self.file.home {
-                let altitude_m = first.place.altitude_m;
-                let place = Geodetic { altitude_m, ..home };
-                let passing = Passing::FlyBy;
-                self.add(Waypoint {
-                    place,
-                    passing,
-                    ..first
-                });
-            }
+            self.add_over_home(first);
+        }
+    }
+
+    /// Adds home, if the file gives it, at the height of a waypoint.
+    fn add_over_home(&mut self, like: Waypoint) {
+        if let Some(home) = self.file.home {
+            let altitude_m = like.place.altitude_m;
+            self.add(Waypoint {
+                place: Geodetic { altitude_m, ..home },
+                passing: Passing::FlyBy,
+                ..like
+            });
         }
     }
 
@@ -403,27 +391,21 @@ impl<'a> ItemReader<'a> {
                 self.corners = Some((corners_deg, count, keep_in));
                 Ok(())
             }
-            5003 | 5004 => {
+            // The last one is a circle around home, wherever that is.
+            5003..=5005 if item.command != 5005 || self.file.home.is_some() => {
+                let home_deg = |home: Geodetic| [home.latitude_deg, home.longitude_deg];
+                let home = self.file.home.filter(|_| item.command == 5005);
                 let outline = FenceOutline::Circle {
-                    center_deg: at_deg,
+                    center_deg: home.map_or(at_deg, home_deg),
                     radius_m: item.first_parameter.unwrap_or(0.0),
                 };
-                let keep_in = item.command == 5003;
+                let keep_in = item.command != 5004;
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             5100 if !matches!(item.frame, 10 | 11) => {
                 let place = self.place(item)?;
                 self.file.rally.push(place);
                 Ok(())
-            }
-            // A circle around home, wherever that is.
-            5005 if let Some(home) = self.file.home => {
-                let outline = FenceOutline::Circle {
-                    center_deg: [home.latitude_deg, home.longitude_deg],
-                    radius_m: item.first_parameter.unwrap_or(0.0),
-                };
-                let keep_in = true;
-                self.add_fence(item, MissionFence { outline, keep_in })
             }
             // Where ArduPlane returns to after it has left a fence, or what needs ground or a home that is not known here.
             other => {

@@ -224,7 +224,7 @@ struct Counted {
 fn take(
     value: &Value,
     count: &mut Counted,
-    reader: &mut ItemReader<'_>,
+    reader: &mut ItemReader,
     complex: bool,
 ) -> Result<(), InputError> {
     count.items += 1;
@@ -239,7 +239,7 @@ fn take(
         }
         count.jump_id = number;
     }
-    let unusable = |reader: &ItemReader<'_>, error: &serde_json::Error| {
+    let unusable = |reader: &ItemReader, error: &serde_json::Error| {
         reader.error(&item, &format!("cannot be read: {}", json_sentence(error)))
     };
     if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {

@@ -160,8 +160,7 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
     .then_some(Recording {
         aircraft,
         frame: Some(frame),
-        parameters: Vec::new(),
-        tally: Tally::default(),
+        ..Recording::default()
     })
 }
 

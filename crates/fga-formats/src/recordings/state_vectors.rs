@@ -142,41 +142,47 @@ impl<'a> StateVectorReader<'a> {
     }
 
     fn document(&mut self, document: &Value) -> Result<(), InputError> {
-        let wrong = |message: &str| Err(InputError::in_file(self.path, message));
+        let path = self.path;
+        let wrong = |message: &str| Err(InputError::in_file(path, message));
         match document {
-            Value::Array(rows) => rows.iter().try_for_each(|row| match row {
-                Value::Object(object) if list_of(object).is_some() => self.document(row),
+            Value::Array(rows) => rows.iter().try_for_each(|row| match row.as_object() {
+                Some(object) if self.list(object) => Ok(()),
                 _ => self.row(row),
             }),
-            Value::Object(object) => match list_of(object) {
-                Some(StateList::Aircraft(aircraft)) => {
-                    let now_s = seconds(object.get("now"));
-                    for row in aircraft {
-                        self.aircraft(row, now_s);
-                    }
-                    Ok(())
-                }
-                Some(StateList::States(states)) => {
-                    for row in states {
-                        self.opensky(row, seconds(object.get("time")));
-                    }
-                    Ok(())
-                }
-                Some(StateList::Trace(name, begin_s, rows)) => {
-                    for row in rows {
-                        self.trace(name, begin_s, row);
-                    }
-                    Ok(())
-                }
-                None => match rows_of(object) {
-                    Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
-                    None => wrong(
-                        "is a JSON object of something else, expected areas (GeoJSON, ED-269, ED-318), a mission (.plan), or state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
-                    ),
-                },
+            Value::Object(object) if self.list(object) => Ok(()),
+            Value::Object(object) => match rows_of(object) {
+                Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
+                None => wrong(
+                    "is a JSON object of something else, expected areas (GeoJSON, ED-269, ED-318), a mission (.plan), or state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
+                ),
             },
             _ => wrong("is no list, expected a list of state vectors"),
         }
+    }
+
+    /// Takes a document of readsb or OpenSky; `false` for another object.
+    fn list(&mut self, object: &Map<String, Value>) -> bool {
+        let list = |key: &str, is_row: fn(&Value) -> bool| {
+            let list = object.get(key).and_then(Value::as_array);
+            list.filter(|list| list.iter().all(is_row))
+        };
+        let time_s = |key: &str| seconds(object.get(key));
+        let aircraft = list("aircraft", Value::is_object);
+        let name = object.get("icao").and_then(name_of);
+        let trace = list("trace", |_| true);
+        if let Some(aircraft) = aircraft.or_else(|| list("ac", Value::is_object)) {
+            let each = aircraft.iter();
+            each.for_each(|row| self.aircraft(row, time_s("now")));
+        } else if let Some(states) = list("states", Value::is_array) {
+            let each = states.iter();
+            each.for_each(|row| self.opensky(row, time_s("time")));
+        } else if let (Some(name), Some(begin_s), Some(rows)) = (name, time_s("timestamp"), trace) {
+            rows.iter().for_each(|row| self.trace(name, begin_s, row));
+        } else {
+            // OpenSky writes null for a missing value.
+            return object.contains_key("time") && object.get("states") == Some(&Value::Null);
+        }
+        true
     }
 
     /// An object of a list, or of columns. Other objects than state vectors are errors.
@@ -369,35 +375,6 @@ impl<'a> StateVectorReader<'a> {
             self.collector.push(who, heard);
         }
     }
-}
-
-/// The list in a document of readsb or OpenSky.
-enum StateList<'a> {
-    Aircraft(&'a [Value]),
-    States(&'a [Value]),
-    Trace(&'a str, f64, &'a [Value]),
-}
-
-fn list_of(object: &Map<String, Value>) -> Option<StateList<'_>> {
-    let list = |key: &str| object.get(key).and_then(Value::as_array);
-    // OpenSky writes null for a missing value.
-    let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
-    let trace = || {
-        let name = object.get("icao").and_then(name_of)?;
-        let begin_s = seconds(object.get("timestamp"))?;
-        Some(StateList::Trace(name, begin_s, list("trace")?))
-    };
-    list("aircraft")
-        .or_else(|| list("ac"))
-        .filter(|list| list.iter().all(Value::is_object))
-        .map(|list| StateList::Aircraft(list))
-        .or_else(|| {
-            list("states")
-                .filter(|list| list.iter().all(Value::is_array))
-                .map(|list| StateList::States(list))
-        })
-        .or_else(|| no_states.then_some(StateList::States(&[])))
-        .or_else(trace)
 }
 
 /// A name that is not empty.

@@ -61,22 +61,26 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .ok_or("is a TIFF without a place (no GeoKeys), expected a GeoTIFF")?;
     let keys = geokeys::read(&directory)?;
     let size = [rows, columns].map(|count| count as usize);
-    let corner = corner(&mut decoder, &keys)?;
-    let unknown = match decoder.find_tag(Tag::GdalNodata).map_err(failed)? {
-        Some(value) => Some(nodata(&value.into_string().map_err(failed)?)?),
-        None => None,
+    let scale = numbers(&mut decoder, Tag::ModelPixelScaleTag)?;
+    let tie = numbers(&mut decoder, Tag::ModelTiepointTag)?;
+    let matrix = numbers(&mut decoder, Tag::ModelTransformationTag)?;
+    let corner = corner(&scale, &tie, &matrix, &keys)?;
+    let mut text = |tag| -> Result<Option<String>, String> {
+        let value = decoder.find_tag(tag).map_err(failed)?;
+        value
+            .map(|value| value.into_string().map_err(failed))
+            .transpose()
     };
-    let metadata = match decoder
-        .find_tag(Tag::Unknown(GDAL_METADATA))
-        .map_err(failed)?
-    {
-        Some(value) => Metadata::read(&value.into_string().map_err(failed)?)?,
-        None => Metadata::default(),
-    };
+    let unknown = text(Tag::GdalNodata)?
+        .map(|text| nodata(&text))
+        .transpose()?;
+    let metadata = text(Tag::Unknown(GDAL_METADATA))?;
+    let metadata =
+        metadata.map_or_else(|| Ok(Metadata::default()), |text| Metadata::read(&text))?;
     let unit_m = metadata.unit_m.unwrap_or(keys.vertical_unit_m);
     let line = metadata
         .line
-        .map_or_else(|| line(&mut decoder, &keys), Ok)?;
+        .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
     let image = decoder.read_image().map_err(failed)?;
     let mut heights = heights(image, unknown, line)?;
@@ -224,13 +228,11 @@ fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Result<Vec<f64
 const AS_THEY_ARE: [f64; 2] = [1.0, 0.0];
 
 /// Scale and offset of the pixels by the third number of the pixel scale, as GDAL writes them where keys name a vertical datum.
-fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 2], String> {
-    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
-    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
-    let &[_, _, scale, ..] = &scale[..] else {
+fn line(scale: &[f64], tie: &[f64], keys: &GeoKeys) -> Result<[f64; 2], String> {
+    let &[_, _, scale, ..] = scale else {
         return Ok(AS_THEY_ARE);
     };
-    let offset = match &tie[..] {
+    let offset = match tie {
         [_, _, pixel, _, _, height, ..] => height - pixel * scale,
         _ => 0.0,
     };
@@ -247,12 +249,9 @@ fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64
 }
 
 /// West and north of the first post, and the steps east and north: the pixels, or the middles of pixels that are areas.
-fn corner<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 4], String> {
-    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
-    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
-    let matrix = numbers(decoder, Tag::ModelTransformationTag)?;
+fn corner(scale: &[f64], tie: &[f64], matrix: &[f64], keys: &GeoKeys) -> Result<[f64; 4], String> {
     // West and north of the first pixel's corner, and the size of a pixel.
-    let [west, north, east_step, north_step] = match (&scale[..], &tie[..], &matrix[..]) {
+    let [west, north, east_step, north_step] = match (scale, tie, matrix) {
         ([east, north, ..], [column, row, _, west, top, _], _) => {
             [west - column * east, top + row * north, *east, *north]
         }
