@@ -8,6 +8,22 @@ pub(crate) fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
+/// How many whole things a value counts: none below 0, and none for what is not a number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a fraction does not count, and what is out of range is the nearest number"
+)]
+pub(crate) const fn count(value: f64) -> usize {
+    value as usize
+}
+
+/// A value in single precision; one beyond its range becomes infinite.
+#[expect(clippy::cast_possible_truncation, reason = "infinite beyond the range")]
+pub(crate) const fn single(value: f64) -> f32 {
+    value as f32
+}
+
 /// Appends `value` with exactly `decimals` decimals (at most nine), never as `-0`.
 ///
 /// Rounds the value times a power of ten to the nearest integer, ties to even: every machine does

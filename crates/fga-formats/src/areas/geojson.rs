@@ -85,10 +85,11 @@ impl Areas<'_> {
                 properties,
             } => {
                 self.described(&properties.unwrap_or_default());
-                match geometry {
-                    Some(geometry) => self.take_geojson(*geometry),
-                    None => self.other("feature without a place"),
+                if let Some(geometry) = geometry {
+                    return self.take_geojson(*geometry);
                 }
+                self.leave_out("feature without a place");
+                Ok(())
             }
             GeoJson::Point {
                 coordinates,
@@ -109,16 +110,15 @@ impl Areas<'_> {
             GeoJson::Point { extent: Some(_), .. } => self.refuse(
                 "is no area, expected Polygon, MultiPolygon, or Point with an extent that is a Circle",
             ),
-            GeoJson::Point { .. } => self.other("point"),
-            GeoJson::LineString {} | GeoJson::MultiLineString {} => self.other("line"),
-            GeoJson::MultiPoint {} | GeoJson::Other => self.other("object of another kind"),
+            other => {
+                self.leave_out(match other {
+                    GeoJson::Point { .. } => "point",
+                    GeoJson::LineString {} | GeoJson::MultiLineString {} => "line",
+                    _ => "object of another kind",
+                });
+                Ok(())
+            }
         }
-    }
-
-    #[expect(clippy::unnecessary_wraps, reason = "as the other arms")]
-    fn other(&mut self, what: &str) -> Result<(), InputError> {
-        self.leave_out(what);
-        Ok(())
     }
 
     /// What the properties of a feature say of its areas. ENAIRE keeps those of ED-318 in objects of their own (`UASZone`,

@@ -10,6 +10,7 @@ use fga::situation::Passing;
 use super::{FenceOutline, MissionFence, MissionFile, Waypoint};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
+use crate::number;
 use crate::words::counted;
 
 /// A place nearer than this to the one before adds no leg, metres.
@@ -357,18 +358,12 @@ impl ItemReader {
                 let expected = item
                     .first_parameter
                     .filter(|count| (3.0..=1e4).contains(count));
-                let Some(expected) = expected else {
+                let Some(expected) = expected.map(number::count) else {
                     return Err(self.error(
                         item,
                         "is a corner of a fence, expected 3 corners or more as its first parameter",
                     ));
                 };
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "from 3 to 10,000"
-                )]
-                let expected = expected as usize;
                 let group = item.group.unwrap_or(0.0);
                 if keep_in && !self.groups.contains(&group) {
                     self.groups.push(group);

@@ -1,6 +1,7 @@
 //! One regular grid of heights.
 
 use super::Area;
+use crate::number::count;
 
 /// Heights beyond this are no ground: the highest mountain has 8,849 m, metres.
 const MOST_M: f64 = 9_000.0;
@@ -194,17 +195,8 @@ impl HeightField {
 
     /// The four posts around a place, given in steps from the south-west post.
     pub(super) fn cell(&self, [north, east]: [f64; 2]) -> GridCell {
-        let low = |steps: f64, posts: usize| {
-            // Within the grid, so from 0 to far below 2^52.
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "from 0 to the number of posts"
-            )]
-            let low = libm::floor(steps).max(0.0) as usize;
-            low.min(posts.saturating_sub(2))
-        };
-        let (from_south, column) = (low(north, self.grid.rows), low(east, self.grid.columns));
+        let (from_south, _) = before(north, self.grid.rows);
+        let (column, _) = before(east, self.grid.columns);
         let south_row = self.grid.rows.saturating_sub(from_south + 1);
         let north_row = south_row.saturating_sub(1);
         GridCell {
@@ -250,14 +242,15 @@ impl HeightField {
     }
 }
 
+/// The post before a number of steps, behind which there is another one, and the share of the way to that.
+pub(super) fn before(steps: f64, posts: usize) -> (usize, f64) {
+    let low = count(steps).min(posts.saturating_sub(2));
+    (low, steps - low as f64)
+}
+
 /// The posts of the cells from one number of steps to another.
 fn touched(from: f64, to: f64, posts: usize) -> core::ops::RangeInclusive<usize> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to the number of posts"
-    )]
-    let (first, last) = (libm::floor(from) as usize, libm::ceil(to) as usize);
+    let (first, last) = (count(from), count(libm::ceil(to)));
     first..=last.min(posts.saturating_sub(1))
 }
 

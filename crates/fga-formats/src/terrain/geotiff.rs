@@ -13,7 +13,7 @@ use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
 use super::{name, projected};
 use crate::gzip::unread;
-use crate::number::finite;
+use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
@@ -369,16 +369,12 @@ fn heights(
     [scale, offset]: [f64; 2],
 ) -> Result<Vec<f32>, String> {
     // As 32-bit floats: no height of the earth needs more. Programs write the value of a hole with the digits of either.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a height beyond the range of f32 becomes infinite and is refused"
-    )]
     let height_m = |pixel: f64| {
-        let is_hole = |unknown| pixel == unknown || pixel as f32 == unknown as f32;
+        let is_hole = |unknown| pixel == unknown || single(pixel) == single(unknown);
         if unknown.is_some_and(is_hole) {
             f32::NAN
         } else {
-            (pixel * scale + offset) as f32
+            single(pixel * scale + offset)
         }
     };
     // The most negative one is a hole, whether or not the file says so.

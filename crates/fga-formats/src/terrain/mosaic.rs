@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::field::{GridCell, HeightField, HeightGrid};
 use super::{Area, Datum, Given, TerrainFile, reader};
 use crate::error::InputError;
+use crate::number::single;
 
 /// Grids whose posts agree within this are one lattice, share of the spacing.
 const ALIGNED: f64 = 1e-3;
@@ -272,11 +273,7 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
         let east = (grid.longitude_deg(column) - of.west_deg) / of.step_east_deg;
         let cell = field.cell([libm::rint(north), libm::rint(east)]);
         let height_m = cell.height_m([libm::rint(north), libm::rint(east)]);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "heights are numbers of this type"
-        )]
-        height_m.map_or(f32::NAN, |height_m| height_m as f32)
+        height_m.map_or(f32::NAN, single)
     };
     HeightField::new(grid, posts.map(height_m).collect()).ok()
 }

@@ -19,6 +19,7 @@ use super::mosaic::{Terrain, same_spacing, whole_steps};
 use super::{Area, Datum};
 use crate::atomic;
 use crate::error::OutputError;
+use crate::number::{self, single};
 
 /// A part of the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,11 +76,7 @@ impl Terrain {
                 let height_m = beside
                     .iter()
                     .find_map(|field| field.height_m(latitude_deg, longitude_deg));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "heights have no more digits than this type"
-                )]
-                height_m.map_or(f32::NAN, |height| height as f32)
+                height_m.map_or(f32::NAN, single)
             }));
         }
         if heights.iter().all(|height| height.is_nan()) {
@@ -120,12 +117,7 @@ fn grid(lattice: &HeightGrid, area: &Area) -> Result<HeightGrid, String> {
             MOST_BYTES / 4
         ));
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive and at most the limit above"
-    )]
-    let [rows, columns] = [rows, columns].map(|count| count as usize);
+    let [rows, columns] = [rows, columns].map(number::count);
     Ok(HeightGrid {
         south_deg,
         west_deg,
