@@ -27,9 +27,9 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 
 /// One kind of message.
 #[derive(Debug)]
-pub(super) struct MessageFormat {
+pub(crate) struct MessageFormat {
     pub(super) length: usize,
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Names of the fields, the codes of their types, and where they begin in a message.
     pub(super) fields: Vec<(String, u8, usize)>,
 }
@@ -89,7 +89,7 @@ impl MessageFormat {
     }
 
     /// A field as a number.
-    pub(super) fn number(&self, message: &[u8], name: &str) -> Option<f64> {
+    pub(crate) fn number(&self, message: &[u8], name: &str) -> Option<f64> {
         fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
             message.get(begin..begin + N)?.try_into().ok()
         }

@@ -5,10 +5,8 @@
 
 use alloc::collections::BTreeMap;
 
-use glam::DVec3;
-
 use super::received::{Collector, Heard, Received, Who};
-use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::units::{FOOT_M, KNOT_MPS};
@@ -148,11 +146,10 @@ fn begin(time_s: f64, fields: &[&str]) -> Result<Heard, LeftOut> {
     if !(0.0..1_000.0).contains(&speed_mps) {
         return Err(LeftOut::UnreadableField);
     }
-    let (sin, cos) = libm::sincos(course_from_compass_rad(number(heading)?));
     Ok(Heard {
         time_s,
         place,
-        velocity_mps: Some(DVec3::new(speed_mps * cos, speed_mps * sin, 0.0)),
+        velocity_mps: Some(velocity_from_compass(number(heading)?, speed_mps, 0.0)),
     })
 }
 

@@ -13,12 +13,11 @@
 use std::path::Path;
 
 use alloc::collections::BTreeMap;
-use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::received::{Collector, Heard, Received, Who};
 use crate::error::{InputError, shown};
-use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::NON_ICAO;
@@ -61,12 +60,7 @@ impl StateVector<'_> {
             .speed_mps
             .zip(self.track_deg)
             .map(|(speed_mps, track_deg)| {
-                let (sin, cos) = libm::sincos(course_from_compass_rad(track_deg));
-                DVec3::new(
-                    speed_mps * cos,
-                    speed_mps * sin,
-                    self.climb_mps.unwrap_or(0.0),
-                )
+                velocity_from_compass(track_deg, speed_mps, self.climb_mps.unwrap_or(0.0))
             });
         Ok(Heard {
             time_s: time_s - self.age_s,

@@ -512,7 +512,7 @@ fn n3_a_log_of_the_ground_never_flies() {
 }
 
 /// A message of `ULog`.
-fn px4(kind: u8, content: &[u8]) -> Vec<u8> {
+pub(crate) fn px4(kind: u8, content: &[u8]) -> Vec<u8> {
     let length = u16::try_from(content.len()).unwrap().to_le_bytes();
     [&length, &[kind][..], content].concat()
 }

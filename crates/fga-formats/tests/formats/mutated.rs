@@ -163,6 +163,7 @@ fn recording_of(bytes: &[u8]) {
 
 fn log_of(bytes: &[u8]) {
     one_line(flight_log::parse(bytes, Path::new("a")));
+    recording_of(bytes);
 }
 
 #[test]
