@@ -21,6 +21,7 @@ mod file;
 mod geokeys;
 mod geotiff;
 mod hgt;
+mod lerc;
 mod local;
 mod mosaic;
 mod name;

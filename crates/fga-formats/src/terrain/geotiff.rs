@@ -11,7 +11,7 @@ use tiff::{ColorType, TiffError};
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
-use super::{name, projected};
+use super::{lerc, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
@@ -82,8 +82,11 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .line
         .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
-    let image = decoder.read_image().map_err(failed)?;
-    let mut heights = heights(image, unknown, line)?;
+    let heights_of = |image| heights(image, unknown, line);
+    let mut heights = match lerc::heights(&mut decoder, size, heights_of)? {
+        Some(heights) => heights,
+        None => heights_of(decoder.read_image().map_err(failed)?)?,
+    };
     if let Some(known) = mask(decoder, [columns, rows])? {
         let masked = heights.iter_mut().zip(known).filter(|(_, known)| !known);
         masked.for_each(|(height, _)| *height = f32::NAN);
@@ -208,11 +211,10 @@ fn gray_mask(
 }
 
 /// An error of the reader as words without its line breaks.
-fn sentence(error: &TiffError) -> String {
+pub(super) fn sentence(error: &TiffError) -> String {
     let words = error.to_string().replace('\n', " ");
-    let words = words.replace("Unknown(34887)", "LERC");
     format!(
-        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits or ZSTD"
+        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits, ZSTD or LERC"
     )
 }
 
