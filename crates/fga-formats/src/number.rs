@@ -1,5 +1,7 @@
 //! Numbers as text, the same bytes on every machine.
 
+use std::io::Write as _;
+
 /// Powers of ten that a fixed number of decimals needs.
 const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
@@ -44,34 +46,14 @@ pub fn push_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
         out.extend_from_slice(format!("{value:.decimals$}").as_bytes());
         return;
     }
-    if scaled < 0.0 {
-        out.push(b'-');
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "an integer below 2^53, made positive"
-    )]
-    let mut rest = scaled.abs() as u64;
-    let mut digits = [b'0'; 24];
-    let mut start = digits.len();
-    let mut written = 0;
-    while rest > 0 || written <= decimals {
-        if written == decimals && decimals > 0 {
-            start -= 1;
-            if let Some(digit) = digits.get_mut(start) {
-                *digit = b'.';
-            }
-        }
-        start -= 1;
-        if let Some(digit) = digits.get_mut(start) {
-            let value = (rest % 10) as u8;
-            *digit = b'0' + value;
-        }
-        rest /= 10;
-        written += 1;
-    }
-    out.extend_from_slice(digits.get(start..).unwrap_or_default());
+    let sign = if scaled < 0.0 { "-" } else { "" };
+    let (digits, power) = (count(scaled.abs()), count(power));
+    let (whole, fraction) = (digits / power, digits % power);
+    // Memory takes all.
+    let _ = match decimals {
+        0 => write!(out, "{sign}{whole}"),
+        _ => write!(out, "{sign}{whole}.{fraction:0decimals$}"),
+    };
 }
 
 /// `value` with exactly `decimals` decimals; see [`push_fixed`].

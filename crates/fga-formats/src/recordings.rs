@@ -68,15 +68,11 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
 }
 
 fn has_known_ending(path: &Path) -> bool {
-    let ending_of = |path: &Path| {
-        path.extension()
-            .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-    };
-    let ending = match ending_of(path).as_deref() {
-        Some("gz") => ending_of(Path::new(path.file_stem().unwrap_or_default())),
-        _ => ending_of(path),
-    };
-    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    ending.is_some_and(|ending| ENDINGS.contains(&ending))
 }
 
 /// Reads the encounters of a file.

@@ -221,17 +221,15 @@ impl Signals {
                 sources[0]
             ));
         }
-        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
-            if series.is_empty() {
-                return Err(format!("has no {name}, expected {source}"));
-            }
-            series.sort();
-        }
-        self.course_rad.unwrap();
-        let period_s = self.bank_rad.period_s().max(SHORTEST_PERIOD_S);
         let mut span_s = (f64::NEG_INFINITY, f64::INFINITY);
-        let told = names.iter().zip(sources);
-        for (series, (name, source)) in self.each().into_iter().zip(told) {
+        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
+            series.sort();
+            let Some((first, last)) = series.span_s() else {
+                return Err(format!("has no {name}, expected {source}"));
+            };
+            span_s = (span_s.0.max(first), span_s.1.min(last));
+        }
+        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
             let is_bank = name.ends_with("bank");
             let slowest_s = if is_bank {
                 SLOWEST_BANK_S
@@ -244,10 +242,9 @@ impl Signals {
                     "has the {name} every {found_s:.3} s ({source}), expected it at least every {slowest_s} s"
                 ));
             }
-            if let Some((first, last)) = series.span_s() {
-                span_s = (span_s.0.max(first), span_s.1.min(last));
-            }
         }
+        self.course_rad.unwrap();
+        let period_s = self.bank_rad.period_s().max(SHORTEST_PERIOD_S);
         let rows = (span_s.1 - span_s.0) / period_s;
         if rows > MOST_ROWS {
             return Err(format!(

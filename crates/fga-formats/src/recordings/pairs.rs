@@ -133,31 +133,18 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
         }
     }
     let (_, closest_s) = closest?;
-    let (from_s, to_s) = (closest_s - BEFORE_S, closest_s + AFTER_S);
-    let aircraft: Vec<Track> = tracks
-        .into_iter()
-        .map(|track| Track {
-            samples: track
-                .samples
-                .into_iter()
-                .filter(|sample| {
-                    (from_s.max(begin_s) - GAP_S / 2.0..=to_s.min(end_s) + GAP_S / 2.0)
-                        .contains(&sample.time_s)
-                })
-                .collect(),
-            ..track
-        })
-        .collect();
-    let is_moving = |track: &Track| {
-        track
-            .samples
-            .iter()
-            .all(|sample| sample.velocity_mps.length() > SLOWEST_MPS)
-    };
-    (aircraft
-        .iter()
-        .all(|track| track.samples.len() >= 2 && is_moving(track)))
-    .then_some(Recording {
+    let from_s = (closest_s - BEFORE_S).max(begin_s) - GAP_S / 2.0;
+    let to_s = (closest_s + AFTER_S).min(end_s) + GAP_S / 2.0;
+    let mut aircraft = Vec::from(tracks);
+    for track in &mut aircraft {
+        let samples = &mut track.samples;
+        samples.retain(|sample| (from_s..=to_s).contains(&sample.time_s));
+        let is_moving = |sample: &TrackSample| sample.velocity_mps.length() > SLOWEST_MPS;
+        if samples.len() < 2 || !samples.iter().all(is_moving) {
+            return None;
+        }
+    }
+    Some(Recording {
         aircraft,
         frame: Some(frame),
         ..Recording::default()

@@ -208,58 +208,50 @@ impl<'a> StateVectorReader<'a> {
             ));
         }
         let number = |key: &str| number(row.get(key));
-        let place_deg = number("latitude").zip(number("longitude"));
-        let altitude_ft = number("altitude").or_else(|| number("geoaltitude"));
-        if let Some((latitude, longitude)) = place_deg
+        if let Some((latitude, longitude)) = number("latitude").zip(number("longitude"))
             && Geodetic::new(latitude, longitude, 0.0).is_none()
         {
             return wrong(format!(
                 "is at {latitude}, {longitude}, expected a place on the earth"
             ));
         }
-        self.take(&StateVector {
-            name,
-            address: words("icao24").and_then(address_of),
-            callsign: words("callsign"),
-            time_s,
-            age_s: 0.0,
-            place_deg: place_deg.map(<[f64; 2]>::from),
-            altitude_m: altitude_ft.map(|feet| feet * FOOT_M),
-            is_by_pressure: number("altitude").is_some(),
-            speed_mps: number("groundspeed").map(|knots| knots * KNOT_MPS),
-            track_deg: number("track"),
-            climb_mps: number("vertical_rate").map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
-            on_ground: ["onground", "on_ground"]
-                .iter()
-                .any(|key| is_true(row.get(key))),
-        });
+        self.object(row, name, time_s);
         Ok(())
     }
 
     /// An object of readsb's `aircraft.json`.
     fn aircraft(&mut self, row: &Value, now_s: Option<f64>) {
-        let Some(name) = row.get("hex").and_then(name_of) else {
-            return self.tally.leave_out(LeftOut::NoAddress);
-        };
-        let number = |key: &str| number(row.get(key));
-        // The second names are those of dump1090-mutability and of receivers of 978 MHz.
-        let first = |keys: &[&str]| keys.iter().find_map(|key| number(key));
+        match row.get("hex").and_then(name_of) {
+            Some(name) => self.object(row, name, now_s),
+            None => self.tally.leave_out(LeftOut::NoAddress),
+        }
+    }
+
+    /// An object by the names of readsb, of dump1090-mutability and receivers of 978 MHz, and of recordings.
+    fn object(&mut self, row: &Value, name: &str, time_s: Option<f64>) {
+        let first = |keys: &[&str]| keys.iter().find_map(|key| number(row.get(key)));
+        let text = |keys: &[&str]| keys.iter().find_map(|key| row.get(key)?.as_str());
+        let place_deg = first(&["lat", "latitude"]).zip(first(&["lon", "longitude"]));
+        let pressure_ft = first(&["alt_baro", "altitude"]);
+        let altitude_ft = pressure_ft.or_else(|| first(&["alt_geom", "geoaltitude"]));
+        let climb_fpm = first(&["baro_rate", "vert_rate", "vertical_rate", "geom_rate"]);
+        let grounded = ["alt_baro", "altitude"].map(|key| row.get(key).and_then(Value::as_str));
         self.take(&StateVector {
             name,
-            address: address_of(name),
-            callsign: row.get("flight").and_then(Value::as_str),
-            time_s: now_s,
+            address: text(&["icao24", "hex"]).and_then(address_of),
+            callsign: text(&["callsign", "flight"]),
+            time_s,
             age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
-            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: first(&["alt_baro", "altitude", "alt_geom"]).map(|feet| feet * FOOT_M),
-            is_by_pressure: first(&["alt_baro", "altitude"]).is_some(),
-            speed_mps: first(&["gs", "speed"]).map(|knots| knots * KNOT_MPS),
-            track_deg: number("track"),
-            climb_mps: first(&["baro_rate", "vert_rate", "geom_rate"])
-                .map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
-            on_ground: ["alt_baro", "altitude"]
-                .iter()
-                .any(|key| row.get(key).and_then(Value::as_str) == Some("ground")),
+            place_deg: place_deg.map(<[f64; 2]>::from),
+            altitude_m: altitude_ft.map(|feet| feet * FOOT_M),
+            is_by_pressure: pressure_ft.is_some(),
+            speed_mps: first(&["gs", "speed", "groundspeed"]).map(|knots| knots * KNOT_MPS),
+            track_deg: first(&["track"]),
+            climb_mps: climb_fpm.map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
+            on_ground: grounded.contains(&Some("ground"))
+                || ["onground", "on_ground"]
+                    .iter()
+                    .any(|key| is_true(row.get(key))),
         });
     }
 
