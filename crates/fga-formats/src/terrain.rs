@@ -28,6 +28,7 @@ mod name;
 mod projected;
 mod reader;
 mod requested;
+mod tags;
 mod write;
 
 pub use along::{Clearance, GroundPoint, Lowest};

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::area::{AreaLimit, Reference};
 use super::taken::Areas;
-use crate::error::shown;
+use crate::error::{InputError, shown};
 use crate::units::{Dimension, FOOT_M, Unit};
 
 /// A flight level is this many feet.
@@ -187,7 +187,7 @@ fn reference(word: &str) -> Option<Reference> {
     })
 }
 
-pub(super) fn length_m(word: &str) -> Option<f64> {
+fn length_m(word: &str) -> Option<f64> {
     let word = if word == "F" { "FT" } else { word };
     let unit = Unit::parse(word).filter(|unit| unit.dimension == Dimension::Length);
     unit.map(|unit| unit.factor)
@@ -249,6 +249,14 @@ fn side(words: &[String]) -> Option<usize> {
 }
 
 impl Areas<'_> {
+    /// A unit of lengths, metres.
+    pub(super) fn unit_m(&self, unit: &str) -> Result<f64, InputError> {
+        length_m(&unit.to_ascii_uppercase()).map_or_else(
+            || self.refuse(format_args!("has the unit {unit:?}, expected m or ft")),
+            Ok,
+        )
+    }
+
     /// A limit, or a note that says why there is none.
     pub(super) fn named(&mut self, said: &SaidLimit, what: &str) -> Option<AreaLimit> {
         said.limit().unwrap_or_else(|message| {
@@ -307,10 +315,8 @@ impl Areas<'_> {
                     }
                     side.take_value(value);
                     // As in floor_m and upper_ft_amsl.
-                    let above = words.iter().filter(|word| *word != "ALT");
-                    side.above = side
-                        .above
-                        .or(above.filter_map(|word| reference(word)).next());
+                    let mut above = words.iter().filter(|word| *word != "ALT");
+                    side.above = side.above.or(above.find_map(|word| reference(word)));
                     side.unit_m = side.unit_m.or(again.unit_m);
                 }
             }

@@ -7,7 +7,6 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::area::{AreaFile, AreaOutline, NamedArea};
-use super::limits::length_m;
 use super::mended::mended;
 use crate::error::{InputError, json_sentence};
 use crate::words::counted;
@@ -197,13 +196,5 @@ impl Areas<'_> {
                 "has {what} out of range, expected longitude from -180 to 180 and latitude from -90 to 90"
             )),
         }
-    }
-
-    /// A unit of lengths, metres.
-    pub(super) fn unit_m(&self, unit: &str) -> Result<f64, InputError> {
-        length_m(&unit.to_ascii_uppercase()).map_or_else(
-            || self.refuse(format_args!("has the unit {unit:?}, expected m or ft")),
-            Ok,
-        )
     }
 }

@@ -9,11 +9,6 @@ use crate::traffic::address_in_words;
 
 /// Positions of the vehicle are taken at least this far apart, seconds: five of them a second.
 const EVERY_S: f64 = 0.19;
-/// Flags of a report: its place, its altitude, its direction and its velocity are valid.
-const PLACE: usize = 1;
-const ALTITUDE: usize = 2;
-const VELOCITY: usize = 4 | 8;
-
 /// The aircraft of a log. The vehicle's name comes before all addresses: it is the ownship.
 pub(super) fn parse(bytes: &[u8]) -> Received {
     let mut collector = Collector::default();
@@ -40,17 +35,18 @@ pub(super) fn parse(bytes: &[u8]) -> Received {
                 (altitude_m, velocity_mps, age_s) = (field("alt")?, None, 0.0);
             }
             "transponder_report" => {
+                // What is valid, from the lowest bit on: place, altitude, direction, velocity.
                 let flags = count(field("flags")?);
-                if flags & PLACE == 0 {
+                if flags & 0b0001 == 0 {
                     return Some(Err(LeftOut::NoPosition));
                 }
-                if flags & ALTITUDE == 0 {
+                if flags & 0b0010 == 0 {
                     return Some(Err(LeftOut::NoAltitude));
                 }
                 let compass_deg = field("heading")?.to_degrees();
                 let (speed_mps, climb_mps) = (field("hor_velocity")?, field("ver_velocity")?);
                 let flown_mps = velocity_from_compass(compass_deg, speed_mps, climb_mps);
-                let has_velocity = flags & VELOCITY == VELOCITY && flown_mps.is_finite();
+                let has_velocity = flags & 0b1100 == 0b1100 && flown_mps.is_finite();
                 let address = u32::try_from(count(field("icao_address")?)).ok()?;
                 name = address_in_words(address);
                 (who.name, who.address) = (&name, Some(address));

@@ -165,13 +165,17 @@ impl<'a> StateVectorReader<'a> {
         let name = object.get("icao").and_then(name_of);
         let trace = list("trace", |_| true);
         if let Some(aircraft) = aircraft.or_else(|| list("ac", Value::is_object)) {
-            let each = aircraft.iter();
-            each.for_each(|row| self.aircraft(row, time_s("now")));
+            for row in aircraft {
+                self.aircraft(row, time_s("now"));
+            }
         } else if let Some(states) = list("states", Value::is_array) {
-            let each = states.iter();
-            each.for_each(|row| self.opensky(row, time_s("time")));
+            for row in states {
+                self.opensky(row, time_s("time"));
+            }
         } else if let (Some(name), Some(begin_s), Some(rows)) = (name, time_s("timestamp"), trace) {
-            rows.iter().for_each(|row| self.trace(name, begin_s, row));
+            for row in rows {
+                self.trace(name, begin_s, row);
+            }
         } else {
             // OpenSky writes null for a missing value.
             return object.contains_key("time") && object.get("states") == Some(&Value::Null);

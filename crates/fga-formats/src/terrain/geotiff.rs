@@ -11,6 +11,7 @@ use tiff::{ColorType, TiffError};
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
+use super::tags::{numbers, sentence};
 use super::{lerc, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
@@ -208,22 +209,6 @@ fn gray_mask(
         ));
     }
     Ok(known)
-}
-
-/// An error of the reader as words without its line breaks.
-pub(super) fn sentence(error: &TiffError) -> String {
-    let words = error.to_string().replace('\n', " ");
-    format!(
-        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits, ZSTD or LERC"
-    )
-}
-
-/// The numbers of a tag; empty without it.
-fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Result<Vec<f64>, String> {
-    let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
-    let numbers = found.map(tiff::decoder::ifd::Value::into_f64_vec);
-    let numbers = numbers.transpose().map_err(|error| sentence(&error))?;
-    Ok(numbers.unwrap_or_default())
 }
 
 /// Scale and offset of pixels that are heights.

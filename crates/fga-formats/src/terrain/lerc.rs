@@ -6,21 +6,13 @@ use lerc::SampleData;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-use super::geotiff::sentence;
+use super::tags::whole;
 use crate::gzip::unread;
 
 /// The number of this compression.
 const LERC: u64 = 34_887;
 /// The tag of LERC's version and of what compresses its blobs: 0 nothing, 1 deflate, 2 ZSTD.
 const PARAMETERS: u16 = 50_674;
-
-/// The whole numbers of a tag; empty without it.
-fn whole<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Result<Vec<u64>, String> {
-    let found = decoder.find_tag_unsigned_vec(tag);
-    found
-        .map(Option::unwrap_or_default)
-        .map_err(|error| sentence(&error))
-}
 
 /// The heights of an image of this size that LERC compresses, not a number where a blob leaves them out; `None` for another compression.
 pub(super) fn heights<R: Read + Seek>(

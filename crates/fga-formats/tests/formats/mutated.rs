@@ -6,8 +6,9 @@
     reason = "tests fail by panicking"
 )]
 
+use core::time::Duration;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use fga_formats::flight::Flight;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
