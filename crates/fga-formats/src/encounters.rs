@@ -136,8 +136,8 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(grouped.encounters)
 }
 
-/// The index of a column in the file, if present.
-fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
+/// The index of a column in a file, if present.
+pub(crate) fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
     let mut places = header.iter().enumerate().filter_map(|(place, field)| {
         let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
         field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)

@@ -143,7 +143,7 @@ fn outline(ring: Element<'_>) -> Result<Outline, String> {
                     bearing_deg: [begin, end],
                     clockwise: end >= begin,
                 };
-                places.extend(arc.places());
+                places.extend(arc.places()?);
             }
             "Arc" | "ArcString" | "Circle" | "CubicSpline" | "Bezier" | "Clothoid" => {
                 return Err(format!("a curve of the kind {}", node.tag_name().name()));

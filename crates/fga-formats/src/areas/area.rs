@@ -7,6 +7,9 @@ use crate::terrain::Area;
 /// No place of the ellipsoid of WGS 84 is bent more than with this radius, metres: along the meridian at the equator.
 const LEAST_RADIUS_M: f64 = 6_335_439.0;
 
+/// A circle has at most this radius, metres.
+pub(super) const LARGEST_M: f64 = 1e7;
+
 /// The areas of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AreaFile {

@@ -60,9 +60,15 @@ impl Areas<'_> {
                     self.take_circle(&place(&centerpoint), radius_m)?;
                 }
                 Geometry::Polygon { segments } => {
-                    let mut ring: Vec<Vec<f64>> = segments.iter().flat_map(places).collect();
-                    ring.extend(ring.first().cloned());
-                    self.take(&[ring])?;
+                    let parts = segments.iter().map(places);
+                    match parts.collect::<Result<Vec<_>, String>>() {
+                        Err(message) => self.leave_out(&format!("airspace with {message}")),
+                        Ok(parts) => {
+                            let mut ring = parts.concat();
+                            ring.extend(ring.first().cloned());
+                            self.take(&[ring])?;
+                        }
+                    }
                 }
             }
         }
@@ -117,9 +123,9 @@ fn place(at: &Coord) -> [f64; 2] {
     [at.lng, at.lat]
 }
 
-fn places(segment: &PolygonSegment) -> Vec<Vec<f64>> {
+fn places(segment: &PolygonSegment) -> Result<Vec<Vec<f64>>, String> {
     let arc = match segment {
-        PolygonSegment::Point(at) => return vec![place(at).to_vec()],
+        PolygonSegment::Point(at) => return Ok(vec![place(at).to_vec()]),
         PolygonSegment::Arc(arc) => {
             let ends = [place(&arc.start), place(&arc.end)];
             CircleArc::between(

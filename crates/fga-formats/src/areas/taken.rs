@@ -6,13 +6,10 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::area::{AreaFile, AreaOutline, NamedArea};
+use super::area::{AreaFile, AreaOutline, LARGEST_M, NamedArea};
 use super::mended::mended;
 use crate::error::{InputError, json_sentence};
 use crate::words::counted;
-
-/// A circle has at most this radius, metres.
-const LARGEST_M: f64 = 1e7;
 
 /// Places nearer than this are one corner, degrees: a centimetre.
 const SAME_DEG: f64 = 1e-7;

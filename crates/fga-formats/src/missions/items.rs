@@ -154,37 +154,23 @@ impl ItemReader {
         }
         let skipped: usize = self.left_out.values().sum();
         let left_out = self.left_out.iter();
-        let names: Vec<String> = left_out
-            .map(|(name, count)| format!("{name} {count}"))
-            .collect();
+        let names = left_out.map(|(name, count)| format!("{name} {count}"));
+        let names: Vec<String> = names.collect();
+        let names = format!("without a leg not flown: {}", names.join(", "));
         let rally = self.file.rally.len();
-        let counts = [
-            (
-                self.circled,
-                "loiter item",
-                " flown past, not circled".into(),
-            ),
-            (
-                skipped,
-                "item",
-                format!(" without a leg not flown: {}", names.join(", ")),
-            ),
-            (
-                self.repeated,
-                "item",
-                " at the place before left out".into(),
-            ),
-            (self.after_end, "item", " after the end not flown".into()),
-            (
-                rally,
-                "rally point",
-                " read, not used in a simulated flight".into(),
-            ),
-        ];
-        for (count, thing, rest) in counts.into_iter().filter(|(count, ..)| *count > 0) {
-            self.note(&(counted(count, thing) + &rest));
-        }
+        self.note_count(self.circled, "loiter item", "flown past, not circled");
+        self.note_count(skipped, "item", &names);
+        self.note_count(self.repeated, "item", "at the place before left out");
+        self.note_count(self.after_end, "item", "after the end not flown");
+        let unused = "read, not used in a simulated flight";
+        self.note_count(rally, "rally point", unused);
         Ok(self.file)
+    }
+
+    fn note_count(&mut self, count: usize, thing: &str, rest: &str) {
+        if count > 0 {
+            self.note(&format!("{} {rest}", counted(count, thing)));
+        }
     }
 
     /// Notes once a difference between the file and the flight.
@@ -368,10 +354,8 @@ impl ItemReader {
                 if keep_in && !self.groups.contains(&group) {
                     self.groups.push(group);
                 }
-                let (mut corners_deg, count, kept_in) =
-                    self.corners
-                        .take()
-                        .unwrap_or((Vec::new(), expected, keep_in));
+                let begun = (Vec::new(), expected, keep_in);
+                let (mut corners_deg, count, kept_in) = self.corners.take().unwrap_or(begun);
                 if (count, kept_in) != (expected, keep_in) {
                     return Err(self.error(
                         item,
@@ -379,12 +363,12 @@ impl ItemReader {
                     ));
                 }
                 corners_deg.push(at_deg);
-                if corners_deg.len() == count {
-                    let outline = FenceOutline::Polygon { corners_deg };
-                    return self.add_fence(item, MissionFence { outline, keep_in });
+                if corners_deg.len() < count {
+                    self.corners = Some((corners_deg, count, keep_in));
+                    return Ok(());
                 }
-                self.corners = Some((corners_deg, count, keep_in));
-                Ok(())
+                let outline = FenceOutline::Polygon { corners_deg };
+                self.add_fence(item, MissionFence { outline, keep_in })
             }
             // The last one is a circle around home, wherever that is.
             5003..=5005 if item.command != 5005 || self.file.home.is_some() => {

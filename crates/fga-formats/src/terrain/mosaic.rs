@@ -179,30 +179,14 @@ fn common(a: &Area, b: &Area) -> Option<Area> {
 
 /// What is left of an area without a part of it.
 fn around(area: &Area, part: &Area) -> impl Iterator<Item = Area> {
-    let (north_deg, south_deg) = (part.north_deg, part.south_deg);
+    let [south, west, north, east] = [part.south_deg, part.west_deg, part.north_deg, part.east_deg];
     let pieces = [
-        Area {
-            south_deg: north_deg,
-            ..*area
-        },
-        Area {
-            north_deg: south_deg,
-            ..*area
-        },
-        Area {
-            south_deg,
-            north_deg,
-            east_deg: part.west_deg,
-            ..*area
-        },
-        Area {
-            south_deg,
-            north_deg,
-            west_deg: part.east_deg,
-            ..*area
-        },
+        [north, area.west_deg, area.north_deg, area.east_deg],
+        [area.south_deg, area.west_deg, south, area.east_deg],
+        [south, area.west_deg, north, west],
+        [south, east, north, area.east_deg],
     ];
-    pieces.into_iter().filter(|piece| {
+    pieces.map(Area::of).into_iter().filter(|piece| {
         piece.north_deg - piece.south_deg > SLIVER_DEG
             && piece.east_deg - piece.west_deg > SLIVER_DEG
     })

@@ -124,21 +124,10 @@ impl OwnPlace {
 
     /// The place in a `GGA`, and its height above the ellipsoid, metres; `None` without a fix.
     fn of_satellites(fields: &[&str]) -> Result<Option<(Geodetic, Option<f64>)>, LeftOut> {
-        let [
-            _,
-            north,
-            half,
-            east,
-            side,
-            quality,
-            _,
-            _,
-            height,
-            _,
-            geoid,
-            ..,
-        ] = fields
-        else {
+        let [_, north, half, east, side, quality, _, _, heights @ ..] = fields else {
+            return Err(LeftOut::UnreadableField);
+        };
+        let [height, _, geoid, ..] = heights else {
             return Err(LeftOut::UnreadableField);
         };
         if matches!(*quality, "" | "0") {

@@ -105,11 +105,7 @@ impl SurveillanceMessage {
             ME::BDS09(velocity) => velocity_of(bytes, &velocity, &mut report),
             _ => return Err(LeftOut::NotNeeded),
         }
-        let nothing = TrafficReport {
-            address,
-            ..TrafficReport::default()
-        };
-        if report == nothing {
+        if report.says_nothing() {
             return Err(LeftOut::NotNeeded);
         }
         Ok(report)

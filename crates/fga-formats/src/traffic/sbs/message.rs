@@ -136,11 +136,7 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
         position_error_m: error_m.map(|sigma_m| sigma_m * SIGMAS_IN_95),
         ..TrafficReport::default()
     };
-    let nothing = TrafficReport {
-        address,
-        ..TrafficReport::default()
-    };
-    if report == nothing {
+    if report.says_nothing() {
         return Err(LeftOut::NotNeeded);
     }
     let age_s = time::instant_s(field(6), field(7))
