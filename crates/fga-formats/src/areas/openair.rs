@@ -108,12 +108,21 @@ fn blocks(text: &str) -> Vec<String> {
         if !is_head && !kind.starts_with('D') && !["VX", "VD"].contains(&kind.as_str()) {
             continue;
         }
+        // The crate takes two digits for degrees of latitude; some files have three.
+        let words = line.split_inclusive([' ', '=', ',']);
+        let line: String = words
+            .map(|word| {
+                word.strip_prefix('0')
+                    .filter(|_| word.get(3..4) == Some(":"))
+                    .unwrap_or(word)
+            })
+            .collect();
         let is_next = is_head && !was_head;
         was_head = is_head;
         match blocks.last_mut().filter(|_| !is_next) {
             Some(block) if kind == "AA" && block.contains("\nAA") => (),
             Some(block) => *block = format!("{block}\n{line}"),
-            None => blocks.push(line.to_owned()),
+            None => blocks.push(line),
         }
     }
     blocks

@@ -1061,7 +1061,7 @@ fn geojson_with_names_of_ed269_in_its_properties_is_geojson() {
 #[test]
 fn one_airspace_that_cannot_be_read_is_named_beside_the_others() {
     let good = "AC R\nAN GOOD\nTO drawn\nSB 1,2,3\nAA NONE\nAA 2026-01-01T00:00Z/2026-02-01T00:00Z\nAH FL65\nAL GND\nV Z=100\n\
-        V X=45:00:00 N 005:00:00 E\nDC 1\n";
+        V X=045:00:00 N 005:00:00 E\nDC 1\n";
     let bad = "AC R\nAN BAD\nAH FL65\nV X=45:00:00 N 005:00:00 E\nDC 1\n";
     let found = file(&format!("* made\n{bad}\n{good}{bad}")).unwrap();
     assert_eq!(found.areas.len(), 1);
