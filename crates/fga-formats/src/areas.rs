@@ -18,6 +18,7 @@ mod fences;
 mod geojson;
 mod kml;
 mod limits;
+mod mended;
 mod openair;
 mod plane;
 mod taken;
@@ -44,8 +45,8 @@ use taken::Areas;
 /// Reads the areas of a file, at least one.
 ///
 /// # Errors
-/// An unreadable file, one of no kind that is read here, no polygon or circle at all, a ring that is not closed, a corner out of
-/// range, in ED-269 and ED-318 a limit without a known unit and reference.
+/// An unreadable file, one of no kind that is read here, no polygon or circle at all, a corner out of range, in ED-269 an
+/// unknown unit.
 pub fn read(path: &Path) -> Result<AreaFile, InputError> {
     let bytes = read_bytes(path)?;
     if !bytes.starts_with(b"PK\x03\x04") {
@@ -97,6 +98,12 @@ pub fn is_areas(text: &str) -> bool {
         || fences::fence_points(begin).is_some()
 }
 
+/// Whether a text is an object with a type, as those of GeoJSON are; those of ED-269 have none.
+fn is_geojson(text: &str) -> bool {
+    let object = serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(text);
+    object.is_ok_and(|object| object.contains_key("type"))
+}
+
 /// The same of a file's text; its content decides its kind.
 ///
 /// # Errors
@@ -132,7 +139,7 @@ pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
         areas.take_fence_points(text)?;
     } else if missions::is_mission(text) {
         areas.take_fences(text)?;
-    } else if text.contains("\"horizontalProjection\"") {
+    } else if text.contains("\"horizontalProjection\"") && !is_geojson(text) {
         areas.take_ed269(text)?;
     } else {
         areas.take_geojson(areas.json(text, "GeoJSON, no ED-269 and no KML")?)?;

@@ -35,7 +35,6 @@
 //! instead, exactly as DAIDALUS.
 
 mod columns;
-mod extras;
 pub mod instants;
 mod layout;
 mod recording;

@@ -136,8 +136,8 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(grouped.encounters)
 }
 
-/// The index of a column in the file, if present.
-fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
+/// The index of a column in a file, if present.
+pub(crate) fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
     let mut places = header.iter().enumerate().filter_map(|(place, field)| {
         let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
         field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)
@@ -202,27 +202,24 @@ pub fn from_rows(
 ) -> Result<Vec<Encounter>, String> {
     let mut grouped = Grouped::default();
     for (row, (id, obstacle)) in rows.into_iter().enumerate() {
-        for (value, (index, name)) in numbers_of(&obstacle).zip(COLUMNS.iter().skip(2).enumerate())
-        {
-            let largest = if (3..6).contains(&index) {
+        let names = COLUMNS.iter().skip(2);
+        let wrong = numbers_of(&obstacle).zip(names).find_map(|(value, name)| {
+            let largest = if name.ends_with("_mps") {
                 LARGEST_SPEED_MPS
             } else {
                 LARGEST_LENGTH_M
             };
-            if !value.is_finite() || value.abs() > largest {
-                return Err(format!(
-                    "row {row}: column {name} holds {value}, expected a finite number of at most {largest:e} either way"
-                ));
-            }
-        }
-        if obstacle.volume.radius_m() < 0.0 {
-            return Err(format!(
-                "row {row}: column radius_m holds {}, expected a radius of 0 metres or more",
-                obstacle.volume.radius_m()
-            ));
-        }
-        grouped
-            .push(id, obstacle)
+            let expected = if !value.is_finite() || value.abs() > largest {
+                format!("a finite number of at most {largest:e} either way")
+            } else if *name == "radius_m" && value < 0.0 {
+                "a radius of 0 metres or more".into()
+            } else {
+                return None;
+            };
+            Some(format!("column {name} holds {value}, expected {expected}"))
+        });
+        wrong
+            .map_or_else(|| grouped.push(id, obstacle), Err)
             .map_err(|message| format!("row {row}: {message}"))?;
     }
     if grouped.encounters.is_empty() {
@@ -311,63 +308,38 @@ impl EncounterRow<'_> {
     }
 }
 
-/// Writes encounters one by one; lengths and speeds with six decimals.
-#[derive(Debug)]
-pub struct EncounterWriter<W> {
-    out: W,
-    row: Vec<u8>,
-    kinds: bool,
-}
-
-impl<W: Write> EncounterWriter<W> {
-    /// Begins a file of obstacles that fly straight: writes the column names, without `kind`.
-    ///
-    /// # Errors
-    /// Errors of `out`.
-    pub fn new(out: W) -> io::Result<Self> {
-        Self::begun(out, false)
-    }
-
-    fn begun(mut out: W, kinds: bool) -> io::Result<Self> {
-        let kind = if kinds {
-            format!(",{KIND_COLUMN}")
-        } else {
-            String::new()
-        };
-        writeln!(out, "{}{kind}", COLUMNS.join(","))?;
-        let row = Vec::new();
-        Ok(Self { out, row, kinds })
-    }
-
-    /// Writes one encounter.
-    ///
-    /// # Errors
-    /// Errors of the output.
-    pub fn write(&mut self, encounter: &Encounter) -> io::Result<()> {
+/// Writes encounters as a batch file, with the column `kind` if any obstacle does not fly straight.
+///
+/// # Errors
+/// Errors of `out`; an obstacle's bounds that are not those of a kind.
+pub fn write_to<'a>(
+    out: &mut impl Write,
+    encounters: impl IntoIterator<Item = &'a Encounter, IntoIter: Clone>,
+) -> io::Result<()> {
+    let encounters = encounters.into_iter();
+    let is_straight = |obstacle: &Obstacle| obstacle.movement == Movement::Straight;
+    let mut all = encounters.clone();
+    let has_kinds = !all.all(|encounter| encounter.obstacles.iter().all(is_straight));
+    let kind = if has_kinds { ",kind" } else { "" };
+    writeln!(out, "{}{kind}", COLUMNS.join(","))?;
+    for encounter in encounters {
         for obstacle in &encounter.obstacles {
-            self.row.clear();
-            write!(self.row, "{},{}", encounter.id, obstacle.id)?;
+            write!(out, "{},{}", encounter.id, obstacle.id)?;
             for value in numbers_of(obstacle) {
                 // As many digits as it takes to read the same number back.
-                write!(self.row, ",{value}")?;
+                write!(out, ",{value}")?;
             }
-            if self.kinds {
+            if has_kinds {
                 let kind = kind_of(obstacle.movement).ok_or_else(|| {
                     let message = "an obstacle's bounds are not those of a kind, expected still, straight, aircraft or uas";
                     io::Error::new(io::ErrorKind::InvalidData, message)
                 })?;
-                write!(self.row, ",{kind}")?;
+                write!(out, ",{kind}")?;
             }
-            self.row.push(b'\n');
-            self.out.write_all(&self.row)?;
+            writeln!(out)?;
         }
-        Ok(())
     }
-
-    /// Returns the output.
-    pub fn into_inner(self) -> W {
-        self.out
-    }
+    Ok(())
 }
 
 /// The word of the column [`KIND_COLUMN`] for a movement; `None` for bounds that have no word.
@@ -381,8 +353,7 @@ pub fn kind_of(movement: Movement) -> Option<&'static str> {
     }
 }
 
-/// Writes a batch file, completely or not at all; with the column `kind` if any obstacle does not fly
-/// straight.
+/// Writes a batch file, completely or not at all; see [`write_to`].
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -390,13 +361,5 @@ pub fn write<'a>(
     path: &Path,
     encounters: impl IntoIterator<Item = &'a Encounter, IntoIter: Clone>,
 ) -> Result<(), OutputError> {
-    let mut encounters = encounters.into_iter();
-    let is_straight = |obstacle: &Obstacle| obstacle.movement == Movement::Straight;
-    let straight = encounters
-        .clone()
-        .all(|encounter| encounter.obstacles.iter().all(is_straight));
-    atomic::write_with(path, |file| {
-        let mut writer = EncounterWriter::begun(file, !straight)?;
-        encounters.try_for_each(|encounter| writer.write(encounter))
-    })
+    atomic::write_with(path, |file| write_to(file, encounters))
 }

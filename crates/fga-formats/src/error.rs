@@ -147,23 +147,17 @@ pub fn toml_sentence(message: &str) -> String {
         .replace("invalid type: ", "found ")
         .replace("duplicate key", "the key is given twice, expected it once")
         .replace("unknown variant ", "unknown word ");
-    for (kinds, word) in [
-        (&["f64", "f32"][..], "a number"),
-        (
-            &["u64", "u32", "u16", "u8", "usize", "i64"][..],
-            "a whole number",
-        ),
-        (&["a sequence"][..], "a list"),
-        (&["a boolean"][..], "true or false"),
-    ] {
-        for kind in kinds {
-            let (from, to) = (format!("expected {kind}"), format!("expected {word}"));
-            if told.ends_with(&from) {
-                told = told.replace(&from, &to);
-            }
-        }
-    }
-    told
+    let Some((before, kind)) = told.rsplit_once("expected ") else {
+        return told;
+    };
+    let word = match kind {
+        "f64" | "f32" => "a number",
+        "u64" | "u32" | "u16" | "u8" | "usize" | "i64" => "a whole number",
+        "a sequence" => "a list",
+        "a boolean" => "true or false",
+        _ => return told,
+    };
+    format!("{before}expected {word}")
 }
 
 /// A message of the JSON reader, without its place, as [`toml_sentence`] says it.

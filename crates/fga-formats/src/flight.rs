@@ -392,32 +392,25 @@ mod volume {
         volume: &ProtectedVolume,
         out: S,
     ) -> Result<S::Ok, S::Error> {
-        let half_height_m = match *volume {
-            ProtectedVolume::Sphere { .. } => None,
-            ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
+        let is_sphere = matches!(volume, ProtectedVolume::Sphere { .. });
+        let lengths = Lengths {
+            radius_m: volume.radius_m(),
+            half_height_m: (!is_sphere).then(|| volume.half_height_m()),
         };
-        let radius_m = volume.radius_m();
-        Lengths {
-            radius_m,
-            half_height_m,
-        }
-        .serialize(out)
+        lengths.serialize(out)
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(
         input: D,
     ) -> Result<ProtectedVolume, D::Error> {
-        let Lengths {
-            radius_m,
-            half_height_m,
-        } = Lengths::deserialize(input)?;
-        Ok(
-            half_height_m.map_or(ProtectedVolume::Sphere { radius_m }, |half_height_m| {
-                ProtectedVolume::Cylinder {
-                    radius_m,
-                    half_height_m,
-                }
-            }),
-        )
+        let found = Lengths::deserialize(input)?;
+        let radius_m = found.radius_m;
+        Ok(match found.half_height_m {
+            None => ProtectedVolume::Sphere { radius_m },
+            Some(half_height_m) => ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            },
+        })
     }
 }

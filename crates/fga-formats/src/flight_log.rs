@@ -20,7 +20,7 @@ mod dataflash;
 mod phases;
 mod series;
 mod tlog;
-mod ulog;
+pub(crate) mod ulog;
 
 use std::path::Path;
 

@@ -284,6 +284,12 @@ pub fn course_from_compass_rad(compass_deg: f64) -> f64 {
     if turned <= -PI { turned + TAU } else { turned }
 }
 
+/// East, north and up of a velocity by its compass course (degrees from north towards east), its speed and its climb.
+pub(crate) fn velocity_from_compass(compass_deg: f64, speed_mps: f64, climb_mps: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(course_from_compass_rad(compass_deg));
+    DVec3::new(speed_mps * cos, speed_mps * sin, climb_mps)
+}
+
 /// Compass course (degrees from north towards east, within [0, 360)) of a course ψ of the core.
 pub fn compass_from_course_deg(course_rad: f64) -> f64 {
     let degrees = libm::fmod((FRAC_PI_2 - course_rad) / DEGREE_RAD, 360.0);

@@ -1,11 +1,29 @@
 //! Numbers as text, the same bytes on every machine.
 
+use std::io::Write as _;
+
 /// Powers of ten that a fixed number of decimals needs.
 const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
 /// The finite number that a text is.
 pub(crate) fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// How many whole things a value counts: none below 0, and none for what is not a number.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a fraction does not count, and what is out of range is the nearest number"
+)]
+pub(crate) const fn count(value: f64) -> usize {
+    value as usize
+}
+
+/// A value in single precision; one beyond its range becomes infinite.
+#[expect(clippy::cast_possible_truncation, reason = "infinite beyond the range")]
+pub(crate) const fn single(value: f64) -> f32 {
+    value as f32
 }
 
 /// Appends `value` with exactly `decimals` decimals (at most nine), never as `-0`.
@@ -28,34 +46,14 @@ pub fn push_fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
         out.extend_from_slice(format!("{value:.decimals$}").as_bytes());
         return;
     }
-    if scaled < 0.0 {
-        out.push(b'-');
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "an integer below 2^53, made positive"
-    )]
-    let mut rest = scaled.abs() as u64;
-    let mut digits = [b'0'; 24];
-    let mut start = digits.len();
-    let mut written = 0;
-    while rest > 0 || written <= decimals {
-        if written == decimals && decimals > 0 {
-            start -= 1;
-            if let Some(digit) = digits.get_mut(start) {
-                *digit = b'.';
-            }
-        }
-        start -= 1;
-        if let Some(digit) = digits.get_mut(start) {
-            let value = (rest % 10) as u8;
-            *digit = b'0' + value;
-        }
-        rest /= 10;
-        written += 1;
-    }
-    out.extend_from_slice(digits.get(start..).unwrap_or_default());
+    let sign = if scaled < 0.0 { "-" } else { "" };
+    let (digits, power) = (count(scaled.abs()), count(power));
+    let (whole, fraction) = (digits / power, digits % power);
+    // Memory takes all.
+    let _ = match decimals {
+        0 => write!(out, "{sign}{whole}"),
+        _ => write!(out, "{sign}{whole}.{fraction:0decimals$}"),
+    };
 }
 
 /// `value` with exactly `decimals` decimals; see [`push_fixed`].

@@ -7,6 +7,7 @@
 //! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` or `MLAT,` | one for each close pair |
 //! | state vectors in JSON: a list of objects, columns, `aircraft` and traces of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
 //! | scenarios of `BlueSky` (`.scn`) | a first line with a time and `>` | one for each close pair |
+//! | log of PX4 (`.ulg`) with traffic | its first bytes | one for each close pair |
 //! | history of OpenSky (CSV) | the columns `time,icao24,lat,lon,velocity` | one for each close pair |
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
@@ -16,12 +17,14 @@
 mod degas;
 mod encounters;
 pub mod pairs;
+mod px4;
 mod received;
 mod scenario;
 mod state_vectors;
 
 use crate::daa;
 use crate::error::{InputError, read_bytes, text_of};
+use crate::flight_log::ulog;
 use crate::gzip::unpacked;
 use crate::traffic::sbs;
 use std::path::{Path, PathBuf};
@@ -33,7 +36,7 @@ pub use received::{Heard, Received, ReceivedTrack};
 const LOOK_AT: usize = 1000;
 
 /// Endings of recordings, besides `.gz` after them.
-const ENDINGS: [&str; 7] = ["daa", "csv", "txt", "json", "sbs", "log", "scn"];
+const ENDINGS: [&str; 8] = ["daa", "csv", "txt", "json", "sbs", "log", "scn", "ulg"];
 
 /// The recordings of a folder by their endings, sorted by name; a file stands for itself.
 ///
@@ -65,15 +68,11 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
 }
 
 fn has_known_ending(path: &Path) -> bool {
-    let ending_of = |path: &Path| {
-        path.extension()
-            .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-    };
-    let ending = match ending_of(path).as_deref() {
-        Some("gz") => ending_of(Path::new(path.file_stem().unwrap_or_default())),
-        _ => ending_of(path),
-    };
-    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    ending.is_some_and(|ending| ENDINGS.contains(&ending))
 }
 
 /// Reads the encounters of a file.
@@ -144,7 +143,11 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
 /// # Errors
 /// As [`read_content`].
 pub fn parse_content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
-    let text = text_of(&unpacked(bytes, path)?);
+    let plain = unpacked(bytes, path)?;
+    if ulog::is_one(&plain) {
+        return Ok(Content::States(px4::parse(&plain)));
+    }
+    let text = text_of(&plain);
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) {
         return state_vectors::parse(begin, path).map(Content::States);
@@ -177,7 +180,7 @@ pub fn is_recording(bytes: &[u8], path: &Path) -> bool {
     };
     let text = text_of(&plain);
     let begin = text.trim_start();
-    if begin.starts_with(['[', '{']) || degas::is_degas(begin) {
+    if begin.starts_with(['[', '{']) || degas::is_degas(begin) || ulog::is_one(&plain) {
         return true;
     }
     // Lines `key = value` come before the names of a recording's columns.

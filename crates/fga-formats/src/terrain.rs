@@ -21,12 +21,14 @@ mod file;
 mod geokeys;
 mod geotiff;
 mod hgt;
+mod lerc;
 mod local;
 mod mosaic;
 mod name;
 mod projected;
 mod reader;
 mod requested;
+mod tags;
 mod write;
 
 pub use along::{Clearance, GroundPoint, Lowest};

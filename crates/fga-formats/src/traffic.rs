@@ -76,6 +76,16 @@ pub struct TrafficReport {
 }
 
 impl TrafficReport {
+    /// Whether it has nothing but its address.
+    fn says_nothing(&self) -> bool {
+        let address = self.address;
+        *self
+            == Self {
+                address,
+                ..Self::default()
+            }
+    }
+
     /// Velocity over ground east and north, metres per second, if the report has it.
     pub fn ground_velocity_mps(&self) -> Option<[f64; 2]> {
         let (sin, cos) = libm::sincos(self.course_rad?);

@@ -149,47 +149,6 @@ fn bare_name(name: &str) -> &str {
     name.trim_matches(|c: char| c.is_whitespace() || matches!(c, '[' | ']' | '(' | ')' | '"'))
 }
 
-macro_rules! quantity {
-    ($(#[$doc:meta])* $name:ident, $to:ident, $from:ident, $si:literal, $factor:expr) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-        pub struct $name(pub f64);
-
-        impl $name {
-            #[doc = concat!("The value in ", $si, ".")]
-            pub fn $to(self) -> f64 {
-                self.0 * $factor
-            }
-
-            #[doc = concat!("From a value in ", $si, ".")]
-            pub fn $from(value: f64) -> Self {
-                Self(value / $factor)
-            }
-        }
-    };
-}
-
-quantity!(
-    /// An angle in degrees.
-    Degrees, to_rad, from_rad, "radians", DEGREE_RAD
-);
-quantity!(
-    /// A length in feet.
-    Feet, to_m, from_m, "metres", FOOT_M
-);
-quantity!(
-    /// A length in nautical miles.
-    NauticalMiles, to_m, from_m, "metres", NAUTICAL_MILE_M
-);
-quantity!(
-    /// A speed in knots.
-    Knots, to_mps, from_mps, "metres per second", KNOT_MPS
-);
-quantity!(
-    /// A speed in feet per minute.
-    FeetPerMinute, to_mps, from_mps, "metres per second", FOOT_PER_MINUTE_MPS
-);
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -203,8 +162,6 @@ mod tests {
         assert!((si("mph") - 0.447_04).abs() < 1e-15);
         assert!((si("kph") - 0.277_777_777_778).abs() < 1e-12);
         assert!((si("deg") - 0.017_453_292_519_943).abs() < 1e-15);
-        assert!((Knots(100.0).to_mps() - 51.444_444_444).abs() < 1e-8);
-        assert!((Feet::from_m(304.8).0 - 1000.0).abs() < 1e-9);
     }
 
     #[test]

@@ -8,43 +8,48 @@ use fga::situation::Ownship;
 
 /// The reason of a decision as a phrase.
 pub const fn reason_words(reason: Reason) -> &'static str {
-    match reason {
-        Reason::Clear => "nothing comes too close on the mission",
-        Reason::InvalidInput => "the input is not usable, course and climb angle are held",
-        Reason::WaitingForStart => "a manoeuvre is known and begins later",
-        Reason::ManeuverChosen => "a certified manoeuvre begins",
-        Reason::ManeuverKept => "the manoeuvre is kept",
-        Reason::ManeuverReplaced => "the manoeuvre was no longer certified and is replaced",
-        Reason::BestAvailable => {
-            "no manoeuvre is certified, the one with the largest least separation is flown"
-        }
-        Reason::InsideVolume => "inside a protected volume, leaving it",
-        Reason::RejoinChosen => "a way back to the mission begins",
-        Reason::RejoinKept => "the way back is flown",
-        Reason::Rejoined => "back on the mission",
-        Reason::MissionComplete => "the last waypoint was passed, course and altitude are held",
-        Reason::WindTooStrong => "the wind is too strong to reach any waypoint ahead",
-        Reason::WaypointGivenUp => "the waypoint ahead cannot be reached: on to the next one",
-    }
+    key_and_words(reason).1
 }
 
 /// The reason of a decision as a key in files.
 pub const fn reason_key(reason: Reason) -> &'static str {
+    key_and_words(reason).0
+}
+
+const fn key_and_words(reason: Reason) -> (&'static str, &'static str) {
     match reason {
-        Reason::Clear => "clear",
-        Reason::InvalidInput => "invalid-input",
-        Reason::WaitingForStart => "waiting-for-start",
-        Reason::ManeuverChosen => "maneuver-chosen",
-        Reason::ManeuverKept => "maneuver-kept",
-        Reason::ManeuverReplaced => "maneuver-replaced",
-        Reason::BestAvailable => "best-available",
-        Reason::InsideVolume => "inside-volume",
-        Reason::RejoinChosen => "rejoin-chosen",
-        Reason::RejoinKept => "rejoin-kept",
-        Reason::Rejoined => "rejoined",
-        Reason::MissionComplete => "mission-complete",
-        Reason::WindTooStrong => "wind-too-strong",
-        Reason::WaypointGivenUp => "waypoint-given-up",
+        Reason::Clear => ("clear", "nothing comes too close on the mission"),
+        Reason::InvalidInput => (
+            "invalid-input",
+            "the input is not usable, course and climb angle are held",
+        ),
+        Reason::WaitingForStart => ("waiting-for-start", "a manoeuvre is known and begins later"),
+        Reason::ManeuverChosen => ("maneuver-chosen", "a certified manoeuvre begins"),
+        Reason::ManeuverKept => ("maneuver-kept", "the manoeuvre is kept"),
+        Reason::ManeuverReplaced => (
+            "maneuver-replaced",
+            "the manoeuvre was no longer certified and is replaced",
+        ),
+        Reason::BestAvailable => (
+            "best-available",
+            "no manoeuvre is certified, the one with the largest least separation is flown",
+        ),
+        Reason::InsideVolume => ("inside-volume", "inside a protected volume, leaving it"),
+        Reason::RejoinChosen => ("rejoin-chosen", "a way back to the mission begins"),
+        Reason::RejoinKept => ("rejoin-kept", "the way back is flown"),
+        Reason::Rejoined => ("rejoined", "back on the mission"),
+        Reason::MissionComplete => (
+            "mission-complete",
+            "the last waypoint was passed, course and altitude are held",
+        ),
+        Reason::WindTooStrong => (
+            "wind-too-strong",
+            "the wind is too strong to reach any waypoint ahead",
+        ),
+        Reason::WaypointGivenUp => (
+            "waypoint-given-up",
+            "the waypoint ahead cannot be reached: on to the next one",
+        ),
     }
 }
 

@@ -71,26 +71,24 @@ impl Areas<'_> {
                 let rings = surface
                     .descendants()
                     .filter(|node| ["exterior", "interior"].iter().any(|name| is(node, name)));
-                let outlines: Result<Vec<Outline>, String> = rings.map(outline).collect();
-                match outlines {
-                    Err(message) => self.leave_out(&format!("volume with {message}")),
-                    Ok(outlines) => match outlines.as_slice() {
-                        [Outline::Circle(center, radius_m)] => {
-                            self.take_circle(center, *radius_m)?;
-                        }
-                        outlines => {
-                            let rings = outlines.iter().filter_map(|outline| match outline {
-                                Outline::Ring(ring) => Some(ring.clone()),
-                                Outline::Circle(..) => None,
-                            });
-                            let rings: Vec<_> = rings.collect();
-                            if rings.len() == outlines.len() && !rings.is_empty() {
-                                self.take(&rings)?;
-                            } else {
-                                self.leave_out("volume with an outline of another kind");
-                            }
-                        }
-                    },
+                let outlines = match rings.map(outline).collect::<Result<Vec<Outline>, String>>() {
+                    Ok(outlines) => outlines,
+                    Err(message) => {
+                        self.leave_out(&format!("volume with {message}"));
+                        continue;
+                    }
+                };
+                if let [Outline::Circle(center, radius_m)] = &outlines[..] {
+                    self.take_circle(center, *radius_m)?;
+                    continue;
+                }
+                let rings = outlines.into_iter().map(|outline| match outline {
+                    Outline::Ring(ring) => Some(ring),
+                    Outline::Circle(..) => None,
+                });
+                match rings.collect::<Option<Vec<_>>>() {
+                    Some(rings) if !rings.is_empty() => self.take(&rings)?,
+                    _ => self.leave_out("volume with an outline of another kind"),
                 }
             }
         }
@@ -145,7 +143,7 @@ fn outline(ring: Element<'_>) -> Result<Outline, String> {
                     bearing_deg: [begin, end],
                     clockwise: end >= begin,
                 };
-                places.extend(arc.places());
+                places.extend(arc.places()?);
             }
             "Arc" | "ArcString" | "Circle" | "CubicSpline" | "Bezier" | "Clothoid" => {
                 return Err(format!("a curve of the kind {}", node.tag_name().name()));

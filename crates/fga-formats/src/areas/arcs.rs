@@ -1,5 +1,6 @@
 //! Arcs of circles on the ellipsoid, as places between which edges are shortest lines.
 
+use super::area::LARGEST_M;
 use geo::Point;
 use geo::algorithm::line_measures::{Bearing, Destination, Distance, Geodesic};
 
@@ -33,14 +34,12 @@ impl CircleArc {
     }
 
     /// Longitude and latitude of places along it, from its beginning to its end, degrees.
-    pub(super) fn places(&self) -> Vec<Vec<f64>> {
+    pub(super) fn places(&self) -> Result<Vec<Vec<f64>>, String> {
         let [begin_m, end_m] = self.radius_m;
         let [begin_deg, end_deg] = self.bearing_deg;
-        if ![begin_m, end_m, begin_deg, end_deg]
-            .iter()
-            .all(|number| number.is_finite())
-        {
-            return Vec::new();
+        let is_radius = |radius_m: f64| (0.0..=LARGEST_M).contains(&radius_m);
+        if !is_radius(begin_m) || !is_radius(end_m) || !(end_deg - begin_deg).is_finite() {
+            return Err(format!("an arc with a radius of {begin_m} m"));
         }
         let turn_deg = (end_deg - begin_deg).rem_euclid(360.0);
         let turn_deg = if self.clockwise {
@@ -60,6 +59,6 @@ impl CircleArc {
             places.push(vec![at.x(), at.y()]);
             step += 1.0;
         }
-        places
+        Ok(places)
     }
 }

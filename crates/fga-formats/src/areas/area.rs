@@ -1,9 +1,14 @@
 //! What a file says of an area.
 
+use fga::Vec2;
+
 use crate::terrain::Area;
 
 /// No place of the ellipsoid of WGS 84 is bent more than with this radius, metres: along the meridian at the equator.
 const LEAST_RADIUS_M: f64 = 6_335_439.0;
+
+/// A circle has at most this radius, metres.
+pub(super) const LARGEST_M: f64 = 1e7;
 
 /// The areas of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -76,16 +81,12 @@ impl AreaOutline {
                 ]
             }
         };
-        let [first, rest @ ..] = corners_deg.as_slice() else {
-            return None;
-        };
-        let [mut south, mut west] = *first;
-        let [mut north, mut east] = *first;
-        for [latitude_deg, longitude_deg] in rest {
-            (south, north) = (south.min(*latitude_deg), north.max(*latitude_deg));
-            (west, east) = (west.min(*longitude_deg), east.max(*longitude_deg));
-        }
-        Area::new([south, west, north, east]).ok()
+        let corners = corners_deg.iter();
+        let corners =
+            corners.map(|[latitude_deg, longitude_deg]| Vec2::new(*longitude_deg, *latitude_deg));
+        let low = corners.clone().fold(Vec2::INFINITY, Vec2::min);
+        let high = corners.fold(Vec2::NEG_INFINITY, Vec2::max);
+        Area::new([low.y, low.x, high.y, high.x]).ok()
     }
 }
 

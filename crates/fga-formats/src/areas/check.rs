@@ -7,7 +7,7 @@ use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::zones::{MAX_CORNERS, ZoneError, heights_m, polygon, with_holes};
 
 /// A degree of latitude, metres.
-const DEGREE_M: f64 = 111_195.0;
+pub(super) const DEGREE_M: f64 = 111_195.0;
 
 impl NamedArea {
     /// Whether a zone can be made of it, wherever a flight begins.

@@ -1,7 +1,7 @@
 //! The geographical zones of ED-269.
 
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::area::{EdgeLine, NamedArea};
 use super::taken::Areas;
@@ -32,11 +32,9 @@ struct Ed269Zone {
 #[serde(rename_all = "camelCase", expecting = "an airspace volume")]
 struct AreaVolume {
     uom_dimensions: String,
-    lower_limit: Option<Value>,
-    lower_vertical_reference: Option<String>,
-    upper_limit: Option<Value>,
-    upper_vertical_reference: Option<String>,
     horizontal_projection: Projection,
+    #[serde(flatten)]
+    limits: Map<String, Value>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -68,12 +66,8 @@ impl Areas<'_> {
             }
             for volume in zone.geometry {
                 let unit_m = self.unit_m(&volume.uom_dimensions)?;
-                let lower = volume.lower_vertical_reference.as_deref();
-                let upper = volume.upper_vertical_reference.as_deref();
-                self.like.limits = [
-                    self.limit(volume.lower_limit.as_ref(), unit_m, lower)?,
-                    self.limit(volume.upper_limit.as_ref(), unit_m, upper)?,
-                ];
+                self.like.limits = [None; 2];
+                self.take_limits(&volume.limits, Some(unit_m));
                 match volume.horizontal_projection {
                     // All dimensions are in the unit of the volume.
                     Projection::Circle { center, radius } => {

@@ -32,6 +32,9 @@ impl Areas<'_> {
         self.like.keep_in = Some(true);
         let exchanged =
             |[latitude_deg, longitude_deg]: &[f64; 2]| vec![*longitude_deg, *latitude_deg];
+        if corners.len() < 2 || corners.first() != corners.last() {
+            return self.refuse("is not closed, expected its first corner at its end again");
+        }
         self.take(&[corners.iter().map(exchanged).collect()])?;
         self.leave_out("return point");
         Ok(())

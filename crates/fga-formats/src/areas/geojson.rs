@@ -26,38 +26,26 @@ pub(super) enum GeoJson {
     },
     GeometryCollection {
         geometries: Vec<Self>,
-        layer: Option<AreaLayer>,
+        layer: Option<Map<String, Value>>,
     },
     Point {
         coordinates: Vec<f64>,
         extent: Option<Extent>,
-        layer: Option<AreaLayer>,
+        layer: Option<Map<String, Value>>,
     },
     Polygon {
         coordinates: Vec<Vec<Vec<f64>>>,
-        layer: Option<AreaLayer>,
+        layer: Option<Map<String, Value>>,
     },
     MultiPolygon {
         coordinates: Vec<Vec<Vec<Vec<f64>>>>,
-        layer: Option<AreaLayer>,
+        layer: Option<Map<String, Value>>,
     },
     LineString {},
     MultiLineString {},
     MultiPoint {},
     #[serde(other)]
     Other,
-}
-
-/// The limits of a geometry.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase", expecting = "a layer of ED-318")]
-pub(super) struct AreaLayer {
-    lower: Option<Value>,
-    lower_reference: Option<String>,
-    upper: Option<Value>,
-    upper_reference: Option<String>,
-    #[serde(alias = "UOM")]
-    uom: Option<String>,
 }
 
 /// What makes a circle of a point.
@@ -85,7 +73,7 @@ impl Areas<'_> {
                     .try_for_each(|each| self.take_geojson(each))
             }
             GeoJson::GeometryCollection { geometries, layer } => {
-                self.limited(layer)?;
+                self.limited(layer);
                 let limits = self.like.limits;
                 geometries.into_iter().try_for_each(|each| {
                     self.like.limits = limits;
@@ -96,46 +84,46 @@ impl Areas<'_> {
                 geometry,
                 properties,
             } => {
-                self.described(&properties.unwrap_or_default())?;
-                match geometry {
-                    Some(geometry) => self.take_geojson(*geometry),
-                    None => self.other("feature without a place"),
+                self.described(&properties.unwrap_or_default());
+                if let Some(geometry) = geometry {
+                    return self.take_geojson(*geometry);
                 }
+                self.leave_out("feature without a place");
+                Ok(())
             }
             GeoJson::Point {
                 coordinates,
                 extent: Some(extent),
                 layer,
             } if extent.sub_type == "Circle" => {
-                self.limited(layer)?;
+                self.limited(layer);
                 self.take_circle(&coordinates, extent.radius)
             }
             GeoJson::Polygon { coordinates, layer } => {
-                self.limited(layer)?;
+                self.limited(layer);
                 self.take(&coordinates)
             }
             GeoJson::MultiPolygon { coordinates, layer } => {
-                self.limited(layer)?;
+                self.limited(layer);
                 coordinates.iter().try_for_each(|rings| self.take(rings))
             }
             GeoJson::Point { extent: Some(_), .. } => self.refuse(
                 "is no area, expected Polygon, MultiPolygon, or Point with an extent that is a Circle",
             ),
-            GeoJson::Point { .. } => self.other("point"),
-            GeoJson::LineString {} | GeoJson::MultiLineString {} => self.other("line"),
-            GeoJson::MultiPoint {} | GeoJson::Other => self.other("object of another kind"),
+            other => {
+                self.leave_out(match other {
+                    GeoJson::Point { .. } => "point",
+                    GeoJson::LineString {} | GeoJson::MultiLineString {} => "line",
+                    _ => "object of another kind",
+                });
+                Ok(())
+            }
         }
-    }
-
-    #[expect(clippy::unnecessary_wraps, reason = "as the other arms")]
-    fn other(&mut self, what: &str) -> Result<(), InputError> {
-        self.leave_out(what);
-        Ok(())
     }
 
     /// What the properties of a feature say of its areas. ENAIRE keeps those of ED-318 in objects of their own (`UASZone`,
     /// `verticalLayer`).
-    fn described(&mut self, properties: &Map<String, Value>) -> Result<(), InputError> {
+    fn described(&mut self, properties: &Map<String, Value>) {
         let zone = properties.get("UASZone").and_then(Value::as_object);
         let zone = zone.unwrap_or(properties);
         let text = |key| zone.get(key).and_then(Value::as_str);
@@ -157,35 +145,15 @@ impl Areas<'_> {
                 || zone.get("applicability").is_some_and(is_timed),
             ..NamedArea::default()
         };
-        self.take_limits(zone);
-        if let Some(layer) = properties.get("verticalLayer") {
-            match serde_json::from_value(layer.clone()) {
-                Ok(layer) => self.limited(layer)?,
-                Err(error) => {
-                    return self.refuse(format_args!("has no usable verticalLayer: {error}"));
-                }
-            }
-        }
-        Ok(())
+        self.take_limits(zone, None);
+        let layer = properties.get("verticalLayer").and_then(Value::as_object);
+        self.limited(layer.cloned());
     }
 
-    fn limited(&mut self, layer: Option<AreaLayer>) -> Result<(), InputError> {
+    /// The limits of a layer, in metres where it does not say its unit.
+    fn limited(&mut self, layer: Option<Map<String, Value>>) {
         if let Some(layer) = layer {
-            let unit = layer.uom.as_deref().filter(|unit| !unit.is_empty());
-            let unit_m = self.unit_m(unit.unwrap_or("m"))?;
-            self.like.limits = [
-                self.limit(
-                    layer.lower.as_ref(),
-                    unit_m,
-                    layer.lower_reference.as_deref(),
-                )?,
-                self.limit(
-                    layer.upper.as_ref(),
-                    unit_m,
-                    layer.upper_reference.as_deref(),
-                )?,
-            ];
+            self.take_limits(&layer, Some(1.0));
         }
-        Ok(())
     }
 }

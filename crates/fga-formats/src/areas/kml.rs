@@ -48,7 +48,7 @@ impl Areas<'_> {
                 let value = value.unwrap_or(inner).text()?.trim();
                 Some((inner.attribute("name")?.to_owned(), Value::from(value)))
             });
-            self.take_limits(&data.collect());
+            self.take_limits(&data.collect(), None);
             let mode = node.children().find(|child| is(child, "altitudeMode"));
             let mode = mode.and_then(|mode| mode.text()).unwrap_or_default().trim();
             let is_clamped = ["", "clampToGround", "clampToSeaFloor"].contains(&mode);

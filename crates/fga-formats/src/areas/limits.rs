@@ -4,11 +4,13 @@ use serde_json::{Map, Value};
 
 use super::area::{AreaLimit, Reference};
 use super::taken::Areas;
-use crate::error::shown;
+use crate::error::{InputError, shown};
 use crate::units::{Dimension, FOOT_M, Unit};
 
 /// A flight level is this many feet.
 const LEVEL_FT: f64 = 100.0;
+/// Files round a height that they say again in another unit by this share at most.
+const ROUNDED: f64 = 0.02;
 
 /// What a file says of one limit, piece by piece.
 #[derive(Debug, Clone, Default)]
@@ -76,10 +78,10 @@ impl SaidLimit {
     }
 
     fn number(&mut self, number: f64) {
-        if self
-            .height
-            .is_some_and(|height| height != 0.0 && height != number)
-        {
+        let before = self.height.filter(|height| *height != 0.0);
+        if !number.is_finite() {
+            self.unknown = Some(number.to_string());
+        } else if before.is_some_and(|height| height != number) {
             self.unknown = Some(format!("{number} as a second height"));
         }
         self.height = Some(number);
@@ -102,7 +104,8 @@ impl SaidLimit {
                     }
                 }
             }
-            _ => (),
+            Value::Null => (),
+            other => self.unknown = Some(other.to_string()),
         }
     }
 
@@ -159,6 +162,13 @@ impl SaidLimit {
             (_, None, _) => Err(format!("{} without a unit", said())),
             _ => Err(format!("{} without what it counts from", said())),
         }
+    }
+
+    /// Whether it is the height of another one once more, perhaps in another unit and rounded.
+    fn says_the_same(&self, other: &Self) -> bool {
+        let height_m = |said: &Self| Some(said.height? * said.unit_m?);
+        let heights_m = height_m(self).zip(height_m(other));
+        heights_m.is_some_and(|(one_m, other_m)| (one_m - other_m).abs() <= ROUNDED * other_m.abs())
     }
 
     fn is_said(&self) -> bool {
@@ -239,6 +249,14 @@ fn side(words: &[String]) -> Option<usize> {
 }
 
 impl Areas<'_> {
+    /// A unit of lengths, metres.
+    pub(super) fn unit_m(&self, unit: &str) -> Result<f64, InputError> {
+        length_m(&unit.to_ascii_uppercase()).map_or_else(
+            || self.refuse(format_args!("has the unit {unit:?}, expected m or ft")),
+            Ok,
+        )
+    }
+
     /// A limit, or a note that says why there is none.
     pub(super) fn named(&mut self, said: &SaidLimit, what: &str) -> Option<AreaLimit> {
         said.limit().unwrap_or_else(|message| {
@@ -249,8 +267,8 @@ impl Areas<'_> {
         })
     }
 
-    /// Takes the limits that properties state by names of their own, and names those that cannot be read.
-    pub(super) fn take_limits(&mut self, properties: &Map<String, Value>) {
+    /// Takes the limits that properties state by names of their own, in a unit where they say none, and names those that cannot be read.
+    pub(super) fn take_limits(&mut self, properties: &Map<String, Value>, unit_m: Option<f64>) {
         let mut said = [SaidLimit::default(), SaidLimit::default()];
         let mut shared = SaidLimit::default();
         // Authorities keep what ED-269 says of a volume in an object, or a list of one, with its outline elsewhere.
@@ -285,12 +303,21 @@ impl Areas<'_> {
                 Role::Unit => side.take_unit(value),
                 Role::Reference => side.take_reference(value),
                 Role::Height => {
+                    let words = words.iter().map(|word| word.to_ascii_uppercase());
+                    let words: Vec<String> = words.collect();
+                    let mut again = SaidLimit {
+                        unit_m: words.iter().find_map(|word| length_m(word)),
+                        ..SaidLimit::default()
+                    };
+                    again.take_value(value);
+                    if again.says_the_same(side) {
+                        continue;
+                    }
                     side.take_value(value);
                     // As in floor_m and upper_ft_amsl.
-                    for word in words.iter().map(|word| word.to_ascii_uppercase()) {
-                        side.above = side.above.or(reference(&word).filter(|_| word != "ALT"));
-                        side.unit_m = side.unit_m.or(length_m(&word));
-                    }
+                    let mut above = words.iter().filter(|word| *word != "ALT");
+                    side.above = side.above.or(above.find_map(|word| reference(word)));
+                    side.unit_m = side.unit_m.or(again.unit_m);
                 }
             }
         }
@@ -298,7 +325,10 @@ impl Areas<'_> {
             if !said.is_said() {
                 continue;
             }
-            said.unit_m = said.unit_m.or(shared.unit_m);
+            if said.unit_m.is_none() {
+                said.unknown = said.unknown.or(shared.unknown.clone());
+                said.unit_m = shared.unit_m.or(unit_m);
+            }
             let found = self.named(&said, what);
             if let Some(limit) = self.like.limits.get_mut(limit) {
                 *limit = found;

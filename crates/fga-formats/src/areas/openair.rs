@@ -22,14 +22,17 @@ pub(super) fn is_openair(text: &str) -> bool {
 
 impl Areas<'_> {
     pub(super) fn take_openair(&mut self, text: &str) -> Result<(), InputError> {
-        for airspace in openair::parse(text.as_bytes()) {
-            let airspace = airspace.map_err(|error| {
-                let told = format!(
-                    "after {} areas {error}, expected a whole airspace",
-                    self.all.len()
-                );
-                self.unreadable(0, "OpenAir", Some(&told))
-            })?;
+        for block in blocks(text) {
+            let airspace = match openair::parse(block.as_bytes()).next() {
+                Some(Ok(airspace)) => airspace,
+                None => continue,
+                Some(Err(error)) => {
+                    let name = block.lines().find_map(|line| line.strip_prefix("AN "));
+                    let name = name.unwrap_or_default().trim();
+                    self.leave_out(&format!("airspace {name} ({error})"));
+                    continue;
+                }
+            };
             let Airspace {
                 name,
                 lower_bound,
@@ -57,9 +60,15 @@ impl Areas<'_> {
                     self.take_circle(&place(&centerpoint), radius_m)?;
                 }
                 Geometry::Polygon { segments } => {
-                    let mut ring: Vec<Vec<f64>> = segments.iter().flat_map(places).collect();
-                    ring.extend(ring.first().cloned());
-                    self.take(&[ring])?;
+                    let parts = segments.iter().map(places);
+                    match parts.collect::<Result<Vec<_>, String>>() {
+                        Err(message) => self.leave_out(&format!("airspace with {message}")),
+                        Ok(parts) => {
+                            let mut ring = parts.concat();
+                            ring.extend(ring.first().cloned());
+                            self.take(&[ring])?;
+                        }
+                    }
                 }
             }
         }
@@ -88,13 +97,44 @@ impl Areas<'_> {
     }
 }
 
+/// The lines of each airspace that say its name, its limits, its times for the first time, and its place.
+fn blocks(text: &str) -> Vec<String> {
+    let mut blocks: Vec<String> = Vec::new();
+    let mut was_head = false;
+    for line in text.trim_start_matches('\u{feff}').lines().map(str::trim) {
+        let letters = line.chars().filter(|letter| !letter.is_whitespace());
+        let kind: String = letters.take(2).collect();
+        let is_head = ["AC", "AN", "AL", "AH", "AA"].contains(&kind.as_str());
+        if !is_head && !kind.starts_with('D') && !["VX", "VD"].contains(&kind.as_str()) {
+            continue;
+        }
+        // The crate takes two digits for degrees of latitude; some files have three.
+        let words = line.split_inclusive([' ', '=', ',']);
+        let line: String = words
+            .map(|word| {
+                word.strip_prefix('0')
+                    .filter(|_| word.get(3..4) == Some(":"))
+                    .unwrap_or(word)
+            })
+            .collect();
+        let is_next = is_head && !was_head;
+        was_head = is_head;
+        match blocks.last_mut().filter(|_| !is_next) {
+            Some(block) if kind == "AA" && block.contains("\nAA") => (),
+            Some(block) => *block = format!("{block}\n{line}"),
+            None => blocks.push(line),
+        }
+    }
+    blocks
+}
+
 fn place(at: &Coord) -> [f64; 2] {
     [at.lng, at.lat]
 }
 
-fn places(segment: &PolygonSegment) -> Vec<Vec<f64>> {
+fn places(segment: &PolygonSegment) -> Result<Vec<Vec<f64>>, String> {
     let arc = match segment {
-        PolygonSegment::Point(at) => return vec![place(at).to_vec()],
+        PolygonSegment::Point(at) => return Ok(vec![place(at).to_vec()]),
         PolygonSegment::Arc(arc) => {
             let ends = [place(&arc.start), place(&arc.end)];
             CircleArc::between(

@@ -310,7 +310,7 @@ fn zones(polygons: MultiPolygon<f64>, cuts: u32) -> Option<Vec<Vec<Vec<Vec2>>>> 
     Some(all)
 }
 
-fn polygon_of(rings: &[Vec<Vec2>]) -> Polygon<f64> {
+pub(super) fn polygon_of(rings: &[Vec<Vec2>]) -> Polygon<f64> {
     let line = |ring: &Vec<Vec2>| -> LineString<f64> {
         ring.iter().map(|at| Coord { x: at.x, y: at.y }).collect()
     };
@@ -321,7 +321,7 @@ fn polygon_of(rings: &[Vec<Vec2>]) -> Polygon<f64> {
     )
 }
 
-fn rings_of(polygon: &Polygon<f64>) -> Vec<Vec<Vec2>> {
+pub(super) fn rings_of(polygon: &Polygon<f64>) -> Vec<Vec<Vec2>> {
     let rings = [polygon.exterior()].into_iter().chain(polygon.interiors());
     let open = |ring: &LineString<f64>| {
         let mut ring: Vec<Vec2> = ring.coords().map(|at| Vec2::new(at.x, at.y)).collect();

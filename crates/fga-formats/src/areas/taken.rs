@@ -5,15 +5,19 @@ use core::fmt::Display;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 
-use super::area::{AreaFile, AreaLimit, AreaOutline, NamedArea, Reference};
+use super::area::{AreaFile, AreaOutline, LARGEST_M, NamedArea};
+use super::mended::mended;
 use crate::error::{InputError, json_sentence};
-use crate::units::FOOT_M;
 use crate::words::counted;
 
-/// A circle has at most this radius, metres.
-const LARGEST_M: f64 = 1e7;
+/// Places nearer than this are one corner, degrees: a centimetre.
+const SAME_DEG: f64 = 1e-7;
+
+fn is_same(one: [f64; 2], other: [f64; 2]) -> bool {
+    let (north_deg, east_deg) = (one[0] - other[0], one[1] - other[1]);
+    north_deg.abs() < SAME_DEG && east_deg.abs() < SAME_DEG
+}
 
 /// The areas of a file so far.
 pub(super) struct Areas<'a> {
@@ -29,8 +33,11 @@ pub(super) struct Areas<'a> {
 impl Areas<'_> {
     /// The areas, and what else the file holds.
     pub(super) fn finish(mut self) -> Result<AreaFile, InputError> {
-        let others = self.others.iter();
-        let others = others.map(|(what, count)| format!("{} left out", counted(*count, what)));
+        let others = self.others.iter().map(|(what, count)| {
+            let (first, rest) = what.split_once(' ').unwrap_or((what, ""));
+            let space = if rest.is_empty() { "" } else { " " };
+            format!("{}{space}{rest} left out", counted(*count, first))
+        });
         let others: Vec<String> = others.collect();
         if self.all.is_empty() {
             let beside = others.iter().map(|other| format!("{other}, "));
@@ -92,6 +99,7 @@ impl Areas<'_> {
     /// Takes a polygon by its rings, the first of which is its outline.
     pub(super) fn take(&mut self, rings: &[Vec<Vec<f64>>]) -> Result<(), InputError> {
         let mut rings_deg = Vec::new();
+        let mut is_open = false;
         for ring in rings {
             let corners = ring.iter().zip(1..);
             let corners =
@@ -100,12 +108,12 @@ impl Areas<'_> {
             if corners_deg.is_empty() {
                 return self.refuse("has no corners, expected a ring");
             }
-            if corners_deg.len() == 1 || corners_deg.first() != corners_deg.last() {
-                return self.refuse("is not closed, expected its first corner at its end again");
-            }
-            // Published outlines repeat a corner.
-            corners_deg.dedup();
-            if corners_deg.len() > 1 && corners_deg.first() == corners_deg.last() {
+            is_open |= corners_deg.len() == 1 || corners_deg.first() != corners_deg.last();
+            // Published outlines repeat a corner, and an arc ends at the next one.
+            corners_deg.dedup_by(|one, other| is_same(*one, *other));
+            if let [first, _, .., last] = corners_deg[..]
+                && is_same(first, last)
+            {
                 corners_deg.pop();
             }
             rings_deg.push(corners_deg);
@@ -113,7 +121,23 @@ impl Areas<'_> {
         if rings_deg.is_empty() {
             return self.refuse("has no corners, expected a ring");
         }
-        self.push(AreaOutline::Polygon(rings_deg));
+        if rings_deg.first().is_some_and(|outline| outline.len() < 3) {
+            self.leave_out("area with fewer than 3 corners");
+            return Ok(());
+        }
+        if is_open {
+            self.note("is not closed: its last corner is joined to its first one");
+        }
+        let outlines = mended(&rings_deg);
+        if let Some(outlines) = &outlines {
+            let parts = counted(outlines.len(), "polygon");
+            self.note(&format!(
+                "crosses or touches itself: all that its edges surround is taken, as {parts}"
+            ));
+        }
+        for rings in outlines.unwrap_or_else(|| vec![rings_deg]) {
+            self.push(AreaOutline::Polygon(rings));
+        }
         Ok(())
     }
 
@@ -169,46 +193,5 @@ impl Areas<'_> {
                 "has {what} out of range, expected longitude from -180 to 180 and latitude from -90 to 90"
             )),
         }
-    }
-
-    /// A unit of lengths, metres.
-    pub(super) fn unit_m(&self, unit: &str) -> Result<f64, InputError> {
-        match unit.to_ascii_lowercase().as_str() {
-            "m" => Ok(1.0),
-            "ft" => Ok(FOOT_M),
-            _ => self.refuse(format_args!("has the unit {unit:?}, expected m or ft")),
-        }
-    }
-
-    /// A limit in a unit, metres, above a reference; `None` without one.
-    pub(super) fn limit(
-        &self,
-        value: Option<&Value>,
-        unit_m: f64,
-        reference: Option<&str>,
-    ) -> Result<Option<AreaLimit>, InputError> {
-        let height = match value {
-            None | Some(Value::Null) => return Ok(None),
-            // Some authorities write numbers as texts.
-            Some(Value::String(text)) => text.trim().parse().ok(),
-            Some(other) => other.as_f64(),
-        };
-        let Some(height) = height.filter(|height| height.is_finite()) else {
-            let value = value.unwrap_or(&Value::Null);
-            return self.refuse(format_args!("has the limit {value}, expected a number"));
-        };
-        let above = match reference.map(str::to_ascii_uppercase).as_deref() {
-            Some("AMSL") => Reference::Sea,
-            Some("AGL") => Reference::Ground,
-            Some("WGS84") => Reference::Ellipsoid,
-            other => {
-                let other = other.unwrap_or_default();
-                return self.refuse(format_args!(
-                    "has a limit above {other:?}, expected the vertical reference AGL, AMSL or WGS84"
-                ));
-            }
-        };
-        let height_m = height * unit_m;
-        Ok(Some(AreaLimit { height_m, above }))
     }
 }

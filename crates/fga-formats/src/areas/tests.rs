@@ -830,7 +830,10 @@ fn what_is_no_area_is_one_sentence() {
         ),
         (polygon("[]"), "area 1 has no corners"),
         (polygon("[[]]"), "area 1 has no corners"),
-        (polygon("[[[1,2],[3,4],[5,6]]]"), "area 1 is not closed"),
+        (
+            polygon("[[[1,2],[3,4],[1,2]]]"),
+            "has no area, 1 area with fewer than 3 corners left out",
+        ),
         (
             polygon("[[[1,2],[3],[5,6],[1,2]]]"),
             "corner 2 out of range",
@@ -893,24 +896,12 @@ fn what_is_no_zone_of_an_authority_is_one_sentence() {
         (made.replace("120", "NaN"), "line 2: is no ED-269"),
         (made.replace("120", "Infinity"), "is no ED-269"),
         (
-            made.replace("120", r#""NaN""#),
-            "area 1 (yard) has the limit \"NaN\", expected a number",
-        ),
-        (
-            made.replace("120", "[1]"),
-            "has the limit [1], expected a number",
-        ),
-        (
-            made.replace(r#""M""#, r#""KM""#),
-            "has the unit \"KM\", expected m or ft",
+            made.replace(r#""M""#, r#""KN""#),
+            "area 1 (yard) has the unit \"KN\", expected m or ft",
         ),
         (
             made.replace(r#""uomDimensions":"M","#, ""),
             "missing field `uomDimensions`",
-        ),
-        (
-            made.replace("AGL", "FL"),
-            "above \"FL\", expected the vertical reference AGL, AMSL or WGS84",
         ),
         (
             made.replace("8.5", "108.5").replace(",47", ",147"),
@@ -944,14 +935,146 @@ fn what_is_no_zone_of_an_authority_is_one_sentence() {
         ),
         (point(r#""subType":"Square","radius":9"#), "is no area"),
         (point(r#""subType":"Circle""#), "missing field `radius`"),
-        (
-            layer(r#""lower":1,"lowerReference":"AGL","uom":"km""#),
-            "has the unit \"km\"",
-        ),
-        (layer(r#""lower":1"#), "expected the vertical reference"),
-        (
-            layer(r#""lower":1,"lowerReference":"STD""#),
-            "above \"STD\"",
-        ),
     ]);
+    // One limit that cannot be read leaves the zone, which is larger without it.
+    for (text, expected) in [
+        (
+            made.replace("120", r#""NaN""#),
+            r#"upper limit "NAN AGL" ("NaN" is not known)"#,
+        ),
+        (made.replace("120", "[1]"), r#"("[1]" is not known)"#),
+        (
+            made.replace("AGL", "QFE"),
+            r#"lower limit "0 QFE" ("QFE" is not known)"#,
+        ),
+        (
+            layer(r#""lower":1,"lowerReference":"AGL","uom":"kn""#),
+            "\"KN\" is not known",
+        ),
+        (
+            layer(r#""lower":1"#),
+            r#"lower limit "1" without what it counts from"#,
+        ),
+    ] {
+        let file = file(&text).unwrap();
+        assert!(
+            file.notes.iter().any(|note| note.contains(expected)),
+            "{expected}: {:?}",
+            file.notes
+        );
+        assert!(file.areas[0].limits.contains(&None), "{expected}");
+    }
+}
+
+/// A ring of longitudes and latitudes around 8.5, 47.3, in thousandths of a degree.
+fn ring(corners: &[[i32; 2]]) -> String {
+    let corners = corners.iter();
+    let corners = corners.map(|[x, y]| format!("[8.{},47.{}]", 500 + x, 300 + y));
+    polygon(&format!("[[{}]]", corners.collect::<Vec<_>>().join(",")))
+}
+
+/// Square degrees that the first rings of areas cover.
+fn covered(file: &AreaFile) -> f64 {
+    let twice = |area: &NamedArea| {
+        let AreaOutline::Polygon(rings) = &area.outline else {
+            return 0.0;
+        };
+        let next = rings[0].iter().cycle().skip(1);
+        let edges = rings[0].iter().zip(next);
+        edges.map(|(a, b)| a[1] * b[0] - b[1] * a[0]).sum::<f64>()
+    };
+    file.areas.iter().map(|area| 0.5 * twice(area).abs()).sum()
+}
+
+#[test]
+fn outlines_as_authorities_publish_them_are_read() {
+    let square = [[0, 0], [100, 0], [100, 100], [0, 100], [0, 0]];
+    let twice = [&square[..4], &square[..]].concat();
+    let [spike, loops, touches] = [
+        [
+            [0, 0],
+            [100, 0],
+            [100, 100],
+            [150, 150],
+            [100, 100],
+            [0, 100],
+        ]
+        .as_slice(),
+        &[[0, 0], [100, 0], [100, 100], [98, 100], [101, 99], [0, 99]],
+        &[
+            [0, 0],
+            [50, 0],
+            [50, 50],
+            [100, 50],
+            [100, 100],
+            [50, 100],
+            [50, 50],
+            [0, 50],
+        ],
+    ]
+    .map(|ring| [ring, &[[0, 0]]].concat());
+    for (corners, parts, area) in [
+        (twice, 1, 1e-2),
+        (spike, 1, 1e-2),
+        (loops, 3, 0.99e-2),
+        (touches, 2, 0.5e-2),
+    ] {
+        let found = file(&ring(&corners)).unwrap();
+        assert!(
+            found.notes[0].contains("crosses or touches itself"),
+            "{corners:?}"
+        );
+        assert_eq!(found.areas.len(), parts, "{corners:?}");
+        assert!((covered(&found) - area).abs() < 1e-5, "{corners:?}");
+        assert!(found.areas.iter().all(|area| area.check().is_ok()));
+    }
+    // Corners in a wrong order surround something else.
+    let tie = ring(&[[0, 0], [100, 100], [100, 0], [0, 100], [0, 0]]);
+    let error = areas(&tie).unwrap()[0].check().unwrap_err();
+    assert!(error.to_string().contains("polygon crosses itself"));
+    // An outline that does not end where it begins.
+    let open = file(&ring(&square[..4])).unwrap();
+    assert_eq!(
+        open.notes,
+        ["area 1 is not closed: its last corner is joined to its first one"]
+    );
+    assert!((covered(&open) - 0.01).abs() < 1e-9);
+}
+
+#[test]
+fn geojson_with_names_of_ed269_in_its_properties_is_geojson() {
+    // As Estonia writes it: the volume without its outline, and both limits again in words and in rounded metres.
+    let volume = r#""geometry":{"uomDimensions":"FT","lowerLimit":0,"lowerVerticalReference":"AGL","upperLimit":6000,
+        "upperVerticalReference":"AGL"},"lower":"SFC","lowerMeters":0,"upper":"6000 FT AGL","upperMeters":1800"#;
+    let text = feature(&format!(r#"{volume},"at":"\"horizontalProjection\"""#));
+    let found = file(&text).unwrap();
+    assert_eq!(found.notes, [""; 0]);
+    let upper = above(Reference::Ground, 6000.0 * FOOT_M);
+    assert_eq!(
+        found.areas[0].limits,
+        [Some(above(Reference::Ground, 0.0)), Some(upper)]
+    );
+    let other = file(&text.replace("1800", "600")).unwrap();
+    assert!(other.notes[0].contains("\"600 as a second height\" is not known"));
+}
+
+#[test]
+fn one_airspace_that_cannot_be_read_is_named_beside_the_others() {
+    let good = "AC R\nAN GOOD\nTO drawn\nSB 1,2,3\nAA NONE\nAA 2026-01-01T00:00Z/2026-02-01T00:00Z\nAH FL65\nAL GND\nV Z=100\n\
+        V X=045:00:00 N 005:00:00 E\nDC 1\n";
+    let bad = "AC R\nAN BAD\nAH FL65\nV X=45:00:00 N 005:00:00 E\nDC 1\n";
+    let found = file(&format!("* made\n{bad}\n{good}{bad}")).unwrap();
+    assert_eq!(found.areas.len(), 1);
+    assert_eq!(found.areas[0].name.as_deref(), Some("GOOD"));
+    assert_eq!(
+        found.notes,
+        ["2 airspaces BAD (Missing lower bound for 'BAD') left out"]
+    );
+    // An arc whose radius is none.
+    let wide = format!(
+        "{good}AC R\nAN WIDE\nAH FL65\nAL GND\nV X=45:00:00 N 005:00:00 E\nDA 1e20,270,290\n"
+    );
+    let found = file(&wide).unwrap();
+    assert_eq!(found.areas.len(), 1);
+    assert!(found.notes[0].starts_with("1 airspace with an arc with a radius of"));
 }

@@ -48,15 +48,11 @@ pub(super) fn read(entries: &mut Entries, settings: &mut AlertSettings) -> Resul
         }
     }
     let count = settings.alerters.len();
-    // Without guidance in the terminal area nothing uses the alerter.
-    if settings.terminal.guidance == TerminalGuidance::Off {
-        settings.terminal.alerter = settings.terminal.alerter.filter(|index| *index < count);
-    }
-    if settings
-        .terminal
-        .alerter
-        .is_some_and(|index| index >= count)
-    {
+    let is_none = (settings.terminal.alerter).is_some_and(|index| index >= count);
+    if is_none && settings.terminal.guidance == TerminalGuidance::Off {
+        // Without guidance in the terminal area nothing uses the alerter.
+        settings.terminal.alerter = None;
+    } else if is_none {
         return Err(entries.missing(format!(
             "dta_alerter names none of the {count} alerters, expected a number from 0 to {count}"
         )));

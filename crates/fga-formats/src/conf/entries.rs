@@ -177,32 +177,36 @@ impl Entries {
         Ok(Some(Number { si, unit }))
     }
 
-    /// Takes a boolean.
-    pub(super) fn boolean(&mut self, key: &str) -> Result<Option<bool>, InputError> {
+    /// Takes a value that is read from its text.
+    fn taken<T>(
+        &mut self,
+        key: &str,
+        of: impl FnOnce(&str) -> Option<T>,
+        expected: impl FnOnce() -> String,
+    ) -> Result<Option<T>, InputError> {
         let Some((line, text)) = self.text(key) else {
             return Ok(None);
         };
-        match text.to_ascii_lowercase().as_str() {
-            "true" | "t" => Ok(Some(true)),
-            "false" | "f" => Ok(Some(false)),
-            _ => Err(self.refused(
-                line,
-                format!("{key} is {}, expected true or false", shown(&text)),
-            )),
-        }
+        of(&text).map(Some).ok_or_else(|| {
+            let message = format!("{key} is {}, expected {}", shown(&text), expected());
+            self.refused(line, message)
+        })
+    }
+
+    /// Takes a boolean.
+    pub(super) fn boolean(&mut self, key: &str) -> Result<Option<bool>, InputError> {
+        let of = |text: &str| match text.to_ascii_lowercase().as_str() {
+            "true" | "t" => Some(true),
+            "false" | "f" => Some(false),
+            _ => None,
+        };
+        self.taken(key, of, || "true or false".into())
     }
 
     /// Takes a whole number up to a largest one.
     pub(super) fn count(&mut self, key: &str, most: usize) -> Result<Option<usize>, InputError> {
-        let Some((line, text)) = self.text(key) else {
-            return Ok(None);
-        };
-        let number = text.parse().ok().filter(|number| *number <= most);
-        number.map(Some).ok_or_else(|| {
-            let found = shown(&text);
-            let message = format!("{key} is {found}, expected a whole number from 0 to {most}");
-            self.refused(line, message)
-        })
+        let of = |text: &str| text.parse().ok().filter(|number| *number <= most);
+        self.taken(key, of, || format!("a whole number from 0 to {most}"))
     }
 
     /// Takes one of several words.
@@ -211,19 +215,10 @@ impl Entries {
         key: &str,
         words: &[(&str, T)],
     ) -> Result<Option<T>, InputError> {
-        let Some((line, text)) = self.text(key) else {
-            return Ok(None);
-        };
-        if let Some((_, value)) = words.iter().find(|(word, _)| *word == text) {
-            return Ok(Some(*value));
-        }
-        let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-        let message = format!(
-            "{key} is {}, expected one of {}",
-            shown(&text),
-            known.join(", ")
-        );
-        Err(self.refused(line, message))
+        let of = |text: &str| words.iter().find(|(word, _)| *word == text);
+        let names = || words.iter().map(|(word, _)| *word).collect::<Vec<_>>();
+        let found = self.taken(key, of, || format!("one of {}", names().join(", ")))?;
+        Ok(found.map(|(_, value)| *value))
     }
 
     /// Refuses a file with unread keys.

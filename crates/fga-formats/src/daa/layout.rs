@@ -1,9 +1,10 @@
 //! Which column of a `.daa` file holds what.
 
 use super::columns::DaaColumn;
-use super::extras::Extras;
 use super::report::{DaaMotion, DaaReport, EarthPlace, Place};
-use crate::units::Unit;
+use crate::error::shown;
+use crate::units::{Dimension, Unit};
+use fga_alerts::Deviation;
 use glam::DVec3;
 
 /// The columns of a file.
@@ -19,8 +20,29 @@ pub(super) struct Layout {
     pub(super) is_track: bool,
     pub(super) velocity: [DaaColumn; 3],
     pub(super) time: DaaColumn,
-    extras: Extras,
+    alerter: Option<usize>,
+    /// The optional columns with a quantity.
+    extras: Vec<DaaColumn>,
 }
+
+/// The optional columns with a quantity, and their units where the file gives none.
+const EXTRAS: [(&str, Dimension, Option<Unit>); 4] = [
+    ("heading", Dimension::Angle, Some(Unit::DEGREE)),
+    ("airspeed", Dimension::Speed, Some(Unit::KNOT)),
+    ("air_vx", Dimension::Speed, Some(Unit::KNOT)),
+    ("air_vy", Dimension::Speed, Some(Unit::KNOT)),
+];
+/// The columns of deviations, in the order of [`Deviation`].
+const DEVIATIONS: [(&str, Dimension); 8] = [
+    ("s_ew_std", Dimension::Length),
+    ("s_ns_std", Dimension::Length),
+    ("s_en_std", Dimension::Length),
+    ("sz_std", Dimension::Length),
+    ("v_ew_std", Dimension::Speed),
+    ("v_ns_std", Dimension::Speed),
+    ("v_en_std", Dimension::Speed),
+    ("vz_std", Dimension::Speed),
+];
 
 const NAME: &[&str] = &["name", "aircraft", "id"];
 const LATITUDE: &[&str] = &["lat", "latitude"];
@@ -80,7 +102,14 @@ impl Layout {
             is_track,
             velocity,
             time: header.column(TIME, Unit::SECOND)?,
-            extras: Extras::of(&names),
+            alerter: names.iter().position(|name| name == "alerter"),
+            extras: EXTRAS
+                .into_iter()
+                .chain(DEVIATIONS.map(|(name, dimension)| (name, dimension, None)))
+                .filter_map(|(name, dimension, unit)| {
+                    DaaColumn::optional(&names, name, dimension, unit)
+                })
+                .collect(),
         })
     }
 
@@ -114,7 +143,7 @@ impl Layout {
         let columns = self.position.iter_mut().chain(&mut self.velocity);
         let columns = columns.chain([&mut self.time]);
         columns
-            .chain(self.extras.columns())
+            .chain(&mut self.extras)
             .try_for_each(|column| column.take_unit(&units))
     }
 
@@ -160,15 +189,61 @@ impl Layout {
             } else {
                 DaaMotion::from_velocity(DVec3::from_array(velocity))
             },
-            air: self.extras.air(fields)?,
-            alerter: self.extras.alerter(fields)?,
-            deviation: self.extras.deviation(fields)?,
+            air: self.air(fields)?,
+            alerter: self.alerter(fields)?,
+            deviation: self.deviation(fields)?,
         })
+    }
+
+    /// The value of an optional column; `None` without it and for an empty field.
+    fn extra(&self, name: &str, fields: &[&str]) -> Result<Option<f64>, String> {
+        let column = self.extras.iter().find(|column| column.name == name);
+        column.map_or(Ok(None), |column| column.given(fields))
     }
 
     /// Velocity through the air to the east and north, metres per second.
     pub(super) fn air_mps(&self, fields: &[&str]) -> Result<Option<(f64, f64)>, String> {
-        self.extras.air_mps(fields)
+        Ok(self
+            .extra("air_vx", fields)?
+            .zip(self.extra("air_vy", fields)?))
+    }
+
+    /// Compass direction (radians) and speed (metres per second) through the air.
+    fn air(&self, fields: &[&str]) -> Result<Option<(f64, f64)>, String> {
+        let (heading, airspeed) = (
+            self.extra("heading", fields)?,
+            self.extra("airspeed", fields)?,
+        );
+        if airspeed.is_some_and(|speed_mps| speed_mps < 0.0) {
+            return Err("column airspeed is negative, expected 0 or more".into());
+        }
+        Ok(heading.zip(airspeed))
+    }
+
+    fn alerter(&self, fields: &[&str]) -> Result<Option<u32>, String> {
+        let text = self.alerter.and_then(|place| fields.get(place).copied());
+        let Some(text) = text.filter(|text| !["", "-"].contains(text)) else {
+            return Ok(None);
+        };
+        text.parse().map(Some).map_err(|_| {
+            let found = shown(text);
+            format!("column alerter holds {found}, expected a number of 0 or more")
+        })
+    }
+
+    /// The uncertainty of a row's state; zero without these columns.
+    fn deviation(&self, fields: &[&str]) -> Result<Deviation, String> {
+        let mut values = [0.0; 8];
+        for (value, (name, _)) in values.iter_mut().zip(DEVIATIONS) {
+            *value = self.extra(name, fields)?.unwrap_or(0.0);
+            let signed = name.contains("_en_");
+            if *value < 0.0 && !signed {
+                return Err(format!(
+                    "column {name} is negative, expected a deviation of 0 or more"
+                ));
+            }
+        }
+        Ok(Deviation::from_array(values))
     }
 }
 

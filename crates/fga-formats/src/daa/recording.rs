@@ -6,7 +6,7 @@ use fga_alerts::Deviation;
 use glam::DVec3;
 
 /// The content of a recording: at least the ownship, at least one sample each.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// The aircraft in the order of their first rows; the first is the ownship.
     pub aircraft: Vec<Track>,
@@ -101,14 +101,11 @@ impl Track {
             .partition_point(|sample| sample.time_s <= time_s);
         let before = self.samples.get(after.checked_sub(1)?)?;
         let Some(next) = self.samples.get(after) else {
-            if before.time_s < time_s {
-                return None;
-            }
-            let velocity_mps = match after.checked_sub(2).and_then(|i| self.samples.get(i)) {
-                Some(last) => (before.position_m - last.position_m) / (before.time_s - last.time_s),
-                None => before.velocity_mps,
-            };
-            return Some((before.position_m, velocity_mps));
+            let last = after.checked_sub(2).and_then(|i| self.samples.get(i));
+            let velocity_mps = last.map_or(before.velocity_mps, |last| {
+                (before.position_m - last.position_m) / (before.time_s - last.time_s)
+            });
+            return (before.time_s == time_s).then_some((before.position_m, velocity_mps));
         };
         let velocity_mps = (next.position_m - before.position_m) / (next.time_s - before.time_s);
         let position_m = before.position_m + velocity_mps * (time_s - before.time_s);

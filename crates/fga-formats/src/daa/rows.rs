@@ -5,7 +5,7 @@ use super::layout::Layout;
 use super::report::{DaaMotion, DaaReport, Place};
 use super::{Track, TrackSample};
 use crate::error::{InputError, shown};
-use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
+use crate::geodesy::{Earth, Geodetic, LocalFrame, velocity_from_compass};
 use crate::tally::{LeftOut, Tally};
 use crate::units::DEGREE_RAD;
 use glam::DVec3;
@@ -215,8 +215,7 @@ impl DaaRows {
                 columns[1].name
             ));
         }
-        let (sin, cos) = libm::sincos(course_from_compass_rad(compass_deg));
-        let own_axes_mps = DVec3::new(speed_mps * cos, speed_mps * sin, climb_mps);
+        let own_axes_mps = velocity_from_compass(compass_deg, speed_mps, climb_mps);
         Ok(self.in_frame(own_axes_mps, place))
     }
 

@@ -2,7 +2,7 @@
 
 use super::{EncounterModel, ModelState};
 use crate::geodesy::course_from_compass_rad;
-use crate::units::{DEGREE_RAD, Feet, FeetPerMinute, Knots, NauticalMiles};
+use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS, NAUTICAL_MILE_M};
 use core::f64::consts::PI;
 use glam::DVec3;
 
@@ -76,10 +76,9 @@ impl FlyingAircraft {
         let variables = self.variables;
         let speed_kn = value(variables.speed);
         // Airspeed is along the path: climb takes from the forward part.
-        let speed_mps = Knots(speed_kn).to_mps();
-        let climb_mps = FeetPerMinute(value(variables.climb))
-            .to_mps()
-            .clamp(-speed_mps, speed_mps);
+        let speed_mps = speed_kn * KNOT_MPS;
+        let climb_mps = value(variables.climb) * FOOT_PER_MINUTE_MPS;
+        let climb_mps = climb_mps.clamp(-speed_mps, speed_mps);
         let level_mps = libm::sqrt((speed_mps * speed_mps - climb_mps * climb_mps).max(0.0));
         let course_rad = course_from_compass_rad(self.compass_deg);
         let (sin, cos) = libm::sincos(course_rad);
@@ -135,7 +134,7 @@ impl EncounterModel {
     /// The fastest airspeed of an uncorrelated model, metres per second; `None` for another model.
     pub fn fastest_mps(&self) -> Option<f64> {
         self.single()
-            .map(|variables| Knots(variables.fastest_kn).to_mps())
+            .map(|variables| variables.fastest_kn * KNOT_MPS)
     }
 
     /// Whether the model draws both aircraft of an encounter at once.
@@ -163,7 +162,7 @@ impl EncounterModel {
         let layer = self.index_of("L")?;
         self.variables.get(layer)?.boundaries.as_deref()?;
         let mut state = self.start(uniform);
-        let altitude_m = Feet(*state.values.get(layer)?).to_m();
+        let altitude_m = *state.values.get(layer)? * FOOT_M;
         let mut flying = FlyingAircraft::new(variables, altitude_m);
         let mut rows = Vec::new();
         for second in 0..=duration_s {
@@ -171,7 +170,7 @@ impl EncounterModel {
             rows.push(row);
             self.step(&mut state, uniform);
             self.set(&mut state, variables.speed, next_kn);
-            self.set(&mut state, layer, Feet::from_m(flying.position_m.z).0);
+            self.set(&mut state, layer, flying.position_m.z / FOOT_M);
         }
         Some(rows)
     }
@@ -192,8 +191,8 @@ impl EncounterModel {
         let mut state = self.start(uniform);
         let value =
             |state: &ModelState, label: &str| state.values.get(self.index_of(label)?).copied();
-        let miss_m = NauticalMiles(value(&state, "hmd")?).to_m();
-        let height_m = Feet(value(&state, "vmd")?).to_m();
+        let miss_m = value(&state, "hmd")? * NAUTICAL_MILE_M;
+        let height_m = value(&state, "vmd")? * FOOT_M;
         let approach_rad = value(&state, "\\beta")? * DEGREE_RAD;
         let is_ahead = value(&state, "\\chi")? < 1.5;
         let layer = *state.bins.get(self.index_of("L")?)?;
@@ -201,7 +200,7 @@ impl EncounterModel {
             *CORRELATED_LAYERS_FT.get(layer)?,
             *CORRELATED_LAYERS_FT.get(layer + 1)?,
         );
-        let altitude_m = Feet(low_ft + (high_ft - low_ft) * uniform()).to_m();
+        let altitude_m = (low_ft + (high_ft - low_ft) * uniform()) * FOOT_M;
         if !keep(miss_m, height_m) {
             return Some(None);
         }

@@ -218,16 +218,6 @@ fn zone(flight: &Flight, index: usize, zone: &FlightZone) -> Value {
 fn obstacle(flight: &Flight, index: usize, obstacle: &FlightObstacle, interval: &str) -> Value {
     let frame = flight.frame();
     let material = json!({ "solidColor": { "color": rgba(OBSTACLE_COLOR, 80) } });
-    let mut packet = json!({
-        "id": format!("obstacle/{index}"),
-        "name": obstacle.name,
-        "point": { "pixelSize": 5, "color": rgba(OBSTACLE_COLOR, 255) },
-        "label": {
-            "text": obstacle.name,
-            "font": "12px sans-serif",
-            "pixelOffset": { "cartesian2": [0, -16] },
-        },
-    });
     let (position, availability) = match (&obstacle.track[..], obstacle.is_static()) {
         ([only], true) => (
             json!({ "cartographicDegrees": degrees(&frame, only.position_m) }),
@@ -261,10 +251,17 @@ fn obstacle(flight: &Flight, index: usize, obstacle: &FlightObstacle, interval: 
             }),
         ),
     };
-    if let Some(packet) = packet.as_object_mut() {
-        packet.insert("position".into(), position);
-        packet.insert("availability".into(), availability.into());
-        packet.insert(key.into(), shape);
-    }
-    packet
+    json!({
+        "id": format!("obstacle/{index}"),
+        "name": obstacle.name,
+        "point": { "pixelSize": 5, "color": rgba(OBSTACLE_COLOR, 255) },
+        "label": {
+            "text": obstacle.name,
+            "font": "12px sans-serif",
+            "pixelOffset": { "cartesian2": [0, -16] },
+        },
+        "position": position,
+        "availability": availability,
+        key: shape,
+    })
 }

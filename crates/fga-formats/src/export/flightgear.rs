@@ -13,7 +13,7 @@
 use crate::flight::FlightSample;
 use crate::geodesy::LocalFrame;
 use crate::number::push_fixed;
-use crate::units::{Feet, Knots};
+use crate::units::{FOOT_M, KNOT_MPS};
 use core::net::SocketAddr;
 use std::io;
 use std::net::{ToSocketAddrs, UdpSocket};
@@ -28,11 +28,11 @@ pub fn line(frame: &LocalFrame, sample: &FlightSample, airspeed_mps: f64) -> Vec
     for (value, decimals) in [
         (place.latitude_deg, 8),
         (place.longitude_deg, 8),
-        (Feet::from_m(place.altitude_m).0, 2),
+        (place.altitude_m / FOOT_M, 2),
         (sample.roll_deg(), 3),
         (sample.climb_deg(), 3),
         (sample.compass_deg(), 3),
-        (Knots::from_mps(airspeed_mps).0, 2),
+        (airspeed_mps / KNOT_MPS, 2),
     ] {
         if !out.is_empty() {
             out.push(b'\t');

@@ -13,6 +13,7 @@
 
 use super::look::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
 use crate::flight::{Flight, FlightEvent, FlightObstacle, FlightSample};
+use crate::number::count;
 use ::mcap::records::MessageHeader;
 use ::mcap::{McapError, WriteOptions, Writer};
 use alloc::collections::BTreeMap;
@@ -106,13 +107,7 @@ impl McapLog<'_> {
     /// Nanoseconds since 1970; 0 for times before.
     fn nanoseconds(&self, time_s: f64) -> u64 {
         let microseconds = libm::rint(self.flight.unix_s(time_s) * 1e6).clamp(0.0, 1e16);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 0 and 1e16"
-        )]
-        let microseconds = microseconds as u64;
-        microseconds * 1000
+        count(microseconds) as u64 * 1000
     }
 
     fn stamp(&self, time_s: f64) -> Value {

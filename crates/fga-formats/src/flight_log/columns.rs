@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::series::Signals;
+use crate::encounters::place_of;
 use crate::error::{InputError, shown};
 use crate::number::finite;
 use crate::tally::Tally;
@@ -41,19 +42,10 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
     let head = reader.headers().map_err(unreadable)?.clone();
     let mut places = [0; 6];
     for (place, name) in places.iter_mut().zip(COLUMNS) {
-        let mut found = (0..).zip(&head).filter(|(_, field)| *field == name);
-        let message = match (found.next(), found.count()) {
-            (Some((index, _)), 0) => {
-                *place = index;
-                continue;
-            }
-            (None, _) => format!("the column {name} is missing, {expected}"),
-            (_, more) => format!(
-                "the column {name} is there {} times, expected it once",
-                more + 1
-            ),
-        };
-        return Err(InputError::at_line(path, 1, message));
+        let missing = || format!("the column {name} is missing, {expected}");
+        let found =
+            place_of(head.as_byte_record(), name).and_then(|found| found.ok_or_else(missing));
+        *place = found.map_err(|message| InputError::at_line(path, 1, message))?;
     }
     let mut columns: [Vec<f64>; 6] = Default::default();
     for record in reader.records() {

@@ -5,7 +5,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::collections::HashMap;
 
-use super::phases::{Limits, Phases};
+use super::phases::{Limits, Phases, Word};
 use super::series::{Series, Signals};
 use crate::tally::{LeftOut, Tally};
 
@@ -27,9 +27,9 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
 
 /// One kind of message.
 #[derive(Debug)]
-pub(super) struct MessageFormat {
+pub(crate) struct MessageFormat {
     pub(super) length: usize,
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Names of the fields, the codes of their types, and where they begin in a message.
     pub(super) fields: Vec<(String, u8, usize)>,
 }
@@ -89,7 +89,7 @@ impl MessageFormat {
     }
 
     /// A field as a number.
-    pub(super) fn number(&self, message: &[u8], name: &str) -> Option<f64> {
+    pub(crate) fn number(&self, message: &[u8], name: &str) -> Option<f64> {
         fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
             message.get(begin..begin + N)?.try_into().ok()
         }
@@ -175,12 +175,15 @@ impl Choices {
             "ARSP" => self.airspeed[0].push(time_s()?, field("Airspeed")?),
             "MODE" => {
                 let mode = field("ModeNum").or_else(|| field("Mode"))?;
-                self.phases.mode(time_s()?, whole(mode));
+                self.phases.take(time_s()?, Word::Mode(whole(mode)));
             }
-            "ARM" => self.phases.armed(time_s()?, field("ArmState")? != 0.0),
+            "ARM" => self
+                .phases
+                .take(time_s()?, Word::Armed(field("ArmState")? != 0.0)),
             "MISE" => {
                 self.names_begun = true;
-                self.phases.command(time_s()?, whole(field("CId")?));
+                self.phases
+                    .take(time_s()?, Word::Command(whole(field("CId")?)));
             }
             "CMD" => self.commands.push((time_s()?, whole(field("CId")?))),
             "PARM" => {

@@ -21,50 +21,34 @@ pub(super) struct Phases {
     changes: Vec<(f64, bool)>,
 }
 
+/// A mode, the command of the mission that is flown from then on, or whether the vehicle is armed.
 #[derive(Debug, Clone, Copy)]
-enum Word {
+pub(super) enum Word {
     Mode(u32),
     Command(u32),
     Armed(bool),
 }
 
 impl Phases {
-    pub(super) fn mode(&mut self, time_s: f64, mode: u32) {
-        self.take((time_s, Word::Mode(mode)));
-    }
-
-    /// The command of the mission that is flown from now on.
-    pub(super) fn command(&mut self, time_s: f64, command: u32) {
-        self.take((time_s, Word::Command(command)));
-    }
-
-    pub(super) fn armed(&mut self, time_s: f64, is_armed: bool) {
-        self.take((time_s, Word::Armed(is_armed)));
-    }
-
     /// The same with further commands of the mission, all in order of time.
     pub(super) fn with_commands(&self, commands: impl Iterator<Item = (f64, u32)>) -> Self {
         let mut words = self.words.clone();
         words.extend(commands.map(|(time_s, command)| (time_s, Word::Command(command))));
         words.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut all = Self::default();
-        for word in words {
-            all.take(word);
+        for (time_s, word) in words {
+            all.take(time_s, word);
         }
         all
     }
 
-    fn take(&mut self, word: (f64, Word)) {
-        self.words.push(word);
-        match word.1 {
+    pub(super) fn take(&mut self, time_s: f64, word: Word) {
+        self.words.push((time_s, word));
+        match word {
             Word::Mode(mode) => self.mode = Some(mode),
             Word::Command(command) => self.command = Some(command),
             Word::Armed(is_armed) => self.is_disarmed = !is_armed,
         }
-        self.note(word.0);
-    }
-
-    fn note(&mut self, time_s: f64) {
         // Without modes the log says nothing of them.
         let flies_in = self.mode.is_none_or(|mode| MODES.contains(&mode));
         let is_auto = self.mode.is_none_or(|mode| mode == AUTO);

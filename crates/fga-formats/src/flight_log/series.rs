@@ -148,7 +148,7 @@ pub(super) struct Signals {
 }
 
 /// A part of a log in which the aircraft flies and every signal is there, at a steady rate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SeriesPiece {
     /// Time of the first row, seconds, as the log counts them.
     pub start_s: f64,
@@ -221,17 +221,15 @@ impl Signals {
                 sources[0]
             ));
         }
-        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
-            if series.is_empty() {
-                return Err(format!("has no {name}, expected {source}"));
-            }
-            series.sort();
-        }
-        self.course_rad.unwrap();
-        let period_s = self.bank_rad.period_s().max(SHORTEST_PERIOD_S);
         let mut span_s = (f64::NEG_INFINITY, f64::INFINITY);
-        let told = names.iter().zip(sources);
-        for (series, (name, source)) in self.each().into_iter().zip(told) {
+        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
+            series.sort();
+            let Some((first, last)) = series.span_s() else {
+                return Err(format!("has no {name}, expected {source}"));
+            };
+            span_s = (span_s.0.max(first), span_s.1.min(last));
+        }
+        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
             let is_bank = name.ends_with("bank");
             let slowest_s = if is_bank {
                 SLOWEST_BANK_S
@@ -244,10 +242,9 @@ impl Signals {
                     "has the {name} every {found_s:.3} s ({source}), expected it at least every {slowest_s} s"
                 ));
             }
-            if let Some((first, last)) = series.span_s() {
-                span_s = (span_s.0.max(first), span_s.1.min(last));
-            }
         }
+        self.course_rad.unwrap();
+        let period_s = self.bank_rad.period_s().max(SHORTEST_PERIOD_S);
         let rows = (span_s.1 - span_s.0) / period_s;
         if rows > MOST_ROWS {
             return Err(format!(
@@ -275,23 +272,14 @@ impl Signals {
         let flying_mps = FLYING_SHARE * self.cruise_mps();
         let mut places = [0; 5];
         let mut pieces = Vec::new();
-        let mut rows: Vec<[f64; 5]> = Vec::new();
-        let mut start_s = span_s.0;
-        let mut finish = |rows: &mut Vec<[f64; 5]>, start_s: f64| {
+        let mut piece = SeriesPiece::default();
+        let mut finish = |piece: &mut SeriesPiece| {
+            let done = core::mem::take(piece);
             #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
-            let lasts_s = rows.len() as f64 * period_s;
+            let lasts_s = done.len() as f64 * period_s;
             if lasts_s >= SHORTEST_PIECE_S {
-                let column = |of: fn(&[f64; 5]) -> f64| rows.iter().map(of).collect();
-                pieces.push(SeriesPiece {
-                    start_s,
-                    airspeed_mps: column(|row| row[0]),
-                    bank_command_rad: column(|row| row[1]),
-                    bank_rad: column(|row| row[2]),
-                    course_rad: column(|row| row[3]),
-                    climb_rad: column(|row| row[4]),
-                });
+                pieces.push(done);
             }
-            rows.clear();
         };
         let mut step = 0.0;
         loop {
@@ -312,17 +300,23 @@ impl Signals {
                     self.climb_rad.at(time_s, e)?,
                 ])
             })();
-            match row {
-                Some(row) if row[0] > flying_mps && self.phases.would_fly(time_s) => {
-                    if rows.is_empty() {
-                        start_s = time_s;
-                    }
-                    rows.push(row);
-                }
-                _ => finish(&mut rows, start_s),
+            let flies = |row: &[f64; 5]| row[0] > flying_mps && self.phases.would_fly(time_s);
+            let Some([airspeed_mps, command_rad, bank_rad, course_rad, climb_rad]) =
+                row.filter(flies)
+            else {
+                finish(&mut piece);
+                continue;
+            };
+            if piece.is_empty() {
+                piece.start_s = time_s;
             }
+            piece.airspeed_mps.push(airspeed_mps);
+            piece.bank_command_rad.push(command_rad);
+            piece.bank_rad.push(bank_rad);
+            piece.course_rad.push(course_rad);
+            piece.climb_rad.push(climb_rad);
         }
-        finish(&mut rows, start_s);
+        finish(&mut piece);
         pieces
     }
 

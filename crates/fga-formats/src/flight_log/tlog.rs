@@ -10,6 +10,7 @@ use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
 use super::dataflash::climb_rad;
+use super::phases::Word;
 use super::series::{Series, Signals};
 use crate::clock::Elapsed;
 use crate::tally::{LeftOut, Tally};
@@ -169,12 +170,16 @@ impl SystemSignals {
             }
             HEARTBEAT if frame.byte(5) == ARDUPILOT => {
                 let mode = u32::from_le_bytes(frame.four(0));
-                signals.phases.mode(time_s, mode);
-                signals.phases.armed(time_s, frame.byte(6) & ARMED != 0);
+                signals.phases.take(time_s, Word::Mode(mode));
+                signals
+                    .phases
+                    .take(time_s, Word::Armed(frame.byte(6) & ARMED != 0));
             }
             MISSION_CURRENT => {
                 if let Some(command) = commands.get(&frame.short(0)) {
-                    signals.phases.command(time_s, u32::from(*command));
+                    signals
+                        .phases
+                        .take(time_s, Word::Command(u32::from(*command)));
                 }
             }
             PARAM_VALUE => {

@@ -7,7 +7,7 @@ use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
 use super::dataflash::{MessageFormat, climb_rad, width};
-use super::phases::Phases;
+use super::phases::{Phases, Word};
 use super::series::{Series, Signals};
 use super::tlog::bank_rad;
 use crate::tally::{LeftOut, Tally};
@@ -27,7 +27,7 @@ const MANUAL: u32 = 0;
 const COMMANDS: [(f64, u32); 2] = [(3.0, 22), (4.0, 21)];
 
 /// Whether a file is such a log.
-pub(super) fn is_one(bytes: &[u8]) -> bool {
+pub(crate) fn is_one(bytes: &[u8]) -> bool {
     bytes.starts_with(BEGIN)
 }
 
@@ -116,13 +116,16 @@ impl Topics {
                 let mode = mode
                     .filter(|_| !is_hovering)
                     .map_or(MANUAL, |(_, mode)| *mode);
-                phases.mode(time_s, mode);
-                phases.armed(time_s, field("arming_state")? == 2.0);
+                phases.take(time_s, Word::Mode(mode));
+                phases.take(time_s, Word::Armed(field("arming_state")? == 2.0));
             }
             "position_setpoint_triplet" => {
                 let kind = field("current.type")?;
                 let command = COMMANDS.iter().find(|(theirs, _)| *theirs == kind);
-                phases.command(time_s, command.map_or(16, |(_, command)| *command));
+                phases.take(
+                    time_s,
+                    Word::Command(command.map_or(16, |(_, command)| *command)),
+                );
             }
             _ => return Some(Err(LeftOut::NotNeeded)),
         }
@@ -151,11 +154,20 @@ fn parameter(content: &[u8]) -> Option<(&str, f64)> {
     Some((name, value))
 }
 
-/// Reads the signals of a log and skips damaged parts.
-pub(super) fn signals(bytes: &[u8]) -> Signals {
+/// What a message says that is read.
+pub(crate) enum Said<'a> {
+    /// A message of a topic, as its format has it.
+    Topic(&'a MessageFormat, &'a [u8]),
+    Parameter(&'a str, f64),
+}
+
+/// Reads the messages of a log and skips damaged parts. Topics are those of the first sensor or estimator each.
+pub(crate) fn read(
+    bytes: &[u8],
+    mut take: impl FnMut(Said<'_>) -> Option<Result<(), LeftOut>>,
+) -> Tally {
     let mut formats: HashMap<&str, &str> = HashMap::new();
     let mut numbered: HashMap<[u8; 2], Option<MessageFormat>> = HashMap::new();
-    let mut topics = Topics::default();
     let mut tally = Tally::default();
     let mut at = HEAD;
     while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
@@ -183,18 +195,28 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             b'D' => (|| {
                 let format = numbered.get(content.first_chunk::<2>()?)?;
                 match format {
-                    Some(format) => topics.take(format, content),
+                    Some(format) => take(Said::Topic(format, content)),
                     None => Some(Err(LeftOut::NotNeeded)),
                 }
             })(),
-            b'P' => parameter(content).map(|(name, value)| {
-                topics.signals.limits.take(name, value);
-                Ok(())
-            }),
+            b'P' => parameter(content).and_then(|(name, value)| take(Said::Parameter(name, value))),
             _ => Some(Err(LeftOut::NotNeeded)),
         };
         tally.take(&taken.unwrap_or(Err(LeftOut::UnreadableField)));
     }
+    tally
+}
+
+/// The signals of a log.
+pub(super) fn signals(bytes: &[u8]) -> Signals {
+    let mut topics = Topics::default();
+    let tally = read(bytes, |said| match said {
+        Said::Topic(format, message) => topics.take(format, message),
+        Said::Parameter(name, value) => {
+            topics.signals.limits.take(name, value);
+            Some(Ok(()))
+        }
+    });
     let [validated, measured] = topics.airspeed_mps;
     let airspeed_mps = if validated.is_empty() {
         measured

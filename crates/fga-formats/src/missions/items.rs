@@ -3,13 +3,14 @@
 //! Commands are those of MAVLink (`MAV_CMD`) as ArduPlane reads them.
 
 use alloc::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fga::situation::Passing;
 
 use super::{FenceOutline, MissionFence, MissionFile, Waypoint};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
+use crate::number;
 use crate::words::counted;
 
 /// A place nearer than this to the one before adds no leg, metres.
@@ -41,9 +42,9 @@ pub(super) struct Item {
 }
 
 /// What the items have led to so far.
-#[derive(Debug)]
-pub(super) struct ItemReader<'a> {
-    path: &'a Path,
+#[derive(Debug, Default)]
+pub(super) struct ItemReader {
+    path: PathBuf,
     file: MissionFile,
     /// The corners of an unfinished polygon, how many there will be, and whether it keeps in.
     corners: Option<(Vec<[f64; 2]>, usize, bool)>,
@@ -57,19 +58,11 @@ pub(super) struct ItemReader<'a> {
     repeated: usize,
 }
 
-impl<'a> ItemReader<'a> {
-    pub(super) fn new(path: &'a Path) -> Self {
+impl ItemReader {
+    pub(super) fn new(path: &Path) -> Self {
         Self {
-            path,
-            file: MissionFile::default(),
-            corners: None,
-            groups: Vec::new(),
-            begun: false,
-            ended: false,
-            left_out: BTreeMap::new(),
-            after_end: 0,
-            circled: 0,
-            repeated: 0,
+            path: path.to_owned(),
+            ..Self::default()
         }
     }
 
@@ -81,8 +74,8 @@ impl<'a> ItemReader<'a> {
     pub(super) fn error(&self, item: &Item, message: &str) -> InputError {
         let message = format!("item {} {message}", item.number);
         match item.line {
-            Some(line) => InputError::at_line(self.path, line, message),
-            None => InputError::in_file(self.path, message),
+            Some(line) => InputError::at_line(&self.path, line, message),
+            None => InputError::in_file(&self.path, message),
         }
     }
 
@@ -125,15 +118,8 @@ impl<'a> ItemReader<'a> {
             20 => {
                 self.ended = true;
                 self.note("the return ends over home at the height of the last waypoint");
-                if let (Some(home), Some(last)) = (self.file.home, self.file.waypoints.last()) {
-                    let altitude_m = last.place.altitude_m;
-                    let place = Geodetic { altitude_m, ..home };
-                    let passing = Passing::FlyBy;
-                    self.add(Waypoint {
-                        place,
-                        passing,
-                        ..*last
-                    });
+                if let Some(last) = self.file.waypoints.last().copied() {
+                    self.add_over_home(last);
                 }
                 Ok(())
             }
@@ -149,7 +135,7 @@ impl<'a> ItemReader<'a> {
     pub(super) fn finish(mut self) -> Result<MissionFile, InputError> {
         if let Some((corners, expected, _)) = self.corners {
             let message = format!("the last fence has {} of {expected} corners", corners.len());
-            return Err(InputError::in_file(self.path, message));
+            return Err(InputError::in_file(&self.path, message));
         }
         if let [only] = self.file.waypoints[..] {
             let mut before = only;
@@ -168,37 +154,23 @@ impl<'a> ItemReader<'a> {
         }
         let skipped: usize = self.left_out.values().sum();
         let left_out = self.left_out.iter();
-        let names: Vec<String> = left_out
-            .map(|(name, count)| format!("{name} {count}"))
-            .collect();
+        let names = left_out.map(|(name, count)| format!("{name} {count}"));
+        let names: Vec<String> = names.collect();
+        let names = format!("without a leg not flown: {}", names.join(", "));
         let rally = self.file.rally.len();
-        let counts = [
-            (
-                self.circled,
-                "loiter item",
-                " flown past, not circled".into(),
-            ),
-            (
-                skipped,
-                "item",
-                format!(" without a leg not flown: {}", names.join(", ")),
-            ),
-            (
-                self.repeated,
-                "item",
-                " at the place before left out".into(),
-            ),
-            (self.after_end, "item", " after the end not flown".into()),
-            (
-                rally,
-                "rally point",
-                " read, not used in a simulated flight".into(),
-            ),
-        ];
-        for (count, thing, rest) in counts.into_iter().filter(|(count, ..)| *count > 0) {
-            self.note(&(counted(count, thing) + &rest));
-        }
+        self.note_count(self.circled, "loiter item", "flown past, not circled");
+        self.note_count(skipped, "item", &names);
+        self.note_count(self.repeated, "item", "at the place before left out");
+        self.note_count(self.after_end, "item", "after the end not flown");
+        let unused = "read, not used in a simulated flight";
+        self.note_count(rally, "rally point", unused);
         Ok(self.file)
+    }
+
+    fn note_count(&mut self, count: usize, thing: &str, rest: &str) {
+        if count > 0 {
+            self.note(&format!("{} {rest}", counted(count, thing)));
+        }
     }
 
     /// Notes once a difference between the file and the flight.
@@ -228,16 +200,19 @@ impl<'a> ItemReader<'a> {
     fn begin(&mut self, first: Waypoint) {
         if !self.begun {
             self.begun = true;
-            if let Some(home) = self.file.home {
-                let altitude_m = first.place.altitude_m;
-                let place = Geodetic { altitude_m, ..home };
-                let passing = Passing::FlyBy;
-                self.add(Waypoint {
-                    place,
-                    passing,
-                    ..first
-                });
-            }
+            self.add_over_home(first);
+        }
+    }
+
+    /// Adds home, if the file gives it, at the height of a waypoint.
+    fn add_over_home(&mut self, like: Waypoint) {
+        if let Some(home) = self.file.home {
+            let altitude_m = like.place.altitude_m;
+            self.add(Waypoint {
+                place: Geodetic { altitude_m, ..home },
+                passing: Passing::FlyBy,
+                ..like
+            });
         }
     }
 
@@ -369,26 +344,18 @@ impl<'a> ItemReader<'a> {
                 let expected = item
                     .first_parameter
                     .filter(|count| (3.0..=1e4).contains(count));
-                let Some(expected) = expected else {
+                let Some(expected) = expected.map(number::count) else {
                     return Err(self.error(
                         item,
                         "is a corner of a fence, expected 3 corners or more as its first parameter",
                     ));
                 };
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "from 3 to 10,000"
-                )]
-                let expected = expected as usize;
                 let group = item.group.unwrap_or(0.0);
                 if keep_in && !self.groups.contains(&group) {
                     self.groups.push(group);
                 }
-                let (mut corners_deg, count, kept_in) =
-                    self.corners
-                        .take()
-                        .unwrap_or((Vec::new(), expected, keep_in));
+                let begun = (Vec::new(), expected, keep_in);
+                let (mut corners_deg, count, kept_in) = self.corners.take().unwrap_or(begun);
                 if (count, kept_in) != (expected, keep_in) {
                     return Err(self.error(
                         item,
@@ -396,34 +363,28 @@ impl<'a> ItemReader<'a> {
                     ));
                 }
                 corners_deg.push(at_deg);
-                if corners_deg.len() == count {
-                    let outline = FenceOutline::Polygon { corners_deg };
-                    return self.add_fence(item, MissionFence { outline, keep_in });
+                if corners_deg.len() < count {
+                    self.corners = Some((corners_deg, count, keep_in));
+                    return Ok(());
                 }
-                self.corners = Some((corners_deg, count, keep_in));
-                Ok(())
+                let outline = FenceOutline::Polygon { corners_deg };
+                self.add_fence(item, MissionFence { outline, keep_in })
             }
-            5003 | 5004 => {
+            // The last one is a circle around home, wherever that is.
+            5003..=5005 if item.command != 5005 || self.file.home.is_some() => {
+                let home_deg = |home: Geodetic| [home.latitude_deg, home.longitude_deg];
+                let home = self.file.home.filter(|_| item.command == 5005);
                 let outline = FenceOutline::Circle {
-                    center_deg: at_deg,
+                    center_deg: home.map_or(at_deg, home_deg),
                     radius_m: item.first_parameter.unwrap_or(0.0),
                 };
-                let keep_in = item.command == 5003;
+                let keep_in = item.command != 5004;
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             5100 if !matches!(item.frame, 10 | 11) => {
                 let place = self.place(item)?;
                 self.file.rally.push(place);
                 Ok(())
-            }
-            // A circle around home, wherever that is.
-            5005 if let Some(home) = self.file.home => {
-                let outline = FenceOutline::Circle {
-                    center_deg: [home.latitude_deg, home.longitude_deg],
-                    radius_m: item.first_parameter.unwrap_or(0.0),
-                };
-                let keep_in = true;
-                self.add_fence(item, MissionFence { outline, keep_in })
             }
             // Where ArduPlane returns to after it has left a fence, or what needs ground or a home that is not known here.
             other => {

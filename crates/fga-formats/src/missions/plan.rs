@@ -161,26 +161,21 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     }
     // Fences have numbers of their own in messages.
     let mut item = blank(0);
-    for circle in plan.geo_fence.circles {
-        item.number += 1;
+    let circles = plan.geo_fence.circles.into_iter().map(|circle| {
         let outline = FenceOutline::Circle {
             center_deg: circle.circle.center,
             radius_m: circle.circle.radius,
         };
-        let keep_in = circle.inclusion;
-        reader.add_fence(&item, MissionFence { outline, keep_in })?;
-    }
-    let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
-    let old = old.map(|polygon| Polygon {
-        polygon,
-        inclusion: true,
+        (outline, circle.inclusion)
     });
-    for polygon in plan.geo_fence.polygons.into_iter().chain(old) {
+    let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
+    let polygons = plan.geo_fence.polygons.into_iter();
+    let polygons = polygons.map(|polygon| (polygon.polygon, polygon.inclusion));
+    let polygons = polygons.chain(old.map(|corners_deg| (corners_deg, true)));
+    let polygons =
+        polygons.map(|(corners_deg, keep_in)| (FenceOutline::Polygon { corners_deg }, keep_in));
+    for (outline, keep_in) in circles.chain(polygons) {
         item.number += 1;
-        let outline = FenceOutline::Polygon {
-            corners_deg: polygon.polygon,
-        };
-        let keep_in = polygon.inclusion;
         reader.add_fence(&item, MissionFence { outline, keep_in })?;
     }
     for [latitude_deg, longitude_deg, above_home_m] in plan.rally_points.points {
@@ -224,7 +219,7 @@ struct Counted {
 fn take(
     value: &Value,
     count: &mut Counted,
-    reader: &mut ItemReader<'_>,
+    reader: &mut ItemReader,
     complex: bool,
 ) -> Result<(), InputError> {
     count.items += 1;
@@ -239,7 +234,7 @@ fn take(
         }
         count.jump_id = number;
     }
-    let unusable = |reader: &ItemReader<'_>, error: &serde_json::Error| {
+    let unusable = |reader: &ItemReader, error: &serde_json::Error| {
         reader.error(&item, &format!("cannot be read: {}", json_sentence(error)))
     };
     if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {

@@ -74,31 +74,22 @@ fn item(line: &str, number: u64, path: &Path) -> Result<Item, InputError> {
         let message = format!("has {} fields, expected {FIELDS}", fields.len());
         return Err(InputError::at_line(path, number, message));
     }
-    let value = |index: usize| {
+    let wrong = |index: usize, expected: &str| {
         let text = fields.get(index).copied().unwrap_or_default();
-        let value: Option<f64> = text.parse().ok();
+        let found = crate::error::shown(text);
+        let message = format!("field {} is {found}, expected {expected}", index + 1);
+        InputError::at_line(path, number, message)
+    };
+    let value = |index: usize| {
+        let value: Option<f64> = fields.get(index).and_then(|text| text.parse().ok());
         // Stations write NaN for what the vehicle decides.
         value
             .map(|value| Some(value).filter(|value| value.is_finite()))
-            .ok_or_else(|| {
-                let message = format!(
-                    "field {} is {}, expected a number",
-                    index + 1,
-                    crate::error::shown(text)
-                );
-                InputError::at_line(path, number, message)
-            })
+            .ok_or_else(|| wrong(index, "a number"))
     };
     let whole = |index: usize| -> Result<u16, InputError> {
-        let text = fields.get(index).copied().unwrap_or_default();
-        text.parse().map_err(|_| {
-            let message = format!(
-                "field {} is {}, expected a whole number",
-                index + 1,
-                crate::error::shown(text)
-            );
-            InputError::at_line(path, number, message)
-        })
+        let value = fields.get(index).and_then(|text| text.parse().ok());
+        value.ok_or_else(|| wrong(index, "a whole number"))
     };
     Ok(Item {
         number: u64::from(whole(0)?),

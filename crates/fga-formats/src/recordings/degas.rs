@@ -92,8 +92,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         .collect();
     Ok(Recording {
         aircraft,
-        frame: None,
-        parameters: Vec::new(),
         tally,
+        ..Recording::default()
     })
 }

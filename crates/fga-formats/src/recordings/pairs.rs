@@ -11,6 +11,7 @@ use crate::daa::{Recording, Track, TrackSample};
 use crate::error::InputError;
 use crate::geodesy::{Earth, LocalFrame};
 use crate::tally::{LeftOut, Tally};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Horizontal distance of a pair, metres.
@@ -48,30 +49,20 @@ pub(super) fn close_pairs(
         .flat_map(|track| unbroken(track, &mut tally))
         .collect();
     let mut found = Vec::new();
+    // The same two may meet twice.
+    let mut met: HashMap<String, usize> = HashMap::new();
     for (index, first) in pieces.iter().enumerate() {
         for second in pieces.iter().skip(index + 1) {
             if first.name != second.name
                 && let Some(recording) = pair(first, second)
             {
                 let name = format!("{name} {}-{}", first.name, second.name);
+                let times = met.entry(name.clone()).or_default();
+                *times += 1;
+                let again = format!("{name} #{times}");
+                let name = if *times > 1 { again } else { name };
                 found.push(Named { name, recording });
             }
-        }
-    }
-    // The same two may meet twice.
-    for index in 1..found.len() {
-        let (before, rest) = found.split_at_mut(index);
-        let Some(this) = rest.first_mut() else {
-            continue;
-        };
-        let again = before
-            .iter()
-            .filter(|other| {
-                other.name == this.name || other.name.starts_with(&format!("{} #", this.name))
-            })
-            .count();
-        if again > 0 {
-            this.name = format!("{} #{}", this.name, again + 1);
         }
     }
     if found.is_empty() {
@@ -142,35 +133,21 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
         }
     }
     let (_, closest_s) = closest?;
-    let (from_s, to_s) = (closest_s - BEFORE_S, closest_s + AFTER_S);
-    let aircraft: Vec<Track> = tracks
-        .into_iter()
-        .map(|track| Track {
-            samples: track
-                .samples
-                .into_iter()
-                .filter(|sample| {
-                    (from_s.max(begin_s) - GAP_S / 2.0..=to_s.min(end_s) + GAP_S / 2.0)
-                        .contains(&sample.time_s)
-                })
-                .collect(),
-            ..track
-        })
-        .collect();
-    let is_moving = |track: &Track| {
-        track
-            .samples
-            .iter()
-            .all(|sample| sample.velocity_mps.length() > SLOWEST_MPS)
-    };
-    (aircraft
-        .iter()
-        .all(|track| track.samples.len() >= 2 && is_moving(track)))
-    .then_some(Recording {
+    let from_s = (closest_s - BEFORE_S).max(begin_s) - GAP_S / 2.0;
+    let to_s = (closest_s + AFTER_S).min(end_s) + GAP_S / 2.0;
+    let mut aircraft = Vec::from(tracks);
+    for track in &mut aircraft {
+        let samples = &mut track.samples;
+        samples.retain(|sample| (from_s..=to_s).contains(&sample.time_s));
+        let is_moving = |sample: &TrackSample| sample.velocity_mps.length() > SLOWEST_MPS;
+        if samples.len() < 2 || !samples.iter().all(is_moving) {
+            return None;
+        }
+    }
+    Some(Recording {
         aircraft,
         frame: Some(frame),
-        parameters: Vec::new(),
-        tally: Tally::default(),
+        ..Recording::default()
     })
 }
 

@@ -5,13 +5,11 @@
 
 use alloc::collections::BTreeMap;
 
-use glam::DVec3;
-
 use super::received::{Collector, Heard, Received, Who};
-use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
-use crate::units::{Feet, Knots};
+use crate::units::{FOOT_M, KNOT_MPS};
 
 /// An aircraft flies straight for this long, seconds.
 const STRAIGHT_S: f64 = 600.0;
@@ -129,7 +127,7 @@ fn begin(time_s: f64, fields: &[&str]) -> Result<Heard, LeftOut> {
         Some(level) => 100.0 * number(level)?,
         None => number(altitude.strip_suffix("FT").unwrap_or(altitude))?,
     };
-    let altitude_m = Feet(feet).to_m();
+    let altitude_m = feet * FOOT_M;
     let place = Geodetic::new(number(latitude)?, number(longitude)?, altitude_m);
     let place = place.ok_or(LeftOut::UnreadableField)?;
     // M82 and M.82 are one Mach number, and so is a speed below 1.
@@ -143,16 +141,15 @@ fn begin(time_s: f64, fields: &[&str]) -> Result<Heard, LeftOut> {
     let speed_mps = match is_mach {
         true if found >= 10.0 => found / 100.0 * air(altitude_m).0,
         true => found * air(altitude_m).0,
-        false => true_speed_mps(Knots(found).to_mps(), altitude_m),
+        false => true_speed_mps(found * KNOT_MPS, altitude_m),
     };
     if !(0.0..1_000.0).contains(&speed_mps) {
         return Err(LeftOut::UnreadableField);
     }
-    let (sin, cos) = libm::sincos(course_from_compass_rad(number(heading)?));
     Ok(Heard {
         time_s,
         place,
-        velocity_mps: Some(DVec3::new(speed_mps * cos, speed_mps * sin, 0.0)),
+        velocity_mps: Some(velocity_from_compass(number(heading)?, speed_mps, 0.0)),
     })
 }
 

@@ -13,16 +13,15 @@
 use std::path::Path;
 
 use alloc::collections::BTreeMap;
-use glam::DVec3;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::received::{Collector, Heard, Received, Who};
 use crate::error::{InputError, shown};
-use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
 use crate::traffic::NON_ICAO;
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// A position that was older when the list was written is too old, seconds.
 const OLDEST_S: f64 = 60.0;
@@ -61,12 +60,7 @@ impl StateVector<'_> {
             .speed_mps
             .zip(self.track_deg)
             .map(|(speed_mps, track_deg)| {
-                let (sin, cos) = libm::sincos(course_from_compass_rad(track_deg));
-                DVec3::new(
-                    speed_mps * cos,
-                    speed_mps * sin,
-                    self.climb_mps.unwrap_or(0.0),
-                )
+                velocity_from_compass(track_deg, speed_mps, self.climb_mps.unwrap_or(0.0))
             });
         Ok(Heard {
             time_s: time_s - self.age_s,
@@ -81,11 +75,7 @@ impl StateVector<'_> {
 /// # Errors
 /// Text that is no JSON, or JSON of something else.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
-    let mut reader = StateVectorReader {
-        path,
-        collector: Collector::default(),
-        tally: Tally::default(),
-    };
+    let mut reader = StateVectorReader::new(path);
     for document in serde_json::Deserializer::from_str(text).into_iter::<Value>() {
         let document = document.map_err(|error| {
             let message = format!("is no JSON that can be read: {error}");
@@ -113,11 +103,7 @@ pub(super) fn is_history(text: &str) -> bool {
 /// # Errors
 /// A table that is none.
 pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputError> {
-    let mut reader = StateVectorReader {
-        path,
-        collector: Collector::default(),
-        tally: Tally::default(),
-    };
+    let mut reader = StateVectorReader::new(path);
     let mut table = csv::ReaderBuilder::new()
         .flexible(true)
         .trim(csv::Trim::All)
@@ -140,43 +126,61 @@ struct StateVectorReader<'a> {
     tally: Tally,
 }
 
-impl StateVectorReader<'_> {
+impl<'a> StateVectorReader<'a> {
+    fn new(path: &'a Path) -> Self {
+        Self {
+            path,
+            collector: Collector::default(),
+            tally: Tally::default(),
+        }
+    }
+
     fn document(&mut self, document: &Value) -> Result<(), InputError> {
-        let wrong = |message: &str| Err(InputError::in_file(self.path, message));
+        let path = self.path;
+        let wrong = |message: &str| Err(InputError::in_file(path, message));
         match document {
-            Value::Array(rows) => rows.iter().try_for_each(|row| match row {
-                Value::Object(object) if list_of(object).is_some() => self.document(row),
+            Value::Array(rows) => rows.iter().try_for_each(|row| match row.as_object() {
+                Some(object) if self.list(object) => Ok(()),
                 _ => self.row(row),
             }),
-            Value::Object(object) => match list_of(object) {
-                Some(StateList::Aircraft(aircraft)) => {
-                    let now_s = seconds(object.get("now"));
-                    for row in aircraft {
-                        self.aircraft(row, now_s);
-                    }
-                    Ok(())
-                }
-                Some(StateList::States(states)) => {
-                    for row in states {
-                        self.opensky(row, seconds(object.get("time")));
-                    }
-                    Ok(())
-                }
-                Some(StateList::Trace(name, begin_s, rows)) => {
-                    for row in rows {
-                        self.trace(name, begin_s, row);
-                    }
-                    Ok(())
-                }
-                None => match rows_of(object) {
-                    Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
-                    None => wrong(
-                        "is a JSON object of something else, expected areas (GeoJSON, ED-269, ED-318), a mission (.plan), or state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
-                    ),
-                },
+            Value::Object(object) if self.list(object) => Ok(()),
+            Value::Object(object) => match rows_of(object) {
+                Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
+                None => wrong(
+                    "is a JSON object of something else, expected areas (GeoJSON, ED-269, ED-318), a mission (.plan), or state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
+                ),
             },
             _ => wrong("is no list, expected a list of state vectors"),
         }
+    }
+
+    /// Takes a document of readsb or OpenSky; `false` for another object.
+    fn list(&mut self, object: &Map<String, Value>) -> bool {
+        let list = |key: &str, is_row: fn(&Value) -> bool| {
+            let list = object.get(key).and_then(Value::as_array);
+            list.filter(|list| list.iter().all(is_row))
+        };
+        let time_s = |key: &str| seconds(object.get(key));
+        let aircraft = list("aircraft", Value::is_object);
+        let name = object.get("icao").and_then(name_of);
+        let trace = list("trace", |_| true);
+        if let Some(aircraft) = aircraft.or_else(|| list("ac", Value::is_object)) {
+            for row in aircraft {
+                self.aircraft(row, time_s("now"));
+            }
+        } else if let Some(states) = list("states", Value::is_array) {
+            for row in states {
+                self.opensky(row, time_s("time"));
+            }
+        } else if let (Some(name), Some(begin_s), Some(rows)) = (name, time_s("timestamp"), trace) {
+            for row in rows {
+                self.trace(name, begin_s, row);
+            }
+        } else {
+            // OpenSky writes null for a missing value.
+            return object.contains_key("time") && object.get("states") == Some(&Value::Null);
+        }
+        true
     }
 
     /// An object of a list, or of columns. Other objects than state vectors are errors.
@@ -208,58 +212,50 @@ impl StateVectorReader<'_> {
             ));
         }
         let number = |key: &str| number(row.get(key));
-        let place_deg = number("latitude").zip(number("longitude"));
-        let altitude_ft = number("altitude").or_else(|| number("geoaltitude"));
-        if let Some((latitude, longitude)) = place_deg
+        if let Some((latitude, longitude)) = number("latitude").zip(number("longitude"))
             && Geodetic::new(latitude, longitude, 0.0).is_none()
         {
             return wrong(format!(
                 "is at {latitude}, {longitude}, expected a place on the earth"
             ));
         }
-        self.take(&StateVector {
-            name,
-            address: words("icao24").and_then(address_of),
-            callsign: words("callsign"),
-            time_s,
-            age_s: 0.0,
-            place_deg: place_deg.map(<[f64; 2]>::from),
-            altitude_m: altitude_ft.map(|feet| Feet(feet).to_m()),
-            is_by_pressure: number("altitude").is_some(),
-            speed_mps: number("groundspeed").map(|knots| Knots(knots).to_mps()),
-            track_deg: number("track"),
-            climb_mps: number("vertical_rate").map(|fpm| FeetPerMinute(fpm).to_mps()),
-            on_ground: ["onground", "on_ground"]
-                .iter()
-                .any(|key| is_true(row.get(key))),
-        });
+        self.object(row, name, time_s);
         Ok(())
     }
 
     /// An object of readsb's `aircraft.json`.
     fn aircraft(&mut self, row: &Value, now_s: Option<f64>) {
-        let Some(name) = row.get("hex").and_then(name_of) else {
-            return self.tally.leave_out(LeftOut::NoAddress);
-        };
-        let number = |key: &str| number(row.get(key));
-        // The second names are those of dump1090-mutability and of receivers of 978 MHz.
-        let first = |keys: &[&str]| keys.iter().find_map(|key| number(key));
+        match row.get("hex").and_then(name_of) {
+            Some(name) => self.object(row, name, now_s),
+            None => self.tally.leave_out(LeftOut::NoAddress),
+        }
+    }
+
+    /// An object by the names of readsb, of dump1090-mutability and receivers of 978 MHz, and of recordings.
+    fn object(&mut self, row: &Value, name: &str, time_s: Option<f64>) {
+        let first = |keys: &[&str]| keys.iter().find_map(|key| number(row.get(key)));
+        let text = |keys: &[&str]| keys.iter().find_map(|key| row.get(key)?.as_str());
+        let place_deg = first(&["lat", "latitude"]).zip(first(&["lon", "longitude"]));
+        let pressure_ft = first(&["alt_baro", "altitude"]);
+        let altitude_ft = pressure_ft.or_else(|| first(&["alt_geom", "geoaltitude"]));
+        let climb_fpm = first(&["baro_rate", "vert_rate", "vertical_rate", "geom_rate"]);
+        let grounded = ["alt_baro", "altitude"].map(|key| row.get(key).and_then(Value::as_str));
         self.take(&StateVector {
             name,
-            address: address_of(name),
-            callsign: row.get("flight").and_then(Value::as_str),
-            time_s: now_s,
+            address: text(&["icao24", "hex"]).and_then(address_of),
+            callsign: text(&["callsign", "flight"]),
+            time_s,
             age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
-            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: first(&["alt_baro", "altitude", "alt_geom"]).map(|feet| Feet(feet).to_m()),
-            is_by_pressure: first(&["alt_baro", "altitude"]).is_some(),
-            speed_mps: first(&["gs", "speed"]).map(|knots| Knots(knots).to_mps()),
-            track_deg: number("track"),
-            climb_mps: first(&["baro_rate", "vert_rate", "geom_rate"])
-                .map(|fpm| FeetPerMinute(fpm).to_mps()),
-            on_ground: ["alt_baro", "altitude"]
-                .iter()
-                .any(|key| row.get(key).and_then(Value::as_str) == Some("ground")),
+            place_deg: place_deg.map(<[f64; 2]>::from),
+            altitude_m: altitude_ft.map(|feet| feet * FOOT_M),
+            is_by_pressure: pressure_ft.is_some(),
+            speed_mps: first(&["gs", "speed", "groundspeed"]).map(|knots| knots * KNOT_MPS),
+            track_deg: first(&["track"]),
+            climb_mps: climb_fpm.map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
+            on_ground: grounded.contains(&Some("ground"))
+                || ["onground", "on_ground"]
+                    .iter()
+                    .any(|key| is_true(row.get(key))),
         });
     }
 
@@ -294,33 +290,32 @@ impl StateVectorReader<'_> {
         /// Flags of a row: its climb rate and its altitude are above the ellipsoid.
         const GEOMETRIC_RATE: u64 = 4;
         const GEOMETRIC: u64 = 8;
-        let field = |index: usize| row.get(index);
-        let number = |index: usize| number(field(index));
-        let flags = field(6).and_then(Value::as_u64).unwrap_or(0);
-        let details = field(8);
-        let callsign = details.and_then(|details| details.get("flight")?.as_str());
-        self.take(&StateVector {
-            name,
-            address: address_of(name),
-            callsign,
-            time_s: number(0).map(|after_s| begin_s + after_s),
-            age_s: 0.0,
-            place_deg: number(1).zip(number(2)).map(<[f64; 2]>::from),
-            altitude_m: number(3)
-                .or_else(|| number(10))
-                .map(|feet| Feet(feet).to_m()),
-            is_by_pressure: number(3).is_some() && flags & GEOMETRIC == 0,
-            speed_mps: number(4).map(|knots| Knots(knots).to_mps()),
-            track_deg: number(5),
-            climb_mps: number(7)
-                .filter(|_| flags & GEOMETRIC_RATE == 0 || number(11).is_none())
-                .or_else(|| number(11))
-                .map(|fpm| FeetPerMinute(fpm).to_mps()),
-            on_ground: field(3).and_then(Value::as_str) == Some("ground"),
+        let field = |index: usize| row.get(index).unwrap_or(&Value::Null);
+        let flags = field(6).as_u64().unwrap_or(0);
+        let is_geometric = |flag| flags & flag != 0;
+        let is_rate = is_geometric(GEOMETRIC_RATE) && field(11).is_number();
+        let pick = |is_second: bool, one: usize, other: usize| {
+            let index = if is_second { other } else { one };
+            field(index).clone()
+        };
+        let is_altitude = is_geometric(GEOMETRIC) && field(3).is_number();
+        let state = json!({
+            "hex": name,
+            "flight": field(8).get("flight"),
+            "lat": field(1),
+            "lon": field(2),
+            "alt_baro": if is_altitude { &Value::Null } else { field(3) },
+            "alt_geom": pick(is_altitude, 10, 3),
+            "gs": field(4),
+            "track": field(5),
+            "baro_rate": pick(is_rate, 7, 11),
+            "geom_rate": field(11),
         });
+        let time_s = number(Some(field(0))).map(|after_s| begin_s + after_s);
+        self.aircraft(&state, time_s);
     }
 
-    /// A row of OpenSky's history, a table of texts.
+    /// A row of OpenSky's history, a table of texts, as a row of its `states`.
     fn history(&mut self, columns: &csv::StringRecord, row: &csv::StringRecord) {
         let field = |name: &str| {
             let index = columns
@@ -331,44 +326,30 @@ impl StateVectorReader<'_> {
             };
             row.get(index).map(str::trim).filter(known)
         };
-        let Some(name) = field("icao24") else {
-            return self.tally.leave_out(LeftOut::NoAddress);
-        };
         let numbers = [
             "time",
             "lastposupdate",
-            "lat",
             "lon",
+            "lat",
             "baroaltitude",
-            "geoaltitude",
             "velocity",
             "heading",
             "vertrate",
+            "geoaltitude",
         ];
-        let read = |name| field(name).map(finite);
-        if numbers.into_iter().any(|name| read(name) == Some(None)) {
+        let read = numbers.map(|name| field(name).map(finite));
+        if field("icao24").is_some() && read.contains(&Some(None)) {
             return self.tally.leave_out(LeftOut::UnreadableField);
         }
-        let number = |name| read(name).flatten();
-        let time_s = number("time");
-        let age_s = time_s
-            .zip(number("lastposupdate"))
-            .map(|(time_s, heard_s)| time_s - heard_s);
-        self.take(&StateVector {
-            name,
-            address: address_of(name),
-            callsign: field("callsign"),
-            time_s,
-            age_s: age_s.unwrap_or(0.0).max(0.0),
-            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
-            altitude_m: number("baroaltitude").or_else(|| number("geoaltitude")),
-            is_by_pressure: number("baroaltitude").is_some(),
-            speed_mps: number("velocity"),
-            track_deg: number("heading"),
-            climb_mps: number("vertrate"),
-            on_ground: field("onground")
-                .is_some_and(|text| text.eq_ignore_ascii_case("true") || text == "1"),
-        });
+        let [time_s, heard, lon, lat, low, speed, track, climb, high] = read.map(Option::flatten);
+        let on_ground =
+            field("onground").is_some_and(|text| text.eq_ignore_ascii_case("true") || text == "1");
+        let (name, callsign) = (field("icao24"), field("callsign"));
+        let state = json!([
+            name, callsign, null, heard, null, lon, lat, low, on_ground, speed, track, climb, null,
+            high
+        ]);
+        self.opensky(&state, time_s);
     }
 
     fn take(&mut self, state: &StateVector<'_>) {
@@ -384,35 +365,6 @@ impl StateVectorReader<'_> {
             self.collector.push(who, heard);
         }
     }
-}
-
-/// The list in a document of readsb or OpenSky.
-enum StateList<'a> {
-    Aircraft(&'a [Value]),
-    States(&'a [Value]),
-    Trace(&'a str, f64, &'a [Value]),
-}
-
-fn list_of(object: &Map<String, Value>) -> Option<StateList<'_>> {
-    let list = |key: &str| object.get(key).and_then(Value::as_array);
-    // OpenSky writes null for a missing value.
-    let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
-    let trace = || {
-        let name = object.get("icao").and_then(name_of)?;
-        let begin_s = seconds(object.get("timestamp"))?;
-        Some(StateList::Trace(name, begin_s, list("trace")?))
-    };
-    list("aircraft")
-        .or_else(|| list("ac"))
-        .filter(|list| list.iter().all(Value::is_object))
-        .map(|list| StateList::Aircraft(list))
-        .or_else(|| {
-            list("states")
-                .filter(|list| list.iter().all(Value::is_array))
-                .map(|list| StateList::States(list))
-        })
-        .or_else(|| no_states.then_some(StateList::States(&[])))
-        .or_else(trace)
 }
 
 /// A name that is not empty.

@@ -6,9 +6,9 @@
 
 use std::io::Read;
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
-use super::file::MOST_BYTES;
-use super::{Datum, Stated, name};
+use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::file::{MOST_BYTES, SRTM_ERROR};
+use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
 use crate::units::DEGREE_RAD;
 
@@ -25,18 +25,15 @@ pub(super) const DEGREE_M: f64 = 111_318.845_021_450_34;
 /// A corner may differ from that of its number by a metre: ArduPilot computes in single precision. Degrees.
 const CORNER_DEG: f64 = 1e-5;
 
-pub(super) const DATUM: Stated<Datum> = Stated {
+const DATUM: Stated<Datum> = Stated {
     value: Datum::Egm96,
     source: "ArduPilot's files are made from SRTM",
 };
 
-/// Blocks of a file: those with heights as fields, and the number without.
-pub(super) fn parse(
-    mut input: impl Read,
-    file_name: &str,
-) -> Result<(Vec<HeightField>, usize), String> {
+/// The blocks of a file.
+pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<TerrainFile, String> {
     let mut fields = Vec::new();
-    let mut empty = 0;
+    let mut empty_blocks = 0;
     let mut damaged = 0_usize;
     let mut first_error = None;
     let mut bytes = Vec::new();
@@ -59,7 +56,7 @@ pub(super) fn parse(
         }
         match block(&bytes, file_name) {
             Ok(Some(field)) => fields.push(field),
-            Ok(None) => empty += 1,
+            Ok(None) => empty_blocks += 1,
             Err(message) => {
                 damaged += 1;
                 first_error.get_or_insert((blocks, message));
@@ -77,7 +74,11 @@ pub(super) fn parse(
             "has no heights in any of its {blocks} blocks, expected at least one"
         ));
     }
-    Ok((fields, empty))
+    let error = Some(SRTM_ERROR);
+    Ok(TerrainFile {
+        empty_blocks,
+        ..TerrainFile::new("ArduPilot's terrain", fields, DATUM, error)
+    })
 }
 
 fn crc(block: &[u8]) -> u16 {
@@ -144,10 +145,10 @@ fn block(block: &[u8], file_name: &str) -> Result<Option<HeightField>, String> {
             let piece = row / PIECE * (COLUMNS / PIECE) + column / PIECE;
             let height = i16::from_le_bytes(read(22 + 2 * (row * COLUMNS + column)));
             let known = filled >> piece & 1 == 1 && height != i16::MAX;
-            heights.push(if known { height } else { HOLE });
+            heights.push(whole(if known { height } else { HOLE }));
         }
     }
-    HeightField::new(grid, Heights::Whole(heights)).map(Some)
+    HeightField::new(grid, heights).map(Some)
 }
 
 /// Degrees of latitude in a degree of longitude, as ArduPilot has them.

@@ -14,17 +14,22 @@ pub struct Area {
 }
 
 impl Area {
-    /// An area from its sides in the order south, west, north, east.
-    ///
-    /// # Errors
-    /// Sides out of order or range, a pole, an area across the antimeridian.
-    pub fn new([south_deg, west_deg, north_deg, east_deg]: [f64; 4]) -> Result<Self, String> {
-        let area = Self {
+    /// An area from its sides in the order south, west, north, east, which may be out of range.
+    pub(super) const fn of([south_deg, west_deg, north_deg, east_deg]: [f64; 4]) -> Self {
+        Self {
             south_deg,
             west_deg,
             north_deg,
             east_deg,
-        };
+        }
+    }
+
+    /// An area from its sides in the order south, west, north, east.
+    ///
+    /// # Errors
+    /// Sides out of order or range, a pole, an area across the antimeridian.
+    pub fn new(sides_deg: [f64; 4]) -> Result<Self, String> {
+        let [south_deg, west_deg, north_deg, east_deg] = sides_deg;
         if !(south_deg > -90.0 && south_deg < north_deg && north_deg < 90.0) {
             return Err(format!(
                 "the latitudes {south_deg} and {north_deg}, expected south below north and no pole"
@@ -36,7 +41,7 @@ impl Area {
                  an area across the antimeridian is two areas"
             ));
         }
-        Ok(area)
+        Ok(Self::of(sides_deg))
     }
 
     /// Whether two areas have more than an edge in common.

@@ -3,8 +3,8 @@
 
 use std::io::Read;
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
-use super::{Datum, Stated};
+use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
 
 const UHL: usize = 80;
@@ -24,10 +24,7 @@ const UNKNOWN_IN_TWOS: i16 = -32_767;
 /// No height has this magnitude as a sign and a magnitude: it stands in two's complement, metres.
 const TWOS_FROM_M: i16 = 16_000;
 
-/// A field, its datum and its vertical error, if the file has one.
-pub(super) type ParsedField = (HeightField, Stated<Datum>, Option<Stated<f64>>);
-
-pub(super) fn parse(mut input: impl Read) -> Result<ParsedField, String> {
+pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<TerrainFile, String> {
     let mut bytes = Vec::new();
     fill(&mut input, &mut bytes, HEADERS)?;
     let text = |at: usize, length: usize| {
@@ -87,8 +84,10 @@ pub(super) fn parse(mut input: impl Read) -> Result<ParsedField, String> {
             source: "the header of the file, 90 %",
         })
     });
-    let field = HeightField::new(grid, Heights::Whole(heights))?;
-    Ok((field, datum, error))
+    let heights = heights.into_iter().map(whole).collect();
+    let field = HeightField::new(grid, heights)?;
+    name::agrees(file_name, &field.grid().area())?;
+    Ok(TerrainFile::new("DTED", vec![field], datum, error))
 }
 
 fn datum(text: &str) -> Result<Stated<Datum>, String> {

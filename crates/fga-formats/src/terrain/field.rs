@@ -1,6 +1,7 @@
 //! One regular grid of heights.
 
 use super::Area;
+use crate::number::count;
 
 /// Heights beyond this are no ground: the highest mountain has 8,849 m, metres.
 const MOST_M: f64 = 9_000.0;
@@ -8,6 +9,15 @@ const MOST_M: f64 = 9_000.0;
 pub(super) const ON_LINE: f64 = 1e-6;
 /// A hole in whole metres, as SRTM writes it.
 pub(super) const HOLE: i16 = i16::MIN;
+
+/// A height in whole metres, in which a hole is not a number.
+pub(super) fn whole(height: i16) -> f32 {
+    if height == HOLE {
+        f32::NAN
+    } else {
+        f32::from(height)
+    }
+}
 
 /// Where the posts of a field are: latitudes and longitudes, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,62 +122,19 @@ impl HeightGrid {
     }
 }
 
-/// Heights row by row from the north, in each row from the west, metres.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Heights {
-    /// Whole metres; [`HOLE`] is a hole.
-    Whole(Vec<i16>),
-    /// Not a number is a hole.
-    Fraction(Vec<f32>),
-}
-
-impl Heights {
-    /// The height of a post, metres; `None` for a hole and beyond the last.
-    pub(super) fn post_m(&self, index: usize) -> Option<f64> {
-        match self {
-            Self::Whole(heights) => {
-                let height = heights.get(index).filter(|height| **height != HOLE);
-                height.map(|height| f64::from(*height))
-            }
-            Self::Fraction(heights) => {
-                let height = heights.get(index).filter(|height| !height.is_nan());
-                height.map(|height| f64::from(*height))
-            }
-        }
-    }
-
-    /// Makes holes of all but those whose index is known.
-    pub(super) fn keep(&mut self, is_known: impl Fn(usize) -> bool) {
-        match self {
-            Self::Whole(heights) => {
-                let masked = heights.iter_mut().enumerate();
-                let masked = masked.filter(|(index, _)| !is_known(*index));
-                masked.for_each(|(_, height)| *height = HOLE);
-            }
-            Self::Fraction(heights) => {
-                let masked = heights.iter_mut().enumerate();
-                let masked = masked.filter(|(index, _)| !is_known(*index));
-                masked.for_each(|(_, height)| *height = f32::NAN);
-            }
-        }
-    }
-}
-
 /// Heights of the ground on a regular grid of latitudes and longitudes; between four posts the ground is bilinear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightField {
     grid: HeightGrid,
-    heights: Heights,
+    /// Row by row from the north, in each row from the west, metres; not a number is a hole.
+    heights: Vec<f32>,
 }
 
 impl HeightField {
-    /// A field of this grid; the message of an error lacks the file.
-    pub(super) fn new(grid: HeightGrid, heights: Heights) -> Result<Self, String> {
+    /// A field of this grid; heights are in rows from the north, metres, not a number for a hole. The message of an error lacks the file.
+    pub(super) fn new(grid: HeightGrid, heights: Vec<f32>) -> Result<Self, String> {
         grid.check()?;
-        let count = match &heights {
-            Heights::Whole(heights) => heights.len(),
-            Heights::Fraction(heights) => heights.len(),
-        };
+        let count = heights.len();
         if count != grid.rows * grid.columns {
             return Err(format!(
                 "holds {count} heights, expected {} x {}",
@@ -175,12 +142,8 @@ impl HeightField {
             ));
         }
         let field = Self { grid, heights };
-        let is_wrong = |index: &usize| {
-            let height_m = field.heights.post_m(*index);
-            height_m.is_some_and(|height_m| height_m.abs() > MOST_M)
-        };
-        let wrong = (0..count).find(is_wrong);
-        if let Some(index) = wrong {
+        let is_wrong = |height: &f32| f64::from(height.abs()) > MOST_M;
+        if let Some(index) = field.heights.iter().position(is_wrong) {
             let (row, column) = (index / grid.columns, index % grid.columns);
             return Err(format!(
                 "has the height {} m at latitude {:.4}, longitude {:.4}, expected {} to {MOST_M} m; is its byte order another?",
@@ -200,18 +163,11 @@ impl HeightField {
 
     /// Whether all heights are multiples of 256 m, as low ground in the other byte order is.
     fn is_swapped(&self) -> bool {
-        let Heights::Whole(heights) = &self.heights else {
-            return false;
-        };
-        let mut other = heights
-            .iter()
-            .filter(|height| **height != HOLE && **height != 0);
-        let first = other.next();
-        first.is_some_and(|first| {
-            first % 256 == 0
-                && heights.iter().all(|height| height % 256 == 0)
-                && other.any(|height| height != first)
-        })
+        let known = self.heights.iter().filter(|height| !height.is_nan());
+        let mut land = known.clone().filter(|height| **height != 0.0);
+        let first = land.next();
+        first.is_some_and(|first| land.any(|height| height != first))
+            && known.into_iter().all(|height| height % 256.0 == 0.0)
     }
 
     /// Where its posts are.
@@ -224,7 +180,11 @@ impl HeightField {
         if row >= self.grid.rows || column >= self.grid.columns {
             return None;
         }
-        self.heights.post_m(row * self.grid.columns + column)
+        let height = self.heights.get(row * self.grid.columns + column);
+        height
+            .filter(|height| !height.is_nan())
+            .copied()
+            .map(f64::from)
     }
 
     /// The bilinear height at a place, metres; `None` outside and beside a hole.
@@ -235,17 +195,8 @@ impl HeightField {
 
     /// The four posts around a place, given in steps from the south-west post.
     pub(super) fn cell(&self, [north, east]: [f64; 2]) -> GridCell {
-        let low = |steps: f64, posts: usize| {
-            // Within the grid, so from 0 to far below 2^52.
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "from 0 to the number of posts"
-            )]
-            let low = libm::floor(steps).max(0.0) as usize;
-            low.min(posts.saturating_sub(2))
-        };
-        let (from_south, column) = (low(north, self.grid.rows), low(east, self.grid.columns));
+        let (from_south, _) = before(north, self.grid.rows);
+        let (column, _) = before(east, self.grid.columns);
         let south_row = self.grid.rows.saturating_sub(from_south + 1);
         let north_row = south_row.saturating_sub(1);
         GridCell {
@@ -276,31 +227,30 @@ impl HeightField {
 
     /// The least and the largest height, if any is known, metres, and the number of holes.
     pub fn summary(&self) -> (Option<[f64; 2]>, usize) {
-        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut holes = 0;
-        let mut take = |height: Option<f64>| match height {
-            Some(height) => range = [range[0].min(height), range[1].max(height)],
-            None => holes += 1,
-        };
-        let count = self.grid.rows * self.grid.columns;
-        (0..count).for_each(|index| take(self.heights.post_m(index)));
+        let known = self.heights.iter().filter(|height| !height.is_nan());
+        let holes = self.heights.len() - known.clone().count();
+        let range = known.fold([f32::INFINITY, f32::NEG_INFINITY], |range, height| {
+            [range[0].min(*height), range[1].max(*height)]
+        });
+        let range = range.map(f64::from);
         ((range[0] <= range[1]).then_some(range), holes)
     }
 
     /// The heights as they are stored.
-    pub(super) const fn heights(&self) -> &Heights {
+    pub(super) fn heights(&self) -> &[f32] {
         &self.heights
     }
 }
 
+/// The post before a number of steps, behind which there is another one, and the share of the way to that.
+pub(super) fn before(steps: f64, posts: usize) -> (usize, f64) {
+    let low = count(steps).min(posts.saturating_sub(2));
+    (low, steps - low as f64)
+}
+
 /// The posts of the cells from one number of steps to another.
 fn touched(from: f64, to: f64, posts: usize) -> core::ops::RangeInclusive<usize> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to the number of posts"
-    )]
-    let (first, last) = (libm::floor(from) as usize, libm::ceil(to) as usize);
+    let (first, last) = (count(from), count(libm::ceil(to)));
     first..=last.min(posts.saturating_sub(1))
 }
 

@@ -8,6 +8,12 @@ use super::field::HeightField;
 /// A file may hold this many bytes, decompressed too: ten times a degree with a post each second of arc as 32-bit numbers.
 pub(super) const MOST_BYTES: usize = 512 << 20;
 
+/// SRTM's absolute vertical accuracy, metres: 90 % of the heights are nearer.
+pub(super) const SRTM_ERROR: Stated<f64> = Stated {
+    value: 16.0,
+    source: "the specification of SRTM, 90 %",
+};
+
 /// What heights are above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Datum {
@@ -94,35 +100,30 @@ pub struct TerrainFile {
 }
 
 impl TerrainFile {
+    /// A file of one format, without its path; its vertical error is that of SRTM where it says none.
+    pub(super) fn new(
+        format: &'static str,
+        fields: Vec<HeightField>,
+        datum: Stated<Datum>,
+        error: Option<Stated<f64>>,
+    ) -> Self {
+        let assumed = Stated {
+            value: SRTM_ERROR.value,
+            source: "assumed, as of SRTM: the file does not say",
+        };
+        Self {
+            path: PathBuf::new(),
+            format,
+            fields,
+            datum,
+            vertical_error_m: error.unwrap_or(assumed),
+            empty_blocks: 0,
+        }
+    }
+
     /// The smallest area around its grids.
     pub fn area(&self) -> Option<Area> {
         let areas = self.fields.iter().map(|field| field.grid().area());
         areas.reduce(|all, area| all.with(&area))
-    }
-}
-
-/// What a reader found.
-pub(super) struct Parsed {
-    pub(super) format: &'static str,
-    pub(super) fields: Vec<HeightField>,
-    pub(super) datum: Stated<Datum>,
-    pub(super) error: Option<Stated<f64>>,
-    pub(super) empty_blocks: usize,
-}
-
-impl Parsed {
-    pub(super) fn one(
-        format: &'static str,
-        field: HeightField,
-        datum: Stated<Datum>,
-        error: Option<Stated<f64>>,
-    ) -> Self {
-        Self {
-            format,
-            fields: vec![field],
-            datum,
-            error,
-            empty_blocks: 0,
-        }
     }
 }

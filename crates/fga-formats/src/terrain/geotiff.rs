@@ -8,12 +8,13 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
-use super::file::{MOST_BYTES, Parsed, Stated};
+use super::field::{HOLE, HeightField, HeightGrid};
+use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
-use super::{name, projected};
+use super::tags::{numbers, sentence};
+use super::{lerc, name, projected};
 use crate::gzip::unread;
-use crate::number::finite;
+use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
 
 /// A compressed file holds at most this many times its bytes: the most that deflate makes of its input, and the headers.
@@ -30,7 +31,7 @@ pub(super) fn is_tiff(bytes: &[u8]) -> bool {
         .any(|magic| bytes.starts_with(*magic))
 }
 
-pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String> {
+pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<TerrainFile, String> {
     let size = input
         .seek(SeekFrom::End(0))
         .map_err(|error| unread(&error))?;
@@ -61,34 +62,47 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Pars
         .ok_or("is a TIFF without a place (no GeoKeys), expected a GeoTIFF")?;
     let keys = geokeys::read(&directory)?;
     let size = [rows, columns].map(|count| count as usize);
-    let corner = corner(&mut decoder, &keys)?;
-    let unknown = match decoder.find_tag(Tag::GdalNodata).map_err(failed)? {
-        Some(value) => Some(nodata(&value.into_string().map_err(failed)?)?),
-        None => None,
+    let scale = numbers(&mut decoder, Tag::ModelPixelScaleTag)?;
+    let tie = numbers(&mut decoder, Tag::ModelTiepointTag)?;
+    let matrix = numbers(&mut decoder, Tag::ModelTransformationTag)?;
+    let corner = corner(&scale, &tie, &matrix, &keys)?;
+    let mut text = |tag| -> Result<Option<String>, String> {
+        let value = decoder.find_tag(tag).map_err(failed)?;
+        value
+            .map(|value| value.into_string().map_err(failed))
+            .transpose()
     };
-    let metadata = match decoder
-        .find_tag(Tag::Unknown(GDAL_METADATA))
-        .map_err(failed)?
-    {
-        Some(value) => Metadata::read(&value.into_string().map_err(failed)?)?,
-        None => Metadata::default(),
-    };
+    let unknown = text(Tag::GdalNodata)?
+        .map(|text| nodata(&text))
+        .transpose()?;
+    let metadata = text(Tag::Unknown(GDAL_METADATA))?;
+    let metadata =
+        metadata.map_or_else(|| Ok(Metadata::default()), |text| Metadata::read(&text))?;
     let unit_m = metadata.unit_m.unwrap_or(keys.vertical_unit_m);
     let line = metadata
         .line
-        .map_or_else(|| line(&mut decoder, &keys), Ok)?;
+        .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
-    let image = decoder.read_image().map_err(failed)?;
-    let mut heights = heights(image, unknown, line)?;
+    let heights_of = |image| heights(image, unknown, line);
+    let mut heights = match lerc::heights(&mut decoder, size, heights_of)? {
+        Some(heights) => heights,
+        None => heights_of(decoder.read_image().map_err(failed)?)?,
+    };
     if let Some(known) = mask(decoder, [columns, rows])? {
-        heights.keep(|index| known.get(index).copied().unwrap_or(false));
+        let masked = heights.iter_mut().zip(known).filter(|(_, known)| !known);
+        masked.for_each(|(height, _)| *height = f32::NAN);
     }
     let field = match keys.projected {
         Some(code) => projected::field(code, corner, size, &heights)?,
         None => HeightField::new(grid(corner, size), heights)?,
     };
     name::agrees(file_name, &field.grid().area())?;
-    Ok(Parsed::one("GeoTIFF", field, keys.datum, metadata.error))
+    Ok(TerrainFile::new(
+        "GeoTIFF",
+        vec![field],
+        keys.datum,
+        metadata.error,
+    ))
 }
 
 /// Whether each pixel is known, by the mask that follows the image; `None` without one. Smaller images are overviews.
@@ -197,34 +211,15 @@ fn gray_mask(
     Ok(known)
 }
 
-/// An error of the reader as words without its line breaks.
-fn sentence(error: &TiffError) -> String {
-    let words = error.to_string().replace('\n', " ");
-    let words = words.replace("Unknown(34887)", "LERC");
-    format!(
-        "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits or ZSTD"
-    )
-}
-
-/// The numbers of a tag; empty without it.
-fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> Result<Vec<f64>, String> {
-    let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
-    let numbers = found.map(tiff::decoder::ifd::Value::into_f64_vec);
-    let numbers = numbers.transpose().map_err(|error| sentence(&error))?;
-    Ok(numbers.unwrap_or_default())
-}
-
 /// Scale and offset of pixels that are heights.
 const AS_THEY_ARE: [f64; 2] = [1.0, 0.0];
 
 /// Scale and offset of the pixels by the third number of the pixel scale, as GDAL writes them where keys name a vertical datum.
-fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 2], String> {
-    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
-    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
-    let &[_, _, scale, ..] = &scale[..] else {
+fn line(scale: &[f64], tie: &[f64], keys: &GeoKeys) -> Result<[f64; 2], String> {
+    let &[_, _, scale, ..] = scale else {
         return Ok(AS_THEY_ARE);
     };
-    let offset = match &tie[..] {
+    let offset = match tie {
         [_, _, pixel, _, _, height, ..] => height - pixel * scale,
         _ => 0.0,
     };
@@ -241,12 +236,9 @@ fn line<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64
 }
 
 /// West and north of the first post, and the steps east and north: the pixels, or the middles of pixels that are areas.
-fn corner<R: Read + Seek>(decoder: &mut Decoder<R>, keys: &GeoKeys) -> Result<[f64; 4], String> {
-    let scale = numbers(decoder, Tag::ModelPixelScaleTag)?;
-    let tie = numbers(decoder, Tag::ModelTiepointTag)?;
-    let matrix = numbers(decoder, Tag::ModelTransformationTag)?;
+fn corner(scale: &[f64], tie: &[f64], matrix: &[f64], keys: &GeoKeys) -> Result<[f64; 4], String> {
     // West and north of the first pixel's corner, and the size of a pixel.
-    let [west, north, east_step, north_step] = match (&scale[..], &tie[..], &matrix[..]) {
+    let [west, north, east_step, north_step] = match (scale, tie, matrix) {
         ([east, north, ..], [column, row, _, west, top, _], _) => {
             [west - column * east, top + row * north, *east, *north]
         }
@@ -357,55 +349,36 @@ fn unit_m(name: &str) -> Result<f64, String> {
     }
 }
 
-/// The heights in metres: the pixels times a scale, plus an offset; the value of a hole is one of the pixels.
+/// The heights in metres: the pixels times a scale, plus an offset; not a number for a hole, whose value is one of the pixels.
 fn heights(
     image: DecodingResult,
     unknown: Option<f64>,
     [scale, offset]: [f64; 2],
-) -> Result<Heights, String> {
+) -> Result<Vec<f32>, String> {
     // As 32-bit floats: no height of the earth needs more. Programs write the value of a hole with the digits of either.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a height beyond the range of f32 becomes infinite and is refused"
-    )]
-    let fraction = |pixels: &mut dyn Iterator<Item = f64>| {
-        let is_hole = |pixel: f64| {
-            unknown.is_some_and(|unknown| pixel == unknown || pixel as f32 == unknown as f32)
-        };
-        let height_m = |pixel: f64| {
-            if is_hole(pixel) {
-                f32::NAN
-            } else {
-                (pixel * scale + offset) as f32
-            }
-        };
-        Heights::Fraction(pixels.map(height_m).collect())
+    let height_m = |pixel: f64| {
+        let is_hole = |unknown| pixel == unknown || single(pixel) == single(unknown);
+        if unknown.is_some_and(is_hole) {
+            f32::NAN
+        } else {
+            single(pixel * scale + offset)
+        }
+    };
+    // The most negative one is a hole, whether or not the file says so.
+    let whole = |pixel: i16| {
+        if pixel == HOLE {
+            f32::NAN
+        } else {
+            height_m(f64::from(pixel))
+        }
     };
     Ok(match image {
-        DecodingResult::I16(mut heights) if [scale, offset] == AS_THEY_ARE => {
-            for height in &mut heights {
-                if Some(f64::from(*height)) == unknown {
-                    *height = HOLE;
-                }
-            }
-            Heights::Whole(heights)
-        }
-        DecodingResult::I16(pixels) => {
-            // The most negative one is a hole, whether or not the file says so.
-            let pixel = |pixel| {
-                if pixel == HOLE {
-                    f64::NAN
-                } else {
-                    f64::from(pixel)
-                }
-            };
-            fraction(&mut pixels.into_iter().map(pixel))
-        }
-        DecodingResult::F32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::U16(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::I32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::U32(pixels) => fraction(&mut pixels.into_iter().map(f64::from)),
-        DecodingResult::F64(pixels) => fraction(&mut pixels.into_iter()),
+        DecodingResult::I16(pixels) => pixels.into_iter().map(whole).collect(),
+        DecodingResult::U16(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::I32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::U32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::F32(pixels) => pixels.into_iter().map(f64::from).map(height_m).collect(),
+        DecodingResult::F64(pixels) => pixels.into_iter().map(height_m).collect(),
         _ => {
             return Err(
                 "has pixels of another kind, expected integers of 16 or 32 bits or floats".into(),

@@ -2,25 +2,20 @@
 
 use std::io::Read;
 
-use super::field::{HeightField, HeightGrid, Heights};
-use super::{Datum, Stated, name};
+use super::field::{HeightField, HeightGrid, whole};
+use super::file::SRTM_ERROR;
+use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
 
 /// Posts of a side: three seconds of arc apart, and one.
 const SIDES: [usize; 2] = [1201, 3601];
 
-/// SRTM's absolute vertical accuracy, metres: 90 % of the heights are nearer.
-pub(super) const ERROR: Stated<f64> = Stated {
-    value: 16.0,
-    source: "the specification of SRTM, 90 %",
-};
-
-pub(super) const DATUM: Stated<Datum> = Stated {
+const DATUM: Stated<Datum> = Stated {
     value: Datum::Egm96,
     source: "the format",
 };
 
-pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<HeightField, String> {
+pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<TerrainFile, String> {
     let [few, many] = SIDES.map(|side| side * side);
     let mut heights = Vec::with_capacity(many);
     let mut part = Vec::new();
@@ -32,7 +27,7 @@ pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<HeightField
         }
         size += part.len();
         let (pairs, _) = part.as_chunks::<2>();
-        heights.extend(pairs.iter().map(|pair| i16::from_be_bytes(*pair)));
+        heights.extend(pairs.iter().map(|pair| whole(i16::from_be_bytes(*pair))));
     }
     let Some(side) = SIDES.into_iter().find(|side| 2 * side * side == size) else {
         return Err(format!(
@@ -56,5 +51,7 @@ pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<HeightField
         rows: side,
         columns: side,
     };
-    HeightField::new(grid, Heights::Whole(heights))
+    let fields = vec![HeightField::new(grid, heights)?];
+    let error = Some(SRTM_ERROR);
+    Ok(TerrainFile::new("SRTM", fields, DATUM, error))
 }

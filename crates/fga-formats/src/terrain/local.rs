@@ -4,8 +4,10 @@ use fga::ground::Ground;
 use fga::limit::SettingsError;
 use fga::{Vec2, Vec3};
 
+use super::field::before;
 use super::{HeightField, Terrain};
 use crate::geodesy::LocalFrame;
+use crate::number::{self, single};
 
 /// The ground is known this far beside the places of a flight, metres.
 const BESIDE_M: f64 = 3_000.0;
@@ -80,22 +82,13 @@ impl LocalGround {
         let low_m = places_m.clone().fold(Vec2::INFINITY, Vec2::min) - BESIDE_M;
         let high_m = places_m.fold(Vec2::NEG_INFINITY, Vec2::max) + BESIDE_M;
         let (spacing_m, count) = terrain.posts(frame.origin().latitude_deg, high_m - low_m)?;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "whole, positive and at most as many as are allowed"
-        )]
-        let (columns, rows) = (count.x as usize, count.y as usize);
+        let (columns, rows) = (number::count(count.x), number::count(count.y));
         let at = |column: f64, row: f64| low_m + spacing_m * Vec2::new(column, row);
         let places = Places::new(terrain, frame, low_m, at(count.x, count.y));
         let of_file = |at: Vec2| places.height_m(at);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "heights are known to centimetres"
-        )]
         let heights_m: Vec<f32> = (0..columns * rows)
             .map(|index| at((index % columns) as f64, (index / columns) as f64))
-            .map(|at| of_file(at).map_or(f32::NAN, |height_m| height_m as f32))
+            .map(|at| of_file(at).map_or(f32::NAN, single))
             .collect();
         if !heights_m.iter().any(|height_m| height_m.is_finite()) {
             return Err(
@@ -118,8 +111,7 @@ impl LocalGround {
                 let Some((of_file_m, own_m)) = of_file(at_m).zip(own_height_m(at_m)) else {
                     continue;
                 };
-                #[expect(clippy::cast_possible_truncation, reason = "as the heights")]
-                let more_m = (of_file_m - own_m) as f32;
+                let more_m = single(of_file_m - own_m);
                 for post in beside.iter().map(|post| index + post) {
                     if let (Some(raised_m), Some(post_m)) =
                         (raised.get_mut(post), heights_m.get(post))
@@ -208,22 +200,14 @@ fn bilinear(
     if !(steps.cmpge(Vec2::ZERO).all() && steps.cmple(last).all()) {
         return None;
     }
-    let low = steps.floor().min(last - 1.0);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "within the posts"
-    )]
-    let first = low.y as usize * columns + low.x as usize;
-    let share = steps - low;
+    let ((column, east), (row, north)) = (before(steps.x, columns), before(steps.y, rows));
+    let first = row * columns + column;
     let post_m = |index: usize| {
         let post_m = heights_m.get(index);
         post_m.map_or(f64::NAN, |post_m| f64::from(*post_m))
     };
-    let height_m = (1.0 - share.y)
-        * ((1.0 - share.x) * post_m(first) + share.x * post_m(first + 1))
-        + share.y
-            * ((1.0 - share.x) * post_m(first + columns) + share.x * post_m(first + columns + 1));
+    let row_m = |first: usize| (1.0 - east) * post_m(first) + east * post_m(first + 1);
+    let height_m = (1.0 - north) * row_m(first) + north * row_m(first + columns);
     height_m.is_finite().then_some(height_m)
 }
 
@@ -270,12 +254,7 @@ struct Places<'a> {
 impl<'a> Places<'a> {
     fn new(terrain: &'a Terrain, frame: &LocalFrame, low_m: Vec2, high_m: Vec2) -> Self {
         let count = ((high_m - low_m) / EXACT_M).floor() + 2.0;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "fewer than the posts"
-        )]
-        let (columns, rows) = (count.x as usize, count.y as usize);
+        let (columns, rows) = (number::count(count.x), number::count(count.y));
         let origin = frame.origin();
         let exact = (0..columns * rows).map(|index| {
             let steps = Vec2::new((index % columns) as f64, (index / columns) as f64);
@@ -307,19 +286,14 @@ impl<'a> Places<'a> {
     /// The height of the ground of files at a place, metres in the frame.
     fn height_m(&self, at_m: Vec2) -> Option<f64> {
         let steps = (at_m - self.low_m) / EXACT_M;
-        let low = steps.floor();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "within the places"
-        )]
-        let first = low.y as usize * self.columns + low.x as usize;
-        let share = steps - low;
+        let rows = self.exact.len() / self.columns;
+        let ((column, east), (row, north)) = (before(steps.x, self.columns), before(steps.y, rows));
+        let first = row * self.columns + column;
         let row = |index: usize| {
-            let (west, east) = (self.exact.get(index)?, self.exact.get(index + 1)?);
-            Some(west.lerp(*east, share.x))
+            let (west, other) = (self.exact.get(index)?, self.exact.get(index + 1)?);
+            Some(west.lerp(*other, east))
         };
-        let place = row(first)?.lerp(row(first + self.columns)?, share.y);
+        let place = row(first)?.lerp(row(first + self.columns)?, north);
         let fields = self.fields.iter();
         let mut heights_m = fields.filter_map(|field| field.height_m(place.x, place.y));
         Some(heights_m.next()? - self.level_m)

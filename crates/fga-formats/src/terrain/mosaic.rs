@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::field::{GridCell, HeightField, HeightGrid, Heights};
+use super::field::{GridCell, HeightField, HeightGrid};
 use super::{Area, Datum, Given, TerrainFile, reader};
 use crate::error::InputError;
+use crate::number::single;
 
 /// Grids whose posts agree within this are one lattice, share of the spacing.
 const ALIGNED: f64 = 1e-3;
@@ -178,30 +179,14 @@ fn common(a: &Area, b: &Area) -> Option<Area> {
 
 /// What is left of an area without a part of it.
 fn around(area: &Area, part: &Area) -> impl Iterator<Item = Area> {
-    let (north_deg, south_deg) = (part.north_deg, part.south_deg);
+    let [south, west, north, east] = [part.south_deg, part.west_deg, part.north_deg, part.east_deg];
     let pieces = [
-        Area {
-            south_deg: north_deg,
-            ..*area
-        },
-        Area {
-            north_deg: south_deg,
-            ..*area
-        },
-        Area {
-            south_deg,
-            north_deg,
-            east_deg: part.west_deg,
-            ..*area
-        },
-        Area {
-            south_deg,
-            north_deg,
-            west_deg: part.east_deg,
-            ..*area
-        },
+        [north, area.west_deg, area.north_deg, area.east_deg],
+        [area.south_deg, area.west_deg, south, area.east_deg],
+        [south, area.west_deg, north, west],
+        [south, east, north, area.east_deg],
     ];
-    pieces.into_iter().filter(|piece| {
+    pieces.map(Area::of).into_iter().filter(|piece| {
         piece.north_deg - piece.south_deg > SLIVER_DEG
             && piece.east_deg - piece.west_deg > SLIVER_DEG
     })
@@ -243,67 +228,36 @@ fn seams(fields: &[&HeightField], east: bool) -> Vec<HeightField> {
 
 fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightField> {
     let (a, b) = (first.grid(), second.grid());
-    // Along the seam, from the first post that both have, counted in the first.
-    let (offset, posts_a, posts_b) = if east {
-        let offset = whole_steps(a.south_deg, b.south_deg, a.step_north_deg)?;
-        (offset, a.rows, b.rows)
+    // Posts lie on one lattice along the seam, from the first that both have to the last.
+    let count =
+        |from: f64, to: f64, step: f64| usize::try_from(whole_steps(from, to, step)? + 1).ok();
+    let mut grid = *a;
+    if east {
+        whole_steps(a.south_deg, b.south_deg, a.step_north_deg)?;
+        grid.south_deg = a.south_deg.max(b.south_deg);
+        grid.west_deg = a.area().east_deg;
+        let north_deg = a.area().north_deg.min(b.area().north_deg);
+        grid.rows = count(grid.south_deg, north_deg, a.step_north_deg)?;
+        grid.columns = 2;
     } else {
-        let offset = whole_steps(a.west_deg, b.west_deg, a.step_east_deg)?;
-        (offset, a.columns, b.columns)
+        whole_steps(a.west_deg, b.west_deg, a.step_east_deg)?;
+        grid.south_deg = a.area().north_deg;
+        grid.west_deg = a.west_deg.max(b.west_deg);
+        let east_deg = a.area().east_deg.min(b.area().east_deg);
+        grid.columns = count(grid.west_deg, east_deg, a.step_east_deg)?;
+        grid.rows = 2;
+    }
+    let posts = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (row, column)));
+    let height_m = |(row, column): (usize, usize)| {
+        // A post has the height of the nearest one of its field.
+        let is_second = if east { column == 1 } else { row == 0 };
+        let field = if is_second { second } else { first };
+        let of = field.grid();
+        let north = (grid.latitude_deg(row) - of.south_deg) / of.step_north_deg;
+        let east = (grid.longitude_deg(column) - of.west_deg) / of.step_east_deg;
+        let cell = field.cell([libm::rint(north), libm::rint(east)]);
+        let height_m = cell.height_m([libm::rint(north), libm::rint(east)]);
+        height_m.map_or(f32::NAN, single)
     };
-    let offset = isize::try_from(offset).ok()?;
-    let begin = usize::try_from(offset.max(0)).ok()?;
-    let end = usize::try_from(offset.checked_add_unsigned(posts_b)?)
-        .ok()?
-        .min(posts_a);
-    let count = end.checked_sub(begin)?;
-    let in_b = usize::try_from(offset.min(0).checked_neg()?).ok()?;
-    // The post of the first or the second along the seam.
-    let post = |is_second: bool, along: usize| {
-        let (field, along, across) = if is_second {
-            (second, in_b + along, 0)
-        } else {
-            let last = if east { a.columns } else { a.rows } - 1;
-            (first, begin + along, last)
-        };
-        let (from_south, column) = if east {
-            (along, across)
-        } else {
-            (across, along)
-        };
-        let row = field.grid().rows.checked_sub(from_south + 1);
-        let height_m = row.and_then(|row| field.post_m(row, column));
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "heights are whole numbers of 16 bits or of this type"
-        )]
-        height_m.map_or(f32::NAN, |height_m| height_m as f32)
-    };
-    let (heights, grid) = if east {
-        let rows = (0..count).rev();
-        let grid = HeightGrid {
-            south_deg: a.south_deg + begin as f64 * a.step_north_deg,
-            west_deg: a.area().east_deg,
-            rows: count,
-            columns: 2,
-            ..*a
-        };
-        let heights = rows.flat_map(|along| [post(false, along), post(true, along)]);
-        (heights.collect(), grid)
-    } else {
-        let grid = HeightGrid {
-            south_deg: a.area().north_deg,
-            west_deg: a.west_deg + begin as f64 * a.step_east_deg,
-            rows: 2,
-            columns: count,
-            ..*a
-        };
-        let heights = [true, false].map(|side| (0..count).map(move |along| (side, along)));
-        let heights = heights.into_iter().flatten();
-        (
-            heights.map(|(side, along)| post(side, along)).collect(),
-            grid,
-        )
-    };
-    HeightField::new(grid, Heights::Fraction(heights)).ok()
+    HeightField::new(grid, posts.map(height_m).collect()).ok()
 }

@@ -59,12 +59,7 @@ pub(super) fn agrees(file_name: &str, area: &Area) -> Result<(), String> {
     let Ok(Some([south_deg, west_deg])) = corner(file_name) else {
         return Ok(());
     };
-    let named = Area {
-        south_deg,
-        west_deg,
-        north_deg: south_deg + 1.0,
-        east_deg: west_deg + 1.0,
-    };
+    let named = Area::of([south_deg, west_deg, south_deg + 1.0, west_deg + 1.0]);
     if named.overlaps(area) {
         return Ok(());
     }

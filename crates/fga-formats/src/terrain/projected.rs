@@ -6,8 +6,9 @@ use fga::Vec2;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-use super::field::{HeightField, HeightGrid, Heights};
+use super::field::{HeightField, HeightGrid, before};
 use super::file::MOST_BYTES;
+use crate::number::{self, single};
 
 /// Posts from one that is projected to the next; between them places are linear, which is within 1/200 of a step of 1 km.
 const EXACT_POSTS: usize = 16;
@@ -66,7 +67,7 @@ pub(super) fn field(
     code: u16,
     [west, north, east_step, north_step]: [f64; 4],
     size: [usize; 2],
-    heights: &Heights,
+    heights: &[f32],
 ) -> Result<HeightField, String> {
     if !(east_step > 0.0 && north_step > 0.0) || size.into_iter().any(|count| count < 2) {
         let [rows, columns] = size;
@@ -89,7 +90,7 @@ pub(super) fn field(
     let grid = source.posts().ok_or_else(beyond)?;
     let mut posts = source.sampled(&grid);
     source.raise(&grid, &mut posts);
-    HeightField::new(grid, Heights::Fraction(posts))
+    HeightField::new(grid, posts)
 }
 
 /// Heights on a map's grid.
@@ -100,7 +101,7 @@ struct MapGrid<'a> {
     step: Vec2,
     /// Rows and columns.
     size: [usize; 2],
-    heights: &'a Heights,
+    heights: &'a [f32],
 }
 
 impl MapGrid<'_> {
@@ -109,8 +110,8 @@ impl MapGrid<'_> {
     }
 
     fn post_m(&self, row: usize, column: usize) -> f64 {
-        let post_m = self.heights.post_m(row * self.size[1] + column);
-        post_m.unwrap_or(f64::NAN)
+        let post_m = self.heights.get(row * self.size[1] + column);
+        post_m.copied().map_or(f64::NAN, f64::from)
     }
 
     /// Posts of latitude and longitude over all of it, as far apart as in its middle; `None` beyond the map.
@@ -138,19 +139,13 @@ impl MapGrid<'_> {
         if !(4.0 * count.element_product() <= MOST_BYTES as f64 && count.min_element() >= 2.0) {
             return None;
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from 2 to the bytes of a file"
-        )]
-        let (rows, columns) = (count.y as usize, count.x as usize);
         Some(HeightGrid {
             south_deg: low.y,
             west_deg: low.x,
             step_north_deg: step.y,
             step_east_deg: step.x,
-            rows,
-            columns,
+            rows: number::count(count.y),
+            columns: number::count(count.x),
         })
     }
 
@@ -204,14 +199,6 @@ impl MapGrid<'_> {
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a height beyond the range of f32 becomes infinite and is refused"
-)]
-const fn single(height_m: f64) -> f32 {
-    height_m as f32
-}
-
 /// Calls `each` with the places of a row: each [`EXACT_POSTS`]th exact, those between them linear.
 fn along(count: usize, place: impl Fn(usize) -> Option<Vec2>, mut each: impl FnMut(usize, Vec2)) {
     let mut first = 0;
@@ -235,13 +222,7 @@ fn around(steps: Vec2, [rows, columns]: [usize; 2]) -> Option<[(usize, usize, f6
         let inside = steps.clamp(0.0, last);
         // Not a number is not within either.
         let is_within = (steps - inside).abs() < ON_LINE;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "within the posts"
-        )]
-        let low = (libm::floor(inside) as usize).min(count.saturating_sub(2));
-        is_within.then_some((low, inside - low as f64))
+        is_within.then(|| before(inside, count))
     };
     let ((row, down), (column, right)) = (within(steps.y, rows)?, within(steps.x, columns)?);
     Some([

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use super::file::{Given, MOST_BYTES, Parsed, Stated, TerrainFile};
-use super::{HeightField, ardupilot, dted, geotiff, hgt, name};
+use super::file::{Given, MOST_BYTES, Stated, TerrainFile};
+use super::{HeightField, ardupilot, dted, geotiff, hgt};
 use crate::error::InputError;
 use crate::gzip::{fill, unread};
 
@@ -55,20 +55,21 @@ pub fn parse(bytes: &[u8], path: &Path, given: &Given) -> Result<TerrainFile, In
 
 fn file_of(input: impl Read + Seek, path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let parsed = parsed(input, &name).map_err(|message| InputError::in_file(path, message))?;
-    let has_height = |field: &HeightField| {
-        let mut rows = 0..field.grid().rows;
-        rows.any(|row| (0..field.grid().columns).any(|column| field.post_m(row, column).is_some()))
-    };
-    if !parsed.fields.iter().any(has_height) {
+    let mut file = parsed(input, &name).map_err(|message| InputError::in_file(path, message))?;
+    let is_hole = |field: &HeightField| field.heights().iter().all(|height| height.is_nan());
+    if file.fields.iter().all(is_hole) {
         let message = "has only holes, expected at least one height";
         return Err(InputError::in_file(path, message));
     }
-    Ok(finished(parsed, path, given))
+    path.clone_into(&mut file.path);
+    file.datum = given.datum.map_or(file.datum, Stated::given);
+    let error_m = given.vertical_error_m;
+    file.vertical_error_m = error_m.map_or(file.vertical_error_m, Stated::given);
+    Ok(file)
 }
 
 /// Only a compressed GeoTIFF is in memory beside its heights.
-fn parsed(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String> {
+fn parsed(mut input: impl Read + Seek, file_name: &str) -> Result<TerrainFile, String> {
     let mut begin = Vec::new();
     fill(&mut input, &mut begin, 4)?;
     input.rewind().map_err(|error| unread(&error))?;
@@ -90,11 +91,9 @@ fn parsed(mut input: impl Read + Seek, file_name: &str) -> Result<Parsed, String
 }
 
 /// Heights of an input with these first bytes.
-fn streamed(input: impl Read, begin: &[u8], file_name: &str) -> Result<Parsed, String> {
+fn streamed(input: impl Read, begin: &[u8], file_name: &str) -> Result<TerrainFile, String> {
     if begin.starts_with(b"UHL") {
-        let (field, datum, error) = dted::parse(input)?;
-        name::agrees(file_name, &field.grid().area())?;
-        return Ok(Parsed::one("DTED", field, datum, error));
+        return dted::parse(input, file_name);
     }
     if begin == b"PK\x03\x04" {
         return Err(
@@ -105,40 +104,11 @@ fn streamed(input: impl Read, begin: &[u8], file_name: &str) -> Result<Parsed, S
     let lower = file_name.to_ascii_lowercase();
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
-        "hgt" => {
-            let field = hgt::parse(input, file_name)?;
-            Ok(Parsed::one("SRTM", field, hgt::DATUM, Some(hgt::ERROR)))
-        }
-        "dat" => {
-            let (fields, empty_blocks) = ardupilot::parse(input, file_name)?;
-            Ok(Parsed {
-                format: "ArduPilot's terrain",
-                fields,
-                datum: ardupilot::DATUM,
-                error: Some(hgt::ERROR),
-                empty_blocks,
-            })
-        }
+        "hgt" => hgt::parse(input, file_name),
+        "dat" => ardupilot::parse(input, file_name),
         _ => Err(
             "is of no known format, expected heights as .hgt, GeoTIFF (.tif), DTED (.dt0, .dt1, .dt2) or ArduPilot's .DAT"
                 .into(),
         ),
-    }
-}
-
-fn finished(parsed: Parsed, path: &Path, given: &Given) -> TerrainFile {
-    let assumed = Stated {
-        value: hgt::ERROR.value,
-        source: "assumed, as of SRTM: the file does not say",
-    };
-    TerrainFile {
-        path: path.to_owned(),
-        format: parsed.format,
-        fields: parsed.fields,
-        datum: given.datum.map_or(parsed.datum, Stated::given),
-        vertical_error_m: given
-            .vertical_error_m
-            .map_or(parsed.error.unwrap_or(assumed), Stated::given),
-        empty_blocks: parsed.empty_blocks,
     }
 }

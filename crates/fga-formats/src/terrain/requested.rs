@@ -1,10 +1,20 @@
 //! Ground asked for over MAVLink: a block of ArduPilot's grid, filled piece by piece by `TERRAIN_DATA`.
 
 use super::ardupilot::{COLUMNS, DEGREE_M, PIECE, ROWS, TO_NEXT, grid, scale};
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
+use super::field::{HOLE, HeightField, HeightGrid, whole};
 
 /// All 56 pieces of a block.
 const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
+
+/// Pieces of a row.
+const PIECES: usize = COLUMNS / PIECE;
+
+/// Row and column of a post of a piece; row 0 is the northernmost one.
+const fn post(piece: usize, index: usize) -> (usize, usize) {
+    let from_south = piece / PIECES * PIECE + index / PIECE;
+    let column = piece % PIECES * PIECE + index % PIECE;
+    (ROWS.saturating_sub(1 + from_south), column)
+}
 
 /// What a piece is to a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,10 +102,8 @@ impl RequestedBlock {
 
     /// Latitudes and longitudes of the posts of a piece, 10⁻⁷ degrees, in the order of its heights in `TERRAIN_DATA`.
     pub fn posts_e7(&self, piece: u8) -> [[i32; 2]; PIECE * PIECE] {
-        let (piece, per_row) = (usize::from(piece), COLUMNS / PIECE);
         core::array::from_fn(|index| {
-            let row = ROWS.saturating_sub(1 + piece / per_row * PIECE + index / PIECE);
-            let column = piece % per_row * PIECE + index % PIECE;
+            let (row, column) = post(usize::from(piece), index);
             let place = [self.grid.latitude_deg(row), self.grid.longitude_deg(column)];
             #[expect(clippy::cast_possible_truncation, reason = "degrees of the earth")]
             place.map(|degrees| libm::rint(degrees * 1e7) as i32)
@@ -121,22 +129,17 @@ impl RequestedBlock {
             .iter()
             .all(|height| height.unsigned_abs() <= 9_000);
         let piece = usize::from(piece);
-        let per_row = COLUMNS / PIECE;
         if !is_corner || spacing_m != self.spacing_m {
             return Taken::Other;
         }
-        if !is_ground || piece >= ROWS / PIECE * per_row {
+        if !is_ground || piece >= ROWS / PIECE * PIECES {
             return Taken::NoGround;
         }
         let is_known = self.filled & (1 << piece) != 0;
         let mut higher_m = 0_i16;
         for (index, height) in heights_m.iter().enumerate() {
-            let from_south = piece / per_row * PIECE + index / PIECE;
-            let column = piece % per_row * PIECE + index % PIECE;
-            if let Some(post) = self
-                .heights
-                .get_mut((ROWS - 1 - from_south) * COLUMNS + column)
-            {
+            let (row, column) = post(piece, index);
+            if let Some(post) = self.heights.get_mut(row * COLUMNS + column) {
                 let more_m = height.saturating_sub(*post);
                 if is_known && more_m.unsigned_abs() > higher_m.unsigned_abs() {
                     higher_m = more_m;
@@ -155,9 +158,8 @@ impl RequestedBlock {
     /// What is known so far; pieces that were never known are holes. `None` before the first piece, or if the heights cannot be ground.
     pub fn field(&self) -> Option<HeightField> {
         let is_known = self.heights.iter().any(|height| *height != HOLE);
-        let heights = Heights::Whole(self.heights.clone());
-        is_known
-            .then(|| HeightField::new(self.grid, heights).ok())
-            .flatten()
+        let heights = self.heights.iter().copied().map(whole).collect();
+        let field = HeightField::new(self.grid, heights).ok();
+        field.filter(|_| is_known)
     }
 }

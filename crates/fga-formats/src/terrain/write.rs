@@ -11,7 +11,7 @@ use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
-use super::field::{HOLE, HeightField, HeightGrid, Heights};
+use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::MOST_BYTES;
 use super::geokeys::{self, codes};
 use super::geotiff::{ERROR_ITEM, GDAL_METADATA};
@@ -19,6 +19,7 @@ use super::mosaic::{Terrain, same_spacing, whole_steps};
 use super::{Area, Datum};
 use crate::atomic;
 use crate::error::OutputError;
+use crate::number::{self, single};
 
 /// A part of the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,18 +76,14 @@ impl Terrain {
                 let height_m = beside
                     .iter()
                     .find_map(|field| field.height_m(latitude_deg, longitude_deg));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "heights have no more digits than this type"
-                )]
-                height_m.map_or(f32::NAN, |height| height as f32)
+                height_m.map_or(f32::NAN, single)
             }));
         }
         if heights.iter().all(|height| height.is_nan()) {
             return Err(outside());
         }
         Ok(Cut {
-            field: HeightField::new(grid, smallest(heights))?,
+            field: HeightField::new(grid, heights)?,
             datum: self.datum(),
             vertical_error_m: self.vertical_error_m(),
             is_resampled,
@@ -120,12 +117,7 @@ fn grid(lattice: &HeightGrid, area: &Area) -> Result<HeightGrid, String> {
             MOST_BYTES / 4
         ));
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive and at most the limit above"
-    )]
-    let [rows, columns] = [rows, columns].map(|count| count as usize);
+    let [rows, columns] = [rows, columns].map(number::count);
     Ok(HeightGrid {
         south_deg,
         west_deg,
@@ -133,18 +125,6 @@ fn grid(lattice: &HeightGrid, area: &Area) -> Result<HeightGrid, String> {
         columns,
         ..*lattice
     })
-}
-
-/// Whole metres where all heights are.
-fn smallest(heights: Vec<f32>) -> Heights {
-    let whole =
-        |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
-    if !heights.iter().all(whole) {
-        return Heights::Fraction(heights);
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
-    let whole = |height: f32| if height.is_nan() { HOLE } else { height as i16 };
-    Heights::Whole(heights.into_iter().map(whole).collect())
 }
 
 impl Cut {
@@ -163,12 +143,24 @@ impl Cut {
         atomic::write(path, self.bytes().map_err(failed)?)
     }
 
-    /// The bytes of the file.
+    /// The bytes of the file, in whole metres where all heights are.
     fn bytes(&self) -> TiffResult<Vec<u8>> {
-        match self.field.heights() {
-            Heights::Whole(heights) => self.encode::<GrayI16>(heights, &format!("{HOLE}")),
-            Heights::Fraction(heights) => self.encode::<Gray32Float>(heights, "nan"),
+        let heights = self.field.heights();
+        let is_whole =
+            |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
+        if !heights.iter().all(is_whole) {
+            return self.encode::<Gray32Float>(heights, "nan");
         }
+        #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
+        let whole = |height: &f32| {
+            if height.is_nan() {
+                HOLE
+            } else {
+                *height as i16
+            }
+        };
+        let heights: Vec<i16> = heights.iter().map(whole).collect();
+        self.encode::<GrayI16>(&heights, &format!("{HOLE}"))
     }
 
     fn encode<C: ColorType>(&self, heights: &[C::Inner], hole: &str) -> TiffResult<Vec<u8>>

@@ -12,7 +12,7 @@ use super::{Altitude, NON_ICAO, TrafficReport};
 use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
-use crate::units::Feet;
+use crate::units::FOOT_M;
 use glam::DVec3;
 
 /// After more `PFLAU` than this, which come each second, the unit's own place is no longer known.
@@ -108,7 +108,7 @@ impl OwnPlace {
             }
             ["PGRMZ", feet, "F" | "f", ..] => {
                 let feet = number(feet);
-                self.pressure_m = feet.ok().flatten().map(|feet| Feet(feet).to_m());
+                self.pressure_m = feet.ok().flatten().map(|feet| feet * FOOT_M);
                 self.ages[1] = 0;
                 feet.and(Err(LeftOut::NotNeeded))
             }
@@ -124,21 +124,10 @@ impl OwnPlace {
 
     /// The place in a `GGA`, and its height above the ellipsoid, metres; `None` without a fix.
     fn of_satellites(fields: &[&str]) -> Result<Option<(Geodetic, Option<f64>)>, LeftOut> {
-        let [
-            _,
-            north,
-            half,
-            east,
-            side,
-            quality,
-            _,
-            _,
-            height,
-            _,
-            geoid,
-            ..,
-        ] = fields
-        else {
+        let [_, north, half, east, side, quality, _, _, heights @ ..] = fields else {
+            return Err(LeftOut::UnreadableField);
+        };
+        let [height, _, geoid, ..] = heights else {
             return Err(LeftOut::UnreadableField);
         };
         if matches!(*quality, "" | "0") {

@@ -12,7 +12,7 @@
 use super::{Altitude, Callsign, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::course_from_compass_rad;
 use crate::tally::{LeftOut, Tally};
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// At either end of a message.
 const FLAG: u8 = 0x7E;
@@ -168,11 +168,11 @@ fn traffic(bytes: &[u8; TRAFFIC]) -> Result<TrafficReport, LeftOut> {
         callsign: callsign.and_then(Callsign::new),
         place_deg: is_placed.then_some(place_deg),
         altitude: (altitude != 0xFFF)
-            .then(|| Altitude::Pressure(Feet(25.0 * f64::from(altitude) - 1000.0).to_m())),
-        ground_speed_mps: (speed != 0xFFF).then(|| Knots(f64::from(speed)).to_mps()),
+            .then(|| Altitude::Pressure((25.0 * f64::from(altitude) - 1000.0) * FOOT_M)),
+        ground_speed_mps: (speed != 0xFFF).then(|| f64::from(speed) * KNOT_MPS),
         course_rad: has_track
             .then(|| course_from_compass_rad(f64::from(bytes[16]) * 360.0 / 256.0)),
-        climb_mps: (climb != -0x800).then(|| FeetPerMinute(64.0 * f64::from(climb)).to_mps()),
+        climb_mps: (climb != -0x800).then(|| 64.0 * f64::from(climb) * FOOT_PER_MINUTE_MPS),
         on_ground: Some(on_ground),
         containment_m: containment_m(integrity),
         position_error_m: position_error_m(accuracy),

@@ -27,7 +27,7 @@ use super::{Altitude, TrafficReport, address_in_words};
 use crate::geodesy::compass_from_course_deg;
 use crate::number::push_fixed;
 use crate::tally::Tally;
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 pub use log::{Log, LoggedLine};
 pub(crate) use message::is_message;
@@ -79,7 +79,7 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
         out.extend(fields.join(&b','));
         out.extend(b"\r\n");
     };
-    let altitude_ft = report.altitude.map(|a| Feet::from_m(a.metres()).0);
+    let altitude_ft = report.altitude.map(|a| a.metres() / FOOT_M);
     if let Some(callsign) = report.callsign {
         line(b'1', &|fields| {
             fields[10].extend(callsign.as_str().bytes());
@@ -102,13 +102,13 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
     if report.ground_speed_mps.is_some() || report.climb_mps.is_some() {
         line(b'4', &|fields| {
             if let Some(speed_mps) = report.ground_speed_mps {
-                push_fixed(&mut fields[12], Knots::from_mps(speed_mps).0, 1);
+                push_fixed(&mut fields[12], speed_mps / KNOT_MPS, 1);
             }
             if let Some(course_rad) = report.course_rad {
                 push_fixed(&mut fields[13], compass_from_course_deg(course_rad), 1);
             }
             if let Some(climb_mps) = report.climb_mps {
-                push_fixed(&mut fields[16], FeetPerMinute::from_mps(climb_mps).0, 0);
+                push_fixed(&mut fields[16], climb_mps / FOOT_PER_MINUTE_MPS, 0);
             }
         });
     }

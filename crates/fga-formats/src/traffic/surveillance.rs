@@ -4,7 +4,7 @@
 use super::{Altitude, Callsign, Generations, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::{Geodetic, course_from_compass_rad};
 use crate::tally::LeftOut;
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 use rs1090::decode::adsb::ME;
 use rs1090::decode::bds::bds05::AirbornePosition;
 use rs1090::decode::bds::bds09::{AirborneVelocity, AirborneVelocitySubType};
@@ -97,19 +97,15 @@ impl SurveillanceMessage {
                 report.altitude = if kind >= 20 {
                     Some(Altitude::Ellipsoid(f64::from(altitude_field(bytes))))
                 } else {
-                    let feet = inner.alt.map(|feet| Feet(f64::from(feet)));
-                    feet.map(|feet| Altitude::Pressure(feet.to_m()))
+                    let feet = inner.alt.map(f64::from);
+                    feet.map(|feet| Altitude::Pressure(feet * FOOT_M))
                 };
                 report.place_deg = self.place(address, inner, time_s);
             }
             ME::BDS09(velocity) => velocity_of(bytes, &velocity, &mut report),
             _ => return Err(LeftOut::NotNeeded),
         }
-        let nothing = TrafficReport {
-            address,
-            ..TrafficReport::default()
-        };
-        if report == nothing {
+        if report.says_nothing() {
             return Err(LeftOut::NotNeeded);
         }
         Ok(report)
@@ -241,7 +237,7 @@ fn velocity_of(message: &[u8; 14], velocity: &AirborneVelocity, report: &mut Tra
     };
     report.climb_mps = velocity
         .vertical_rate
-        .map(|fpm| FeetPerMinute(f64::from(fpm)).to_mps());
+        .map(|fpm| f64::from(fpm) * FOOT_PER_MINUTE_MPS);
     let AirborneVelocitySubType::GroundSpeedDecoding(ground) = &velocity.velocity else {
         return;
     };
@@ -254,6 +250,6 @@ fn velocity_of(message: &[u8; 14], velocity: &AirborneVelocity, report: &mut Tra
     }
     // The supersonic kind counts in steps of four knots.
     let step_kn = if velocity.subtype == 2 { 4.0 } else { 1.0 };
-    report.ground_speed_mps = Some(Knots(ground.groundspeed * step_kn).to_mps());
+    report.ground_speed_mps = Some((ground.groundspeed * step_kn) * KNOT_MPS);
     report.course_rad = Some(course_from_compass_rad(ground.track));
 }

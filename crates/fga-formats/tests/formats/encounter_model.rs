@@ -138,7 +138,7 @@ fn uncorrelated_models_fly_within_their_limits() {
 
 /// A variable `a` of two bins, counted 1 : 3, on which the rate `r` depends. The rate of the next
 /// second keeps its bin in 9 of 10 cases; the third bin has no counts.
-const SMALL: &str = "# labels_initial\n\"a\", \"r\"\n# G_initial\n0 1\n0 0\n# r_initial\n2 3\n\
+pub(crate) const SMALL: &str = "# labels_initial\n\"a\", \"r\"\n# G_initial\n0 1\n0 0\n# r_initial\n2 3\n\
     # N_initial\n1 3 1 0 0 0 2 2\n\
     # labels_transition\n\"a\", \"r(t)\", \"r(t+1)\"\n# G_transition\n0 0 0\n0 0 1\n0 0 0\n# r_transition\n2 3 3\n\
     # N_transition\n9 1 0 1 9 0 0 0 0\n# boundaries\n*\n-3 -1 1 3\n# resample_rates\n0 0.25\n";

@@ -6,40 +6,16 @@
 )]
 
 use crate::common::flight::{HOSTILE, flight, odd_flights};
+use crate::common::python;
 use alloc::collections::BTreeMap;
 use fga_formats::error::OutputError;
 use fga_formats::export::{self, Format, czml, flightgear, geojson as map, kml, mcap as log};
 use fga_formats::flight::{Flight, FlightZone};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 /// One degree of longitude on the equator of the ellipsoid at 100 m: 2π (a + 100 m) / 360.
 const DEGREE_M: f64 = 111_321.235_7;
-
-/// Runs a Python script with arguments; `None` without Python or a module that it needs, which is a
-/// failure in CI.
-fn python(module: &str, script: &str, arguments: &[&Path]) -> Option<String> {
-    let interpreter = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
-    let there = Command::new(&interpreter)
-        .args(["-c", &format!("import {module}")])
-        .output()
-        .is_ok_and(|output| output.status.success());
-    if !there {
-        let missing = format!("{interpreter} has no module {module} (FGA_PYTHON names another)");
-        assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
-        eprintln!("skipped: {missing}");
-        return None;
-    }
-    let output = Command::new(&interpreter)
-        .args(["-c", script])
-        .args(arguments)
-        .output()
-        .unwrap();
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{error}");
-    Some(String::from_utf8(output.stdout).unwrap())
-}
 
 /// The hostile name in XML: without the characters that XML forbids.
 fn xml_name() -> String {

@@ -512,7 +512,7 @@ fn n3_a_log_of_the_ground_never_flies() {
 }
 
 /// A message of `ULog`.
-fn px4(kind: u8, content: &[u8]) -> Vec<u8> {
+pub(crate) fn px4(kind: u8, content: &[u8]) -> Vec<u8> {
     let length = u16::try_from(content.len()).unwrap().to_le_bytes();
     [&length, &[kind][..], content].concat()
 }
@@ -527,9 +527,15 @@ fn turned(bank_rad: f64, course_rad: f64) -> [f32; 4] {
     [cy * c, cy * s, sy * s, sy * c].map(|part| part as f32)
 }
 
-/// A short log of PX4.
-pub(crate) fn ulog() -> Vec<u8> {
-    px4_log(&flight(120, 0.1))
+/// A short log of each kind: PX4's, dataflash, telemetry, CSV.
+pub(crate) fn short_logs() -> [Vec<u8>; 4] {
+    let rows = flight(120, 0.1);
+    [
+        px4_log(&rows),
+        dataflash(&rows),
+        tlog(&rows),
+        csv(&rows).into_bytes(),
+    ]
 }
 
 /// A log of PX4 in a mission: its first seconds disarmed, a second airspeed sensor that is wrong.
@@ -713,5 +719,47 @@ fn n3_the_log_of_a_companion_has_the_banks_that_it_commanded() {
             (bank - rows[at + offset][2]).abs() < 1e-2,
             "{offset}: {bank}"
         );
+    }
+}
+
+/// `pymavlink` reads the logs too: the same airspeeds and banks at the same times.
+#[test]
+fn logs_are_read_as_pymavlink_reads_them() {
+    let script = "import sys, math\n\
+        from pymavlink import mavutil\n\
+        log=mavutil.mavlink_connection(sys.argv[1])\n\
+        air=bank=None\n\
+        while (m:=log.recv_match(type=['ATT','ATTITUDE','ARSP','CTUN','VFR_HUD'])) is not None:\n\
+        \x20   k=m.get_type()\n\
+        \x20   if k=='ATT': bank=-math.radians(m.Roll)\n\
+        \x20   if k=='ATTITUDE': bank=-m.roll\n\
+        \x20   if k=='ARSP' and m.I==0: air=m.Airspeed\n\
+        \x20   if k=='VFR_HUD': air=m.airspeed\n\
+        \x20   if None not in (air,bank): print(air,bank); air=bank=None";
+    let folder = tempfile::tempdir().unwrap();
+    let [_, dataflash, tlog, _] = short_logs();
+    for (name, bytes) in [("a.bin", dataflash), ("a.tlog", tlog)] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, &bytes).unwrap();
+        let Some(text) = crate::common::python("pymavlink", script, &[&path]) else {
+            return;
+        };
+        let piece = parse(&bytes, &path).unwrap().pieces.remove(0);
+        let rows = text.lines().map(|line| {
+            let mut numbers = line.split(' ').map(|word| word.parse::<f64>().unwrap());
+            (numbers.next().unwrap(), numbers.next().unwrap())
+        });
+        let rows: Vec<(f64, f64)> = rows.collect();
+        assert!(rows.len() >= piece.len() && piece.len() > 100, "{name}");
+        for (index, (airspeed_mps, bank_rad)) in rows.iter().take(piece.len()).enumerate() {
+            assert!(
+                (piece.airspeed_mps[index] - airspeed_mps).abs() < 1e-5,
+                "{name} {index}"
+            );
+            assert!(
+                (piece.bank_rad[index] - bank_rad).abs() < 2e-4,
+                "{name} {index}"
+            );
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Changed inputs of each reader: bytes and words. `FGA_MUTATIONS=100000` for many.
+//! Changed inputs of each reader: bytes and words. `FGA_MUTATIONS=1000000` for many of each.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -6,12 +6,20 @@
     reason = "tests fail by panicking"
 )]
 
+use core::time::Duration;
 use std::path::Path;
+use std::time::Instant;
 
+use fga_formats::flight::Flight;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::terrain::Given;
 use fga_formats::traffic::flarm::Sentences;
-use fga_formats::{InputError, areas, flight_log, missions, recordings, terrain};
+use fga_formats::traffic::gdl90::Datagrams;
+use fga_formats::traffic::{TrafficReport, sbs};
+use fga_formats::{
+    InputError, areas, conf, daa, encounter_model, encounters, flight_log, missions, recordings,
+    terrain,
+};
 
 /// A generator that needs no crate: splitmix64.
 struct Draws(u64);
@@ -89,15 +97,48 @@ fn changed(seed: &[u8], draws: &mut Draws) -> Vec<u8> {
     bytes
 }
 
-fn one_line<T>(read: &Result<T, InputError>) {
-    if let Err(error) = read {
-        assert!(!error.message.contains('\n'), "{error}");
+/// Longer than this a reader takes for no input of some kilobytes.
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Gives a reader changed inputs: as many as asked for, in turn from each seed.
+fn mutate(seeds: &[&[u8]], take: impl Fn(&[u8])) {
+    let count: usize = std::env::var("FGA_MUTATIONS").map_or(1000, |count| count.parse().unwrap());
+    let mut draws = Draws(7);
+    for seed in seeds {
+        take(seed);
+    }
+    for index in 0..count {
+        let bytes = changed(seeds[index % seeds.len()], &mut draws);
+        let begin = Instant::now();
+        take(&bytes);
+        let taken = begin.elapsed();
+        assert!(
+            taken < LONGEST,
+            "{taken:?} for {:?}",
+            String::from_utf8_lossy(&bytes)
+        );
     }
 }
 
+/// The same of texts.
+fn mutate_texts(seeds: &[&str], take: impl Fn(&str)) {
+    let seeds: Vec<&[u8]> = seeds.iter().map(|seed| seed.as_bytes()).collect();
+    mutate(&seeds, |bytes| take(&String::from_utf8_lossy(bytes)));
+}
+
+fn one_line<T>(read: Result<T, InputError>) -> Option<T> {
+    read.inspect_err(|error| assert!(!error.message.contains('\n'), "{error}"))
+        .ok()
+}
+
+fn is_sane(report: &TrafficReport) {
+    let place = report.place_deg.into_iter().flatten();
+    let numbers = place.chain(report.ground_speed_mps).chain(report.climb_mps);
+    assert!(numbers.into_iter().all(f64::is_finite), "{report:?}");
+}
+
 fn areas_of(text: &str) {
-    let read = areas::parse(text, Path::new("a"));
-    one_line(&read);
+    let read = one_line(areas::parse(text, Path::new("a")));
     for area in read.map(|file| file.areas).unwrap_or_default() {
         let limits = area.limits.iter().flatten();
         assert!(limits.map(|limit| limit.height_m).all(f64::is_finite));
@@ -111,69 +152,180 @@ fn areas_of(text: &str) {
     }
 }
 
-const SEEDS: [&str; 9] = [
-    r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","lower":"60 m AMSL","upperLimit":{"value":65,"unit":6,"referenceDatum":2}},"geometry":{"type":"Polygon","coordinates":[[[5.0,45.0],[5.1,45.0],[5.1,45.1],[5.0,45.0]],[[5.06,45.01],[5.07,45.01],[5.07,45.02],[5.06,45.01]]]}},{"type":"Feature","properties":{"restriction":"NO_RESTRICTION","geometry":{"uomDimensions":"M","lowerLimit":60,"lowerVerticalReference":"AMSL"}},"geometry":{"type":"Point","coordinates":[5.0,45.0]}}]}"#,
-    "<kml><Placemark><name>a</name><ExtendedData><Data name=\"upper\"><value>120 m AGL</value></Data></ExtendedData><Polygon><altitudeMode>absolute</altitudeMode><outerBoundaryIs><LinearRing><coordinates>5,45,9 5.1,45,9 5.1,45.1,9 5,45,9</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>",
-    "* made\nAC R\nAN TEST\nAH 2000ft MSL\nAL GND\nV X=45:00:00 N 005:01:48 E\nDC 0.3\n\nAC D\nAN Arc\nAL 1500ft AGL\nAH FL65\nDP 45:00:00 N 005:00:00 E\nV X=45:00:00 N 005:06:00 E\nV D=+\nDB 45:06:00 N 005:06:00 E, 45:00:00 N 005:12:00 E\nDA 5,270,290\n",
-    "<m:AIXMBasicMessage xmlns:m=\"m\"><AirspaceTimeSlice><name>a</name><AirspaceGeometryComponent><AirspaceVolume><upperLimit uom=\"FL\">65</upperLimit><upperLimitReference>STD</upperLimitReference><horizontalProjection srsName=\"urn:ogc:def:crs:EPSG::4326\"><exterior><ArcByCenterPoint><pos>45 5</pos><radius uom=\"km\">10</radius><startAngle>0</startAngle><endAngle>90</endAngle></ArcByCenterPoint><GeodesicString><posList>45 5.1 45 5</posList></GeodesicString></exterior></horizontalProjection></AirspaceVolume></AirspaceGeometryComponent></AirspaceTimeSlice></m:AIXMBasicMessage>",
-    "45.0 5.0\n45.01 5.01\n44.99 5.01\n44.99 4.99\n45.01 4.99\n45.01 5.01\n",
-    "QGC WPL 110\n0 1 3 16 0 0 0 0 45.0 5.0 343 1\n1 0 3 5001 3 1 0 0 45.0 5.0 0 1\n2 0 3 5001 3 1 0 0 45.1 5.0 0 1\n3 0 3 5001 3 1 0 0 45.1 5.1 0 1\n4 0 0 16 0 0 0 0 45.01 5 16 1\n",
-    "time,icao24,lat,lon,velocity,heading,vertrate,callsign,onground,baroaltitude,geoaltitude,lastposupdate\n1700000000,aa0001,45.0,5.0,51.4,90,0,T,False,914.4,950,1700000000.0\n1700000001,aa0001,45.0,5.001,51.4,90,0,T,False,914.4,950,1700000001.0\n1700000000,aa0002,45.0,5.01,51.4,270,0,T,False,914.4,950,\n",
-    r#"{"now":1700000000.0,"aircraft":[{"hex":"aa0001","altitude":3000,"speed":100,"track":90,"vert_rate":0,"lat":45.0,"lon":4.96,"seen_pos":0.1}]} {"icao":"aa0002","timestamp":1700000000,"trace":[[0,45.0,4.9,3000,99.9,90,8,0,null,"adsb_icao",3117,64,null,null],[1,45.0,4.91,"ground",9,90,0,0,{"flight":"T"},"mlat",null,null]]}"#,
-    "00:00:00.00>ASAS ON\n00:00:00.00>CRE KL1,B744,45.0,4.9,90,FL030,100\n00:00:01.00>CRE KL2,B744,45.0,5.0,270,3000ft,M.2\n00:00:40>HDG KL1,90\n",
-];
+fn recording_of(bytes: &[u8]) {
+    let path = Path::new("a");
+    let read = one_line(recordings::parse(bytes, path));
+    let samples = read.iter().flat_map(|read| &read.named);
+    let samples = samples.flat_map(|named| &named.recording.aircraft);
+    let mut samples = samples.flat_map(|track| &track.samples);
+    assert!(samples.all(|sample| sample.position_m.is_finite() && sample.time_s.is_finite()));
+    one_line(recordings::parse_content(bytes, path));
+}
+
+fn log_of(bytes: &[u8]) {
+    one_line(flight_log::parse(bytes, Path::new("a")));
+    recording_of(bytes);
+}
 
 #[test]
-fn changed_inputs_are_read_or_refused_in_one_line() {
-    let count: usize = std::env::var("FGA_MUTATIONS").map_or(400, |count| count.parse().unwrap());
-    let mut draws = Draws(7);
-    let path = Path::new("a");
-    for (seed, text) in SEEDS.iter().enumerate() {
-        for _ in 0..count {
-            let bytes = changed(text.as_bytes(), &mut draws);
-            let text = String::from_utf8_lossy(&bytes);
-            match seed {
-                0..=4 => areas_of(&text),
-                5 => {
-                    one_line(&missions::parse(&text, path));
-                    areas_of(&text);
-                }
-                _ => {
-                    one_line(&recordings::parse(&bytes, path));
-                    let received = recordings::parse_content(&bytes, path);
-                    one_line(&received);
-                }
-            }
-            one_line(&flight_log::parse(&bytes, path));
-        }
-    }
-    let files: [&[u8]; 2] = [
-        include_bytes!("terrain/masked.tif"),
-        include_bytes!("terrain/utm.tif"),
+fn geojson_and_ed318() {
+    mutate_texts(
+        &[
+            r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","lower":"60 m AMSL","upperLimit":{"value":65,"unit":6,"referenceDatum":2}},"geometry":{"type":"Polygon","coordinates":[[[5.0,45.0],[5.1,45.0],[5.1,45.1],[5.0,45.0]],[[5.06,45.01],[5.07,45.01],[5.07,45.02],[5.06,45.01]]]}},{"type":"Feature","properties":{"restriction":"NO_RESTRICTION","geometry":{"uomDimensions":"M","lowerLimit":60,"lowerVerticalReference":"AMSL"}},"geometry":{"type":"Point","coordinates":[5.0,45.0]}}]}"#,
+            r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":[{"text":"a"}],"limitedApplicability":[{}]},"geometry":{"type":"GeometryCollection","geometries":[{"type":"Point","coordinates":[5.0,45.0],"extent":{"subType":"Circle","radius":300},"layer":{"lower":0,"lowerReference":"AGL","upper":120,"upperReference":"AMSL","uom":"ft"}},{"type":"Polygon","coordinates":[[[5.0,45.0],[5.1,45.0],[5.0,45.1],[5.1,45.1],[5.0,45.0]]]}]}}]}"#,
+        ],
+        areas_of,
+    );
+}
+
+#[test]
+fn ed269() {
+    mutate_texts(
+        &[
+            r#"{"features":[{"identifier":"A","restriction":"PROHIBITED","applicability":[{"permanent":"NO"}],"geometry":[{"uomDimensions":"M","lowerLimit":0,"lowerVerticalReference":"AGL","upperLimit":120,"upperVerticalReference":"WGS84","horizontalProjection":{"type":"Polygon","coordinates":[[[5.0,45.0],[5.1,45.0],[5.1,45.1],[5.05,44.99],[5.0,45.0]]]}},{"uomDimensions":"FT","horizontalProjection":{"type":"Circle","center":[5.0,45.0],"radius":500}}]}]}"#,
+        ],
+        areas_of,
+    );
+}
+
+#[test]
+fn kml() {
+    mutate_texts(
+        &[
+            "<kml><Placemark><name>a</name><ExtendedData><Data name=\"upper\"><value>120 m AGL</value></Data></ExtendedData><Polygon><altitudeMode>absolute</altitudeMode><outerBoundaryIs><LinearRing><coordinates>5,45,9 5.1,45,9 5.1,45.1,9 5,45,9</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>",
+        ],
+        areas_of,
+    );
+}
+
+#[test]
+fn openair() {
+    mutate_texts(
+        &[
+            "* made\nAC R\nAN TEST\nAH 2000ft MSL\nAL GND\nV X=45:00:00 N 005:01:48 E\nDC 0.3\n\nAC D\nAN Arc\nAL 1500ft AGL\nAH FL65\nDP 45:00:00 N 005:00:00 E\nV X=45:00:00 N 005:06:00 E\nV D=+\nDB 45:06:00 N 005:06:00 E, 45:00:00 N 005:12:00 E\nDA 5,270,290\n",
+        ],
+        areas_of,
+    );
+}
+
+#[test]
+fn aixm() {
+    mutate_texts(
+        &[
+            "<m:AIXMBasicMessage xmlns:m=\"m\"><AirspaceTimeSlice><name>a</name><AirspaceGeometryComponent><AirspaceVolume><upperLimit uom=\"FL\">65</upperLimit><upperLimitReference>STD</upperLimitReference><horizontalProjection srsName=\"urn:ogc:def:crs:EPSG::4326\"><exterior><ArcByCenterPoint><pos>45 5</pos><radius uom=\"km\">10</radius><startAngle>0</startAngle><endAngle>90</endAngle></ArcByCenterPoint><GeodesicString><posList>45 5.1 45 5</posList></GeodesicString></exterior></horizontalProjection></AirspaceVolume></AirspaceGeometryComponent></AirspaceTimeSlice></m:AIXMBasicMessage>",
+        ],
+        areas_of,
+    );
+}
+
+#[test]
+fn missions_and_fences() {
+    let plan = r#"{"fileType":"Plan","version":1,"mission":{"version":2,"plannedHomePosition":[45.0,5.0,300],"cruiseSpeed":15,"items":[{"type":"SimpleItem","command":22,"frame":3,"params":[15,0,0,null,45.0,5.0,50],"doJumpId":1},{"type":"ComplexItem","complexItemType":"fwLandingPattern","altitudesAreRelative":true,"landingApproachCoordinate":[45.01,5.0,40]}]},"geoFence":{"version":2,"circles":[{"circle":{"center":[45.0,5.0],"radius":900},"inclusion":true}],"polygons":[{"polygon":[[45.0,5.0],[45.1,5.0],[45.1,5.1]],"inclusion":false}]},"rallyPoints":{"version":2,"points":[[45.0,5.0,60]]}}"#;
+    mutate_texts(
+        &[
+            "45.0 5.0\n45.01 5.01\n44.99 5.01\n44.99 4.99\n45.01 4.99\n45.01 5.01\n",
+            "QGC WPL 110\n0 1 3 16 0 0 0 0 45.0 5.0 343 1\n1 0 3 5001 3 1 0 0 45.0 5.0 0 1\n2 0 3 5001 3 1 0 0 45.1 5.0 0 1\n3 0 3 5001 3 1 0 0 45.1 5.1 0 1\n4 0 0 16 0 0 0 0 45.01 5 16 1\n",
+            plan,
+        ],
+        |text| {
+            one_line(missions::parse(text, Path::new("a")));
+            areas_of(text);
+        },
+    );
+}
+
+#[test]
+fn state_vectors() {
+    mutate_texts(
+        &[
+            "time,icao24,lat,lon,velocity,heading,vertrate,callsign,onground,baroaltitude,geoaltitude,lastposupdate\n1700000000,aa0001,45.0,5.0,51.4,90,0,T,False,914.4,950,1700000000.0\n1700000001,aa0001,45.0,5.001,51.4,90,0,T,False,914.4,950,1700000001.0\n1700000000,aa0002,45.0,5.01,51.4,270,0,T,False,914.4,950,\n",
+            r#"{"now":1700000000.0,"aircraft":[{"hex":"aa0001","altitude":3000,"speed":100,"track":90,"vert_rate":0,"lat":45.0,"lon":4.96,"seen_pos":0.1}]} {"icao":"aa0002","timestamp":1700000000,"trace":[[0,45.0,4.9,3000,99.9,90,8,0,null,"adsb_icao",3117,64,null,null],[1,45.0,4.91,"ground",9,90,0,0,{"flight":"T"},"mlat",null,null]]}"#,
+            r#"{"time":1700000000,"states":[["aa0001","T","F",1700000000,1700000000,5.0,45.0,914.4,false,51.4,90,0,null,950,"1000",false,0]]} [{"icao24":"aa0001","timestamp":1700000000000,"latitude":45.0,"longitude":5.0,"altitude":3000,"groundspeed":100,"track":90,"vertical_rate":0,"onground":false}]"#,
+        ],
+        |text| recording_of(text.as_bytes()),
+    );
+}
+
+#[test]
+fn scenarios_of_bluesky() {
+    mutate_texts(
+        &[
+            "00:00:00.00>ASAS ON\n00:00:00.00>CRE KL1,B744,45.0,4.9,90,FL030,100\n00:00:01.00>CRE KL2,B744,45.0,5.0,270,3000ft,M.2\n00:00:40>HDG KL1,90\n",
+        ],
+        |text| recording_of(text.as_bytes()),
+    );
+}
+
+#[test]
+fn recordings_in_rows() {
+    let daa = "a = 1\nNAME lat lon alt trk gs vs time alerter s_EW_std\n[none] [deg] [deg] [ft] [deg] [knot] [fpm] [s] [none] [m]\nO 45 5 1000 90 100 0 0 1 3\nI 45 5.1 1000 270 100 0 0 1 3\nO 45 5.01 1000 90 100 0 0:00:01 1 3\n\" 45 5.02 1000 90 100 0 2 1 3\n";
+    let degas = "# xE1,xE2,xN1,xN2,h1,h2,vE1,vE2,vN1,vN2,hdot1,hdot2 [ft, ft/s], 1 Hz\n0,9000,0,0,900,900,99,-99,0,0,0,0\n99,8900,0,0,900,900,99,-99,0,0,0,0\n";
+    mutate_texts(&[daa, degas], |text| {
+        recording_of(text.as_bytes());
+        one_line(daa::instants::parse(text, Path::new("a")));
+    });
+}
+
+#[test]
+fn lines_of_base_station() {
+    let lines = "MSG,3,1,1,4CA2D6,1,2026/01/01,10:00:00.000,2026/01/01,10:00:00.100,,3700,,,45.0,5.0,,,0,0,0,0\r\nMSG,4,1,1,4CA2D6,1,2026/01/01,10:00:01.000,2026/01/01,10:00:01.100,,,100,90,,,-64,,0,0,0,0\r\n12345,MLAT,3,1,1,~4CA2D7,1,2026/01/01,10:00:02.000,,,\"A,1\",3700H,,,45.0,5.01,,,0,0,0,0,,,30\r\n";
+    mutate(&[lines.as_bytes()], |bytes| {
+        recording_of(bytes);
+        sbs::LineStream::new().push(bytes, |report| is_sane(&report));
+    });
+}
+
+#[test]
+fn sentences_and_datagrams() {
+    let feed = b"$GPGGA,120000,4530.0,N,00515.0,E,1,8,1,9,M,8,M,,*54\n$PGRMZ,3000,F,2*06\n$PFLAA,0,1200,-3400,150,1,4B5C6D,90,,40,-1.5,1*23\n";
+    let traffic = b"\x7e\x14\x00\xab\x45\x49\x1f\xef\x15\xa8\x89\x78\x0f\x09\xa9\x07\xb0\x01\x20\x01\x4e\x38\x32\x35\x56\x20\x20\x20\x00\x57\xd6\x7e";
+    mutate(&[feed.as_slice(), traffic], |bytes| {
+        Sentences::new().push(bytes, |report| is_sane(&report));
+        Datagrams::new().push(bytes, |report| is_sane(&report));
+        #[cfg(feature = "beast")]
+        fga_formats::traffic::beast::Stream::new().push(bytes, 0.0, |report| is_sane(&report));
+    });
+}
+
+#[test]
+fn flight_logs() {
+    let seeds = super::flight_log::short_logs();
+    let seeds: Vec<&[u8]> = seeds.iter().map(Vec::as_slice).collect();
+    mutate(&seeds, log_of);
+}
+
+#[test]
+fn heights() {
+    let files: [(&str, &[u8]); 5] = [
+        ("a.tif", include_bytes!("terrain/masked.tif")),
+        ("a.tif", include_bytes!("terrain/strips.tif")),
+        ("a.tif", include_bytes!("terrain/utm.tif")),
+        ("a.tif", include_bytes!("terrain/scaled.tif")),
+        ("N46E009.DAT", include_bytes!("terrain/old.dat")),
     ];
-    let path = Path::new("a.tif");
-    for seed in files {
-        for _ in 0..count {
-            let bytes = changed(seed, &mut draws);
-            one_line(&terrain::parse(&bytes, path, &Given::default()));
-        }
-    }
-    let log = super::flight_log::ulog();
-    for _ in 0..count {
-        one_line(&flight_log::parse(&changed(&log, &mut draws), path));
-    }
-    let feed = b"$GPGGA,120000,4530.0,N,00515.0,E,1,8,1,9,M,8,M,,*54\n$PFLAA,0,1200,-3400,150,1,4B5C6D,90,,40,-1.5,1*23\n";
-    for _ in 0..count {
-        let bytes = changed(feed, &mut draws);
-        let mut sentences = Sentences::new();
-        sentences.push(&bytes, |report| {
-            assert!(
-                report
-                    .place_deg
-                    .unwrap()
-                    .iter()
-                    .all(|degrees| degrees.is_finite())
-            );
+    for (name, seed) in files {
+        mutate(&[seed], |bytes| {
+            one_line(terrain::parse(bytes, Path::new(name), &Given::default()));
         });
     }
+}
+
+#[test]
+fn configurations_and_tables() {
+    let conf_seed = "lookahead_time = 180 [s]\nleft_hdir = 180 [deg]\nalerters = A\nA_alert_1_region = NEAR\nA_alert_1_alerting_time = 55 [s]\nA_alert_1_detector = d\nA_load_core_detection_d = gov.WCV_TAUMOD\nA_d_WCV_DTHR = 0.66 [nmi]\nA_d_WCV_ZTHR = 450 [ft]\nA_d_WCV_TTHR = 35 [s]\nA_d_WCV_TCOA = 0 [s]\n";
+    mutate_texts(&[conf_seed], |text| {
+        one_line(conf::parse(text, Path::new("a")));
+    });
+    let rows = "encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m,kind\n1,1,100,0,0,-10,0,0,30,uas\n1,2,50,1,0,0,0,0,30,still\n2,1,1,2,3,4,5,6,7,\n";
+    mutate_texts(&[rows], |text| {
+        one_line(encounters::parse(text.as_bytes(), Path::new("a")));
+    });
+    mutate_texts(&[super::encounter_model::SMALL], |text| {
+        one_line(encounter_model::parse(text, Path::new("a")));
+    });
+    let flight = r#"{"name":"a","policy":"p","origin":{"latitude_deg":45,"longitude_deg":5,"altitude_m":0},"samples":[{"time_s":0,"position_m":[0,0,0],"course_rad":0,"climb_rad":0,"bank_rad":0,"state":"cruise"}],"obstacles":[{"name":"o","volume":{"radius_m":3},"track":[{"time_s":0,"position_m":[9,9,9]}]}]}"#;
+    mutate_texts(&[flight], |text| {
+        let read = serde_json::from_str::<Flight>(text).ok();
+        let _ = read.map(|flight| flight.check());
+    });
 }

@@ -6,7 +6,8 @@
 )]
 
 use crate::common::data;
-use fga_formats::recordings;
+use fga_formats::recordings::{self, Content};
+use fga_formats::tally::LeftOut;
 use std::path::Path;
 
 const FOOT_M: f64 = 0.3048;
@@ -703,4 +704,76 @@ fn aircraft_of_a_bluesky_scenario_fly_straight_until_a_command_that_is_not_read(
     let pairs = recordings::parse(text.as_bytes(), path).unwrap().named;
     assert_eq!(pairs.len(), 1);
     assert_eq!(pairs[0].name, "a KL1-KL2");
+}
+
+#[test]
+fn a_log_of_px4_with_traffic_is_an_encounter_of_the_vehicle() {
+    use crate::flight_log::px4;
+    let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let own = "vehicle_global_position:uint64_t timestamp;double lat;double lon;float alt;";
+    let other = "transponder_report:uint64_t timestamp;double lat;double lon;uint32_t icao_address;float altitude;float heading;\
+        float hor_velocity;float ver_velocity;uint16_t flags;uint8_t altitude_type;uint8_t tslc;";
+    for (number, format) in [(0_u8, own), (1, other)] {
+        bytes.extend(px4(b'F', format.as_bytes()));
+        let name = format.split(':').next().unwrap();
+        bytes.extend(px4(b'A', &[&[0, number, 0], name.as_bytes()].concat()));
+    }
+    let degrees = |at: [f64; 2]| at.map(f64::to_le_bytes).concat();
+    let floats = |values: &[f32]| {
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect()
+    };
+    for step in 0..600_u32 {
+        let time_s = 0.1 * f64::from(step);
+        let time = (u64::from(step) * 100_000).to_le_bytes();
+        let mut data = |number: u8, content: &[Vec<u8>]| {
+            bytes.extend(px4(
+                b'D',
+                &[&[number, 0], &time[..], &content.concat()].concat(),
+            ));
+        };
+        data(0, &[degrees([47.0, 8.0 + 2e-4 * time_s]), floats(&[500.0])]);
+        if step % 10 == 0 {
+            // A second old, to the west at 30 m/s; the last three have no place, no altitude, no velocity.
+            let flags = match step {
+                570 => 0_u16,
+                580 => 1,
+                590 => 3,
+                _ => 15,
+            };
+            let report: Vec<f32> = vec![520.0, -core::f32::consts::FRAC_PI_2, 30.0, 1.0];
+            data(
+                1,
+                &[
+                    degrees([47.001, 8.02 - 4e-4 * (time_s - 1.0)]),
+                    0x4B_1234_u32.to_le_bytes().to_vec(),
+                    floats(&report),
+                    flags.to_le_bytes().to_vec(),
+                    vec![0, 1],
+                ],
+            );
+        }
+    }
+    let Content::States(received) = recordings::parse_content(&bytes, Path::new("a.ulg")).unwrap()
+    else {
+        panic!("states");
+    };
+    assert_eq!(received.tracks.len(), 2);
+    assert_eq!(received.tracks[0].heard.len(), 300);
+    assert_eq!(received.tracks[1].name, "4B1234");
+    let first = received.tracks[1].heard[0];
+    let velocity_mps = first.velocity_mps.unwrap();
+    assert!((first.time_s + 1.0).abs() < 1e-9 && first.place.altitude_m == 520.0);
+    assert!((velocity_mps.x + 30.0).abs() < 1e-5 && velocity_mps.y.abs() < 1e-5);
+    assert_eq!(received.tracks[1].heard.last().unwrap().velocity_mps, None);
+    assert_eq!(received.tally.left_out(LeftOut::NoPosition), 1);
+    assert_eq!(received.tally.left_out(LeftOut::NoAltitude), 1);
+    assert_eq!(received.notes.len(), 1);
+    let encounters = recordings::parse(&bytes, Path::new("a.ulg")).unwrap();
+    assert_eq!(encounters.named[0].name, "a (PX4)-4B1234");
+    let recording = &encounters.named[0].recording;
+    assert_eq!(recording.aircraft[0].name, "(PX4)");
+    assert!(recordings::is_recording(&bytes, Path::new("a.ulg")));
 }

@@ -339,3 +339,18 @@ proptest! {
         prop_assert!((found[2].climb_mps.unwrap() - climb).abs() < 0.003);
     }
 }
+
+#[test]
+fn a_time_with_numbers_out_of_range_is_no_time() {
+    for time in [
+        "4294967295:59:59.000",
+        "10:4294967295:00.000",
+        "24:00:00.000",
+        "10:00:00.x",
+    ] {
+        let line = format!("MSG,3,1,1,4CA2D6,1,2026/01/01,{time},,,,3700,,,45.0,5.0,,,0,0,0,0\n");
+        let mut log = Log::new(line.as_bytes());
+        assert_eq!((&mut log).count(), 0, "{time}");
+        assert_eq!(log.tally().left_out(LeftOut::NoTime), 1, "{time}");
+    }
+}

@@ -425,3 +425,31 @@ fn a_path_along_a_line_of_posts_takes_few_steps() {
         assert!(apart_m.abs() < 2.0, "{apart_m}");
     }
 }
+
+/// The same heights as another program wrote them with LERC, to a hundredth of a metre, and with ZSTD.
+#[test]
+fn heights_of_lerc_are_those_of_the_same_file_without_it() {
+    let of = |name: &str| {
+        let path = crate::common::data(&format!("trials/2026-11-28/{name}.tif.gz"))?;
+        Some(fga_formats::terrain::read(&path, &Given::default()).unwrap())
+    };
+    let (Some(with), Some(without)) = (of("dem_lerc"), of("dem_zstd")) else {
+        return;
+    };
+    let (with, without) = (&with.fields[0], &without.fields[0]);
+    assert_eq!(with.grid(), without.grid());
+    let mut known = 0;
+    for index in 0..with.grid().rows * with.grid().columns {
+        let (row, column) = (index / with.grid().columns, index % with.grid().columns);
+        let heights_m = (with.post_m(row, column), without.post_m(row, column));
+        if let (Some(one_m), Some(other_m)) = heights_m {
+            known += 1;
+            assert!(
+                (one_m - other_m).abs() <= 0.05,
+                "{row} {column}: {heights_m:?}"
+            );
+        }
+        assert_eq!(heights_m.0.is_some(), heights_m.1.is_some());
+    }
+    assert!(known > 10_000);
+}

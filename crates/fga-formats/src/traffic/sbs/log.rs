@@ -57,24 +57,13 @@ impl<R: BufRead> Log<R> {
     /// The next line, cut after [`LONGEST_LINE`]; `None` at the end or when the input fails.
     fn next_raw(&mut self) -> Option<Vec<u8>> {
         let mut line = Vec::new();
-        loop {
-            let buffer = match self.input.fill_buf() {
-                Ok(buffer) if !buffer.is_empty() => buffer,
-                _ => return (!line.is_empty()).then_some(line),
-            };
-            let end = buffer.iter().position(|byte| *byte == b'\n');
-            let part = buffer
-                .get(..end.unwrap_or(buffer.len()))
-                .unwrap_or_default();
-            // One byte more than accepted, so that a cut line shows as too long.
-            let room = (LONGEST_LINE + 1).saturating_sub(line.len());
-            line.extend(part.iter().take(room));
-            let used = part.len() + usize::from(end.is_some());
-            self.input.consume(used);
-            if end.is_some() {
-                return Some(line);
-            }
+        // One byte more than accepted, so that a cut line shows as too long.
+        let mut part = self.input.by_ref().take(LONGEST_LINE as u64 + 1);
+        let read = part.read_until(b'\n', &mut line);
+        if line.pop_if(|byte| *byte == b'\n').is_none() && line.len() > LONGEST_LINE {
+            self.input.skip_until(b'\n').ok()?;
         }
+        (read.is_ok_and(|count| count > 0) || !line.is_empty()).then_some(line)
     }
 
     /// A line with its time.

@@ -7,7 +7,7 @@ use crate::geodesy::course_from_compass_rad;
 use crate::tally::LeftOut;
 use crate::traffic::lines::LONGEST_LINE;
 use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport};
-use crate::units::{Feet, FeetPerMinute, Knots};
+use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// Fields of a message.
 pub(super) const FIELDS: usize = 22;
@@ -88,41 +88,9 @@ pub(crate) fn is_message(line: &str) -> bool {
 
 /// The report in a line without a recorder's time.
 pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
-    let mut found = [""; FIELDS];
-    let mut mlat_error = "";
-    let mut count = 0;
-    for field in fields(line) {
-        match found.get_mut(count) {
-            Some(place) => *place = field,
-            None if count == MLAT_ERROR => mlat_error = field,
-            None => {}
-        }
-        count += 1;
-    }
-    let [
-        word,
-        kind,
-        _,
-        _,
-        address,
-        _,
-        date,
-        time,
-        sent_date,
-        sent_time,
-        callsign,
-        altitude,
-        ground_speed,
-        track,
-        latitude,
-        longitude,
-        climb,
-        _,
-        _,
-        _,
-        _,
-        on_ground,
-    ] = found;
+    let fields: Vec<&str> = fields(line).collect();
+    let field = |index: usize| fields.get(index).copied().unwrap_or_default();
+    let (count, word, kind) = (fields.len(), field(0), field(1));
     if line.is_empty() || OTHER_WORDS.contains(&word) {
         return Err(LeftOut::NotNeeded);
     }
@@ -136,30 +104,30 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
     if kind.len() > 1 || kind.bytes().any(|byte| !byte.is_ascii_digit()) {
         return Err(LeftOut::UnreadableField);
     }
-    let address = address_of(address)?;
-    let latitude_deg = number(latitude, 90.0)?;
-    let longitude_deg = number(longitude, 180.0)?;
+    let address = address_of(field(4))?;
+    let latitude_deg = number(field(14), 90.0)?;
+    let longitude_deg = number(field(15), 180.0)?;
     let place_deg = match (latitude_deg, longitude_deg) {
         // Senders without a position write zeros.
         (Some(0.0), Some(0.0)) | (None, _) | (_, None) => None,
         (Some(latitude_deg), Some(longitude_deg)) => Some([latitude_deg, longitude_deg]),
     };
-    let speed_kn = number(ground_speed, 4000.0)?.filter(|speed| *speed >= 0.0);
+    let speed_kn = number(field(12), 4000.0)?.filter(|speed| *speed >= 0.0);
     let error_m = if word == "MLAT" {
-        number(mlat_error, 1e9)?.filter(|error_m| *error_m > 0.0)
+        number(field(MLAT_ERROR), 1e9)?.filter(|error_m| *error_m > 0.0)
     } else {
         None
     };
     let report = TrafficReport {
         address,
-        callsign: Callsign::new(callsign),
+        callsign: Callsign::new(field(10)),
         place_deg,
-        altitude: altitude_of(altitude)?,
-        ground_speed_mps: speed_kn.map(|knots| Knots(knots).to_mps()),
-        course_rad: number(track, 360.0)?.map(course_from_compass_rad),
-        climb_mps: number(without_geometric(climb), 60_000.0)?
-            .map(|fpm| FeetPerMinute(fpm).to_mps()),
-        on_ground: match on_ground {
+        altitude: altitude_of(field(11))?,
+        ground_speed_mps: speed_kn.map(|knots| knots * KNOT_MPS),
+        course_rad: number(field(13), 360.0)?.map(course_from_compass_rad),
+        climb_mps: number(without_geometric(field(16)), 60_000.0)?
+            .map(|fpm| fpm * FOOT_PER_MINUTE_MPS),
+        on_ground: match field(21) {
             "" => None,
             "0" => Some(false),
             "1" | "-1" => Some(true),
@@ -168,15 +136,11 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
         position_error_m: error_m.map(|sigma_m| sigma_m * SIGMAS_IN_95),
         ..TrafficReport::default()
     };
-    let nothing = TrafficReport {
-        address,
-        ..TrafficReport::default()
-    };
-    if report == nothing {
+    if report.says_nothing() {
         return Err(LeftOut::NotNeeded);
     }
-    let age_s = time::instant_s(date, time)
-        .zip(time::instant_s(sent_date, sent_time))
+    let age_s = time::instant_s(field(6), field(7))
+        .zip(time::instant_s(field(8), field(9)))
         .map_or(0.0, |(heard_s, sent_s)| sent_s - heard_s);
     match age_s {
         0.0..=OLDEST_S => Ok(TrafficReport { age_s, ..report }),
@@ -204,7 +168,7 @@ pub(super) fn address_of(text: &str) -> Result<u32, LeftOut> {
 pub(super) fn altitude_of(text: &str) -> Result<Option<Altitude>, LeftOut> {
     let digits = without_geometric(text);
     let is_geometric = digits.len() < text.len();
-    let altitude = number(digits, 150_000.0)?.map(|feet| Feet(feet).to_m());
+    let altitude = number(digits, 150_000.0)?.map(|feet| feet * FOOT_M);
     Ok(altitude.map(if is_geometric {
         Altitude::Ellipsoid
     } else {
