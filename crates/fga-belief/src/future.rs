@@ -157,9 +157,9 @@ impl Future {
     }
 }
 
-/// What an aircraft may do at any moment, whatever its future: a turn, a climb or a descent within its bounds.
+/// What an aircraft may do in place of any of its futures: a turn, a climb or a descent within its bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Freedom {
+pub struct Otherwise {
     /// The chance that it does.
     pub share: f32,
     speed_mps: f32,
@@ -167,7 +167,7 @@ pub struct Freedom {
     climb_mps: f32,
 }
 
-impl Freedom {
+impl Otherwise {
     /// Of what keeps its velocity.
     pub const NONE: Self = Self {
         share: 0.0,
@@ -190,8 +190,8 @@ pub struct Futures {
     pub origin_m: Vec3,
     /// Variances of the errors that last, along each horizontal axis and of the altitude, m².
     pub lasting_m2: [f32; 2],
-    /// What it may do at any moment.
-    pub freedom: Freedom,
+    /// What it may do in place of each.
+    pub otherwise: Otherwise,
     /// How well place and velocity are known now: variances along a horizontal axis and of the altitude, m² and m²/s².
     pub known: [[f32; 2]; 2],
     /// The futures; the first of them need not be the most likely one.
@@ -240,8 +240,8 @@ impl Belief {
         }
         let turn = Turn::mixed(&now.turns);
         let speed_mps = libm::sqrtf(turn.at[1].squared());
-        let freedom = Freedom {
-            share: prior::FREE_SHARE,
+        let otherwise = Otherwise {
+            share: prior::OTHERWISE,
             speed_mps,
             across_mps2: speed_mps * brief,
             climb_mps: now.bounds.climb_change_mps as f32,
@@ -249,7 +249,7 @@ impl Belief {
         Futures {
             origin_m: now.origin_m,
             lasting_m2,
-            freedom,
+            otherwise,
             known: [[turn.own[0], turn.own[1]], Climb::mixed(&now.climbs).own],
             all,
         }

@@ -56,8 +56,9 @@ pub(crate) const CLIMB_MPS: f32 = 3.0;
 /// Turn rate of a turn that begins, as a share of the sustained one: mean and σ.
 pub(crate) const TURN_SHARE: (f32, f32) = (0.8, 0.4);
 
-/// The chance that an aircraft does anything that its bounds allow: 28 futures say nothing of what is less likely.
-pub(crate) const FREE_SHARE: f32 = 0.02;
+/// The chance that an aircraft does anything that its bounds allow: 28 futures say nothing of what is less likely. Without it 7.7 of 100 recorded
+/// aircraft, seen with σ of 5 m, are beyond the quantiles across their way that 2 are to be beyond after five seconds; with it 5.0.
+pub(crate) const OTHERWISE: f32 = 0.02;
 
 /// Turn rate of straight flight ahead, σ, radians per second: pilots wander. Without it and the next one 9 of 100 recorded aircraft, seen with
 /// σ of 5 m, are beyond the quantiles across their way that 2 are to be beyond after ten seconds.

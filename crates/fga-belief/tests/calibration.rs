@@ -32,18 +32,18 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
         if low > high {
             return 0.0;
         }
-        let within = |free_m: [f32; 2]| {
-            let sigma_m = |spread: &Spread, lasting_m2: f32, free_m: f32| {
-                (spread.variance(at_s) + lasting_m2 + free_m * free_m).sqrt()
+        let within = |other_m: [f32; 2]| {
+            let sigma_m = |spread: &Spread, lasting_m2: f32, other_m: f32| {
+                (spread.variance(at_s) + lasting_m2 + other_m * other_m).sqrt()
             };
-            let beside_m = sigma_m(&future.beside, beside_m2, free_m[0]);
-            let above_m = sigma_m(&future.above, above_m2, free_m[1]);
+            let beside_m = sigma_m(&future.beside, beside_m2, other_m[0]);
+            let above_m = sigma_m(&future.above, above_m2, other_m[1]);
             Futures::comes_within(least_m, least_m, radius_m, beside_m)
                 * Futures::comes_within(low, high, half_m, above_m)
         };
-        let freedom = &futures.freedom;
-        let free = within(freedom.off_m(at_s));
-        future.weight * ((1.0 - freedom.share) * within([0.0; 2]) + freedom.share * free)
+        let otherwise = &futures.otherwise;
+        let other = within(otherwise.off_m(at_s));
+        future.weight * ((1.0 - otherwise.share) * within([0.0; 2]) + otherwise.share * other)
     };
     futures.all.iter().map(one).sum()
 }
@@ -196,13 +196,13 @@ fn recorded_flights_are_where_their_futures_say() {
                         let at = future.position_m(f32::from(*ahead_s)).map(f64::from);
                         let off = later.position_m - futures.origin_m - Vec3::from(at);
                         let after_s = f32::from(*ahead_s);
-                        let (share, free_m) =
-                            (futures.freedom.share, futures.freedom.off_m(after_s));
+                        let (share, other_m) =
+                            (futures.otherwise.share, futures.otherwise.off_m(after_s));
                         for (share, [beside_m, above_m]) in
-                            [(1.0 - share, [0.0; 2]), (share, free_m)]
+                            [(1.0 - share, [0.0; 2]), (share, other_m)]
                         {
-                            let spread = |spread: &Spread, lasting_m2: f32, free_m: f32| {
-                                spread.variance(after_s) + lasting_m2 + free_m * free_m
+                            let spread = |spread: &Spread, lasting_m2: f32, other_m: f32| {
+                                spread.variance(after_s) + lasting_m2 + other_m * other_m
                             };
                             let [lasting_m2, above_m2] = futures.lasting_m2;
                             let beside_m2 = spread(&future.beside, lasting_m2, beside_m);

@@ -23,10 +23,11 @@ const LEAVES_S: usize = 15;
 const NEAR_SIGMAS: f32 = 2.0;
 
 /// Something else than its future brings an aircraft near only within this many σ.
-const FREE_SIGMAS: f32 = 3.0;
+const OTHER_SIGMAS: f32 = 3.0;
 
-/// Futures that are less than this apart do the same, however sharp the sight: place and velocity along a horizontal axis, and in altitude,
-/// metres and metres per second.
+/// Futures that are less than this apart look the same later, however sharp the sight, because they differ in what they have not begun: place
+/// and velocity along a horizontal axis, and in altitude, metres and metres per second. With exact sight of the recorded flights, ten reports
+/// a second, 1 of 41 losses of well clear is left; where they are told apart, 5.
 const SAME: [[f32; 2]; 2] = [[10.0, 2.0], [5.0, 1.0]];
 
 /// Chances of a path.
@@ -71,13 +72,13 @@ impl Chance {
 
 /// How a path passes a future.
 #[derive(Debug, Clone, Copy)]
-struct Passing {
+struct Meeting {
     /// Horizontal distance, and the σ of both axes, metres.
     expected: [f32; 3],
     /// How far the future is above the path there, metres.
     dz_m: f32,
     /// The σ of both axes if it does something else, metres.
-    free_m: [f32; 2],
+    other_m: [f32; 2],
 }
 
 /// The positions of an aircraft's futures, second by second, metres from where the own aircraft is now.
@@ -92,9 +93,9 @@ pub(crate) struct Ahead {
     /// σ of the altitude, metres.
     above_m: [[f32; FUTURES]; SECONDS + 1],
     /// The chance that it does something else, and how far off it is then: σ of both axes, metres.
-    free: f32,
-    free_m: [[f32; 2]; SECONDS + 1],
-    /// How well place and velocity are known now, as of [`Futures::known`].
+    other: f32,
+    other_m: [[f32; 2]; SECONDS + 1],
+    /// How well place and velocity are told apart: variances as of [`Futures::known`], at least those of what looks the same.
     known: [[f32; 2]; 2],
     radius_m: f32,
     half_height_m: f32,
@@ -108,9 +109,9 @@ impl Ahead {
         weights: [0.0; FUTURES],
         beside_m: [[0.0; FUTURES]; SECONDS + 1],
         above_m: [[0.0; FUTURES]; SECONDS + 1],
-        free: 0.0,
-        free_m: [[0.0; 2]; SECONDS + 1],
-        known: [[0.0; 2]; 2],
+        other: 0.0,
+        other_m: [[0.0; 2]; SECONDS + 1],
+        known: [[1.0; 2]; 2],
         radius_m: 0.0,
         half_height_m: 0.0,
     };
@@ -146,11 +147,17 @@ impl Ahead {
         for (weight, future) in self.weights.iter_mut().zip(&futures.all) {
             *weight = future.weight;
         }
-        self.known = futures.known;
-        self.free = futures.freedom.share;
-        for (free_m, second) in self.free_m.iter_mut().zip(0_u8..) {
-            *free_m = futures
-                .freedom
+        let known = self.known.iter_mut().zip(futures.known).zip(SAME);
+        for ((known, variances), [place_m, velocity_mps]) in known {
+            *known = [
+                variances[0].max(place_m * place_m),
+                variances[1].max(velocity_mps * velocity_mps),
+            ];
+        }
+        self.other = futures.otherwise.share;
+        for (other_m, second) in self.other_m.iter_mut().zip(0_u8..) {
+            *other_m = futures
+                .otherwise
                 .off_m((f32::from(second) - learned_s).max(0.0));
         }
         self.radius_m = volume.radius_m() as f32;
@@ -171,7 +178,7 @@ impl Ahead {
         self.weights[0] = 1.0;
         self.beside_m = [[0.0; FUTURES]; SECONDS + 1];
         self.above_m = [[0.0; FUTURES]; SECONDS + 1];
-        self.free = 0.0;
+        self.other = 0.0;
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
     }
@@ -250,14 +257,14 @@ impl Ahead {
                 if low <= high {
                     let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
                     let above = Futures::comes_within(*low, *high, half_m, above_m);
-                    sum = (1.0 - self.free) * beside * above;
+                    sum = (1.0 - self.other) * beside * above;
                 }
-                let [beside_m, above_m] = passing.free_m;
-                if away_m < radius_m + FREE_SIGMAS * beside_m {
+                let [beside_m, above_m] = passing.other_m;
+                if away_m < radius_m + OTHER_SIGMAS * beside_m {
                     let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
                     let dz = passing.dz_m;
                     let above = Futures::comes_within(dz, dz, half_m, above_m);
-                    sum += self.free * beside * above;
+                    sum += self.other * beside * above;
                 }
                 *chance = sum.into();
             }
@@ -274,15 +281,14 @@ impl Ahead {
         for (happens, row) in looks.iter_mut().enumerate() {
             for ((future, look), weight) in row.iter_mut().enumerate().zip(&self.weights) {
                 let mut apart = 0.0;
-                for (of, ([place_m2, velocity_m2ps2], [least_m, least_mps])) in axes
-                    .into_iter()
-                    .zip([(beside, SAME[0]), (beside, SAME[0]), (above, SAME[1])])
+                for (of, [place_m2, velocity_m2ps2]) in
+                    axes.into_iter().zip([beside, beside, above])
                 {
                     let apart_m = |second| value(of, second, future) - value(of, second, happens);
                     let place_m = apart_m(after_s);
                     let velocity_mps = apart_m(after_s + 1) - place_m;
-                    apart += place_m * place_m / place_m2.max(least_m * least_m)
-                        + velocity_mps * velocity_mps / velocity_m2ps2.max(least_mps * least_mps);
+                    apart +=
+                        place_m * place_m / place_m2 + velocity_mps * velocity_mps / velocity_m2ps2;
                 }
                 // The likelihood exp(-d² / 2), with the error of what happens and that of what is known of it.
                 *look = weight * libm::expf(-apart / 4.0);
@@ -301,16 +307,16 @@ impl Ahead {
     }
 
     /// How far a path passes a future beside, near a second, and the σ of both axes there, metres: distance, σ beside, σ above.
-    fn passing(&self, path: &Path, at: usize, future: usize) -> Passing {
+    fn passing(&self, path: &Path, at: usize, future: usize) -> Meeting {
         let [beside_m, above_m] = [&self.beside_m, &self.above_m].map(|of| value(of, at, future));
-        let free_m = self.free_m.get(at).copied().unwrap_or_default();
+        let other_m = self.other_m.get(at).copied().unwrap_or_default();
         let own_z = path.get(at).map_or(0.0, |place| place[2]);
-        Passing {
+        Meeting {
             expected: [self.closest_m(path, at, future), beside_m, above_m],
             dz_m: value(&self.z, at, future) - own_z,
-            free_m: [
-                libm::hypotf(beside_m, free_m[0]),
-                libm::hypotf(above_m, free_m[1]),
+            other_m: [
+                libm::hypotf(beside_m, other_m[0]),
+                libm::hypotf(above_m, other_m[1]),
             ],
         }
     }

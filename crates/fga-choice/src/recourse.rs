@@ -26,8 +26,8 @@ const WAYS: usize = 8;
 /// A number for each future that may happen.
 type Each = [f64; FUTURES];
 
-/// The aircraft of which something is learned, the others, and when.
-struct Learned<'a> {
+/// The aircraft that is studied, of which something is learned, the others, and where the own aircraft is beside its leg.
+struct Studied<'a> {
     threat: Other<'a>,
     rest: Others<'a>,
     here: Aside,
@@ -48,7 +48,7 @@ impl Chooser {
         here: &Aside,
         flight: &mut FlightPath,
     ) {
-        let Some(learned) = self.learned(scene, others, here, flight) else {
+        let Some(studied) = self.studied(scene, others, here, flight) else {
             return;
         };
         let before = self.ranked;
@@ -68,20 +68,20 @@ impl Chooser {
                 .into_iter()
                 .chain(ways.clone().flat_map(both)),
         );
-        let (looks, _) = self.learn(scene, &learned, LEFT_S, flight);
+        let (looks, _) = self.learn(scene, &studied, LEFT_S, flight);
         for ((way, chance), place) in ways.clone().zip(0..) {
-            let (on_m, _) = self.costs_m(scene, &learned, &looks, 1 + 2 * place, flight);
-            let (back_m, _) = self.costs_m(scene, &learned, &looks, 2 + 2 * place, flight);
+            let (on_m, _) = self.costs_m(scene, &studied, &looks, 1 + 2 * place, flight);
+            let (back_m, _) = self.costs_m(scene, &studied, &looks, 2 + 2 * place, flight);
             let cost_m = self.mean_m(&least(&on_m, &back_m));
             self.rank(Plan::Off(way, now_s), &chance, cost_m);
         }
         for later_s in LATER_S {
             let later = ways.clone().map(|(way, _)| Plan::Off(way, now_s + later_s));
             self.begin([Plan::Mission].into_iter().chain(later));
-            let (looks, mut least_m) = self.learn(scene, &learned, later_s, flight);
+            let (looks, mut least_m) = self.learn(scene, &studied, later_s, flight);
             let mut always_m = [f64::INFINITY; WAYS];
             for (always_m, place) in always_m.iter_mut().zip(1..self.looked.len()) {
-                let (costs_m, mean_m) = self.costs_m(scene, &learned, &looks, place, flight);
+                let (costs_m, mean_m) = self.costs_m(scene, &studied, &looks, place, flight);
                 least_m = least(&least_m, &costs_m);
                 *always_m = mean_m;
             }
@@ -95,14 +95,14 @@ impl Chooser {
         }
     }
 
-    /// The one that the mission is most likely to meet, of which something is learned, and the others.
-    fn learned<'a>(
+    /// The one that the mission is most likely to meet is studied.
+    fn studied<'a>(
         &mut self,
         scene: &Scene<'_>,
         others: &Others<'a>,
         here: &Aside,
         flight: &mut FlightPath,
-    ) -> Option<Learned<'a>> {
+    ) -> Option<Studied<'a>> {
         let (mut most, mut at) = (-1.0, 0);
         for (place, other) in others.iter().enumerate().filter(|_| others.len() > 1) {
             let mut only = Others::new((0.0, None));
@@ -116,7 +116,7 @@ impl Chooser {
         }
         let mut rest = *others;
         let threat = rest.get_mut(at)?.1.take()?;
-        Some(Learned {
+        Some(Studied {
             threat,
             rest,
             here: *here,
@@ -128,17 +128,17 @@ impl Chooser {
     fn learn(
         &mut self,
         scene: &Scene<'_>,
-        learned: &Learned<'_>,
+        studied: &Studied<'_>,
         after_s: f64,
         flight: &mut FlightPath,
     ) -> (Looks, Each) {
-        self.look(scene, &learned.rest, flight);
-        (learned.threat).ahead(scene, after_s as f32, &mut self.ahead);
+        self.look(scene, &studied.rest, flight);
+        (studied.threat).ahead(scene, after_s as f32, &mut self.ahead);
         let mut looks = Looks {
             looks: self.ahead.looks_after(whole(after_s, SECONDS - 1)),
             starts_m: [0.0; FUTURES],
         };
-        let (each, rest_m) = self.met(scene, learned, 0, flight);
+        let (each, rest_m) = self.met(scene, studied, 0, flight);
         let mut costs_m = [0.0; FUTURES];
         for ((cost_m, starts_m), looks) in (costs_m.iter_mut())
             .zip(&mut looks.starts_m)
@@ -155,12 +155,12 @@ impl Chooser {
     fn costs_m(
         &mut self,
         scene: &Scene<'_>,
-        learned: &Learned<'_>,
+        studied: &Studied<'_>,
         looks: &Looks,
         place: usize,
         flight: &mut FlightPath,
     ) -> (Each, f64) {
-        let (each, rest_m) = self.met(scene, learned, place, flight);
+        let (each, rest_m) = self.met(scene, studied, place, flight);
         let mut costs_m = looks.starts_m;
         for (cost_m, looks) in costs_m.iter_mut().zip(&looks.looks) {
             *cost_m += rest_m + price::loss_m(&Chance::mean(&each, looks));
@@ -169,11 +169,11 @@ impl Chooser {
         (costs_m, rest_m + price::loss_m(&met))
     }
 
-    /// The chances of a plan with the aircraft of which something is learned, for each of its futures, and what it costs beside that, metres.
+    /// The chances of a plan with the aircraft that is studied, for each of its futures, and what it costs beside that, metres.
     fn met(
         &mut self,
         scene: &Scene<'_>,
-        learned: &Learned<'_>,
+        studied: &Studied<'_>,
         place: usize,
         flight: &mut FlightPath,
     ) -> ([Chance; FUTURES], f64) {
@@ -182,7 +182,7 @@ impl Chooser {
         let departs_m = self
             .looked
             .get(place)
-            .map(|one| one.departs_m(scene, &learned.here));
+            .map(|one| one.departs_m(scene, &studied.here));
         let rest_m = price::loss_m(&rest.unwrap_or_default()) + departs_m.unwrap_or(0.0);
         (each, rest_m)
     }

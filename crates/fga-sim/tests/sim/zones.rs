@@ -182,7 +182,7 @@ fn every_polygon_of_a_file_is_a_zone_with_its_name() {
         ),
         (
             r#"{"type":"Polygon","coordinates":[[[8.0,47.0],[8.1,47.1],[8.0,47.0]]]}"#,
-            "2 corners",
+            "fewer than 3 corners",
         ),
         (&polygon("yard", [8.005, -47.002]), "km from the origin"),
     ] {
