@@ -306,7 +306,7 @@ impl Ahead {
         &self.weights
     }
 
-    /// How far a path passes a future beside, near a second, and the σ of both axes there, metres: distance, σ beside, σ above.
+    /// How a path passes a future near a second.
     fn passing(&self, path: &Path, at: usize, future: usize) -> Meeting {
         let [beside_m, above_m] = [&self.beside_m, &self.above_m].map(|of| value(of, at, future));
         let other_m = self.other_m.get(at).copied().unwrap_or_default();
