@@ -360,3 +360,26 @@ fn value(of: &[[f32; FUTURES]; SECONDS + 1], second: usize, future: usize) -> f3
     let row = of.get(second).and_then(|row| row.get(future));
     row.copied().unwrap_or(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 28 futures one goes aside at 20 m/s, one at 0.5 m/s: after five seconds the first is known from all others, the second from none.
+    #[test]
+    fn what_is_begun_is_learned_and_what_is_hardly_apart_is_not() {
+        let mut ahead = Ahead::NONE;
+        ahead.weights = [1.0 / FUTURES as f32; FUTURES];
+        ahead.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
+        for (ys, second) in ahead.y.iter_mut().zip(0_u8..) {
+            ys[0] = 20.0 * f32::from(second);
+            ys[1] = 0.5 * f32::from(second);
+        }
+        let looks = ahead.looks_after(5);
+        for row in looks {
+            assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-4);
+        }
+        assert!(looks[0][0] > 0.99 && looks[2][0] < 0.01);
+        assert!((looks[2][1] / looks[2][3] - 1.0).abs() < 0.1);
+    }
+}
