@@ -6,11 +6,9 @@ use crate::Belief;
 use crate::climb::Climb;
 use crate::complex::{Complex, turned};
 use crate::prior;
-use crate::table::{DRAWN, TABLE, normal, unit};
+pub use crate::table::FUTURES;
+use crate::table::{TABLE, normal, unit};
 use crate::turn::{Kind, Turn};
-
-/// Futures of an aircraft.
-pub const FUTURES: usize = DRAWN;
 
 /// A turn is followed by chords that bow by this, metres.
 const BOW_M: f32 = 3.0;
@@ -90,8 +88,8 @@ impl Spread {
         }
     }
 
-    /// What of the variance after a time is learned until another one, seconds, as a σ, metres; and what is left of it, m²: a belief stays
-    /// as sharp as it is.
+    /// The variance after a time, in two parts: the σ of the part that reports show by an earlier time, metres, and the variance that remains,
+    /// m². Times in seconds. A belief stays as sharp as it is.
     pub fn parted(&self, after_s: f32, learned_s: f32) -> (f32, f32) {
         let left_m2 = self.variance((after_s - learned_s).max(0.0));
         let learned_m2 = self.variance(after_s) - left_m2;
@@ -168,14 +166,6 @@ pub struct Otherwise {
 }
 
 impl Otherwise {
-    /// Of what keeps its velocity.
-    pub const NONE: Self = Self {
-        share: 0.0,
-        speed_mps: 0.0,
-        across_mps2: 0.0,
-        climb_mps: 0.0,
-    };
-
     /// How far it may be off after a time along a horizontal axis and in altitude, as σ of an even distribution, metres.
     pub fn off_m(&self, after_s: f32) -> [f32; 2] {
         let beside_m = (self.across_mps2 * after_s / 2.0).min(self.speed_mps) * after_s;
@@ -234,10 +224,12 @@ impl Belief {
         let lasting_m2 =
             [errors.lasting_position_m, errors.lasting_altitude_m].map(|sigma| sigma.variance(0.0));
         let brief = now.bounds.brief_turn_rate_radps as f32;
-        let mut all = [now.drawn(TABLE[0], 0, brief); FUTURES];
-        for ((future, row), n) in all.iter_mut().zip(&TABLE).zip(0_u8..) {
-            *future = now.drawn(*row, n, brief);
-        }
+        let mut n = 0;
+        let all = TABLE.map(|row| {
+            let future = now.drawn(row, n, brief);
+            n += 1;
+            future
+        });
         let turn = Turn::mixed(&now.turns);
         let speed_mps = libm::sqrtf(turn.at[1].squared());
         let otherwise = Otherwise {
@@ -289,7 +281,7 @@ impl Belief {
         let until_s = [&second, &third].into_iter().find(changes);
         let until_s = until_s.map_or(f32::INFINITY, |leg| leg.from_s);
         Future {
-            weight: 1.0 / DRAWN as f32,
+            weight: 1.0 / FUTURES as f32,
             beside: Spread::beside(&turn),
             above: Spread::above(&climb, until_s),
             off: off(n),
@@ -340,7 +332,7 @@ impl Belief {
 
 /// Where the `n`th future is off: numbers of another row, so that they say nothing of its changes.
 fn off(n: u8) -> [f32; 3] {
-    let row = (usize::from(n) + DRAWN / 2) % DRAWN;
+    let row = (usize::from(n) + FUTURES / 2) % FUTURES;
     let [.., what1, how1, _, what2, _] = TABLE.get(row).copied().unwrap_or_default();
     [what1, how1, what2].map(normal)
 }

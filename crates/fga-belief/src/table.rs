@@ -1,12 +1,12 @@
 //! The quasi-random numbers of the futures: one fixed table, the same for all aircraft, steps and candidates, so that a
 //! difference is one of candidates, not of luck.
 
-/// Futures that are drawn.
-pub(crate) const DRAWN: usize = 28;
+/// Futures of an aircraft.
+pub const FUTURES: usize = 28;
 
 /// A Latin hypercube: each column is an order of the 28 strata, and no two columns correlate by more than 0.03, nor with the
 /// order of the rows.
-pub(crate) const TABLE: [[u8; 8]; DRAWN] = [
+pub(crate) const TABLE: [[u8; 8]; FUTURES] = [
     [14, 18, 15, 8, 4, 15, 23, 23],
     [12, 10, 2, 5, 12, 22, 15, 15],
     [26, 8, 20, 27, 20, 1, 20, 8],
@@ -39,7 +39,7 @@ pub(crate) const TABLE: [[u8; 8]; DRAWN] = [
 
 /// The middle of a stratum, in (0, 1).
 pub(crate) fn unit(stratum: u8) -> f32 {
-    (f32::from(stratum) + 0.5) / DRAWN as f32
+    (f32::from(stratum) + 0.5) / FUTURES as f32
 }
 
 /// A normal number of a stratum (Winitzki's approximation of the inverse error function, within 0.01).
@@ -61,7 +61,7 @@ mod tests {
             let strata = TABLE
                 .iter()
                 .fold(0_u32, |seen, row| seen | 1 << row[column]);
-            assert_eq!(strata, (1 << DRAWN) - 1, "{column}");
+            assert_eq!(strata, (1 << FUTURES) - 1, "{column}");
         }
     }
 

@@ -26,8 +26,8 @@ const NEAR_SIGMAS: f32 = 2.0;
 const OTHER_SIGMAS: f32 = 3.0;
 
 /// Futures that are less than this apart look the same later, however sharp the sight, because they differ in what they have not begun: place
-/// and velocity along a horizontal axis, and in altitude, metres and metres per second. With exact sight of the recorded flights, ten reports
-/// a second, 1 of 41 losses of well clear is left; where they are told apart, 5.
+/// and velocity along a horizontal axis, and in altitude, metres and metres per second. In the recorded flights, seen exactly ten times a
+/// second, the policy `belief` leaves 1 of 41 losses of well clear. Without this limit it leaves 5.
 const SAME: [[f32; 2]; 2] = [[10.0, 2.0], [5.0, 1.0]];
 
 /// Chances of a path.
@@ -95,7 +95,7 @@ pub(crate) struct Ahead {
     /// The chance that it does something else, and how far off it is then: σ of both axes, metres.
     other: f32,
     other_m: [[f32; 2]; SECONDS + 1],
-    /// How well place and velocity are told apart: variances as of [`Futures::known`], at least those of what looks the same.
+    /// Variances as of [`Futures::known`], at least those of [`SAME`].
     known: [[f32; 2]; 2],
     radius_m: f32,
     half_height_m: f32,

@@ -96,7 +96,7 @@ impl Other<'_> {
 /// All that is near, with its distance.
 pub(crate) type Others<'a> = List<(f64, Option<Other<'a>>), MOST_WEIGHED>;
 
-/// Weighs plans. It holds its scratch space, some 30 kB.
+/// Weighs plans. It holds its scratch space.
 #[derive(Debug, Clone)]
 pub struct Chooser {
     pub(crate) ahead: Ahead,

@@ -26,7 +26,7 @@ const WAYS: usize = 8;
 /// A number for each future that may happen.
 type Each = [f64; FUTURES];
 
-/// The aircraft that is studied, of which something is learned, the others, and where the own aircraft is beside its leg.
+/// What a weighing with recourse is about: the aircraft whose future becomes known, the other aircraft, and the place beside the leg.
 struct Studied<'a> {
     threat: Other<'a>,
     rest: Others<'a>,
@@ -40,7 +40,7 @@ struct Looks {
 }
 
 impl Chooser {
-    /// Ranks the plans anew, with what is learned after their first steps: ways that begin now, and ways that begin later.
+    /// Ranks ways that begin now or later anew, each with what reports show after its first step.
     pub(crate) fn weigh_recourse(
         &mut self,
         scene: &Scene<'_>,

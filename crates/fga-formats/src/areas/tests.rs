@@ -1070,7 +1070,7 @@ fn one_airspace_that_cannot_be_read_is_named_beside_the_others() {
         found.notes,
         ["2 airspaces BAD (Missing lower bound for 'BAD') left out"]
     );
-    // An arc whose radius is none.
+    // The arc has a radius larger than the Earth.
     let wide = format!(
         "{good}AC R\nAN WIDE\nAH FL65\nAL GND\nV X=45:00:00 N 005:00:00 E\nDA 1e20,270,290\n"
     );

@@ -100,7 +100,7 @@ pub struct TerrainFile {
 }
 
 impl TerrainFile {
-    /// A file of one format, without its path; its vertical error is that of SRTM where it says none.
+    /// A file of one format, without its path. A file that states no vertical error has that of SRTM.
     pub(super) fn new(
         format: &'static str,
         fields: Vec<HeightField>,
