@@ -12,6 +12,7 @@ use crate::zones::{MAX_CORNERS, ZoneError, polygon};
 const LOOPS: f64 = 0.01;
 /// A part with a smaller area is rounding, square degrees: a hundredth of a square metre.
 const SLIVER_DEG2: f64 = 1e-12;
+
 /// All that the edges of an outline surround, without its holes, as polygons of latitudes and longitudes by their rings; `None` where no
 /// ring crosses or touches itself, or more of it does than a published outline may.
 pub(super) fn mended(rings_deg: &[Vec<[f64; 2]>]) -> Option<Vec<Vec<Vec<[f64; 2]>>>> {

@@ -9,6 +9,7 @@ use crate::traffic::address_in_words;
 
 /// Positions of the vehicle are taken at least this far apart, seconds: five of them a second.
 const EVERY_S: f64 = 0.19;
+
 /// The aircraft of a log. The vehicle's name comes before all addresses: it is the ownship.
 pub(super) fn parse(bytes: &[u8]) -> Received {
     let mut collector = Collector::default();
