@@ -33,6 +33,13 @@ struct Leg {
 }
 
 impl Leg {
+    /// Its position at a moment, seconds from the beginning of the first one, metres.
+    fn position_m(&self, at_s: f32) -> [f32; 3] {
+        let after_s = at_s - self.from_s;
+        let at = self.at + turned(self.turn_radps, after_s).0 * self.velocity;
+        [at.x, at.y, self.altitude_m + self.climb_mps * after_s]
+    }
+
     /// A later moment of it.
     fn later(&self, from_s: f32) -> Self {
         let (chord, _) = turned(self.turn_radps, from_s - self.from_s);
@@ -150,8 +157,7 @@ impl Future {
         } else {
             third
         };
-        let later = leg.later(after_s);
-        [later.at.x, later.at.y, later.altitude_m]
+        leg.position_m(after_s)
     }
 }
 
@@ -260,8 +266,8 @@ impl Belief {
         let ((), climb) = picked(&self.climbs, [(); 2], unit(a1), ((), self.climbs[0].1));
         let [at, velocity, _] = turn.at;
         let (mean, sigma) = acceleration(&turn);
-        let acceleration = mean + Complex::new(normal(a0), normal(a1)) * sigma;
-        let rate = (acceleration * velocity.conj()).y / velocity.squared().max(25.0);
+        let speed2 = velocity.squared().max(25.0);
+        let rate = (mean * velocity.conj()).y / speed2;
         let first = Leg {
             from_s: 0.0,
             at,
@@ -271,8 +277,9 @@ impl Belief {
             turn_radps: if kind.side() == 0.0 {
                 normal(a0) * prior::WANDERS_RADPS
             } else {
-                let change = normal(a0) * prior::TURN_CHANGE * self.bounds.turn_rate_radps as f32;
-                (rate + change).max(-brief_radps).min(brief_radps)
+                let change = prior::TURN_CHANGE * self.bounds.turn_rate_radps as f32;
+                let off = normal(a0) * libm::hypotf(sigma / libm::sqrtf(speed2), change);
+                (rate + off).max(-brief_radps).min(brief_radps)
             },
         };
         let second = self.changed(&first, [t1, what1, how1].map(unit));
@@ -316,7 +323,12 @@ impl Belief {
                 self.bounds.turn_rate_radps as f32 * (0.4 + 1.2 * share),
                 side,
             );
-            next.turn_radps = if turns { 0.0 } else { usual };
+            let ends = what * all < prior::TURN_ENDS_PER_S;
+            next.turn_radps = match (turns, ends) {
+                (true, true) => 0.0,
+                (true, false) => libm::copysignf(usual, -leg.turn_radps),
+                (false, _) => usual,
+            };
         } else if what * all < turn_rate + climb_rate {
             let usual = libm::copysignf(
                 self.bounds.climb_change_mps as f32 * (0.4 + 1.3 * share),

@@ -107,7 +107,11 @@ impl Beliefs {
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
         self.left_out = 0;
-        self.retain(|known| !known.belief.has_ended(situation.time_s));
+        self.retain(|known| {
+            let mut reported = situation.obstacles.iter();
+            !known.belief.has_ended(situation.time_s)
+                || reported.any(|obstacle| obstacle.id == known.id)
+        });
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
                 continue;

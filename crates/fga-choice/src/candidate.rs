@@ -122,11 +122,13 @@ impl Scene<'_> {
         let climb_mps = self.route.flyer.airspeed_mps() * libm::sin(climb_rad.abs());
         let levels_s = left_m / climb_mps.max(0.1);
         let course_rad = way.course_rad + self.turns_rad;
+        let mut levels_from_s = from_s;
         if levels_s > 0.5 {
             command.push(Stage::turn(from_s, course_rad, climb_rad));
+            levels_from_s += levels_s;
         }
         if levels_s < SECONDS as f64 {
-            command.push(Stage::turn(from_s + levels_s.max(0.0), course_rad, 0.0));
+            command.push(Stage::turn(levels_from_s, course_rad, 0.0));
         }
     }
 

@@ -16,7 +16,7 @@ const INNER: (f32, f32) = (0.62, 0.7);
 /// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
 const COLLISION_M: (f32, f32) = (152.4, 30.48);
 
-/// A volume that the aircraft is in is lost only if it is in it after this time, seconds, or again.
+/// A volume that the aircraft is in is lost only if it is in it after this time, seconds.
 const LEAVES_S: usize = 15;
 
 /// Heights count while a future is within the radius and this many σ of its place.
@@ -44,9 +44,17 @@ pub struct Chance {
 }
 
 impl Chance {
+    /// Of nothing.
+    pub(crate) const NONE: Self = Self {
+        loss: 0.0,
+        inner: 0.0,
+        collision: 0.0,
+        passed_s: 0.0,
+    };
+
     /// The mean of chances with these weights.
     pub(crate) fn mean(each: &[Self; FUTURES], weights: &[f32; FUTURES]) -> Self {
-        let mut sum = Self::default();
+        let mut sum = Self::NONE;
         for (chance, weight) in each.iter().zip(weights) {
             let weight = f64::from(*weight);
             sum = Self {
@@ -79,6 +87,15 @@ struct Meeting {
     dz_m: f32,
     /// The σ of both axes if it does something else, metres.
     other_m: [f32; 2],
+}
+
+/// How the futures may look at a later moment, each like one of them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Looks {
+    /// How likely each look is.
+    pub(crate) chances: [f32; FUTURES],
+    /// How likely each future is then, in one row for each look.
+    pub(crate) futures: [[f32; FUTURES]; FUTURES],
 }
 
 /// The positions of an aircraft's futures, second by second, metres from where the own aircraft is now.
@@ -254,16 +271,17 @@ impl Ahead {
                 let passing = if leaves { &later } else { &passing };
                 let [away_m, beside_m, above_m] = passing.expected;
                 let mut sum = 0.0;
-                if low <= high {
+                let dz_m = passing.dz_m;
+                if low <= high || away_m < radius_m + NEAR_SIGMAS * beside_m {
+                    let (low_m, high_m) = (low.min(dz_m), high.max(dz_m));
                     let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
-                    let above = Futures::comes_within(*low, *high, half_m, above_m);
+                    let above = Futures::comes_within(low_m, high_m, half_m, above_m);
                     sum = (1.0 - self.other) * beside * above;
                 }
                 let [beside_m, above_m] = passing.other_m;
                 if away_m < radius_m + OTHER_SIGMAS * beside_m {
                     let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
-                    let dz = passing.dz_m;
-                    let above = Futures::comes_within(dz, dz, half_m, above_m);
+                    let above = Futures::comes_within(dz_m, dz_m, half_m, above_m);
                     sum += self.other * beside * above;
                 }
                 *chance = sum.into();
@@ -272,33 +290,40 @@ impl Ahead {
         each
     }
 
-    /// How likely each future looks after some seconds, in one row for each future that happens. What is known then of place and velocity is
-    /// as sharp as what is known now.
-    pub(crate) fn looks_after(&self, after_s: usize) -> [[f32; FUTURES]; FUTURES] {
+    /// How the futures may look after some seconds. What is known then of place and velocity is as sharp as what is known now.
+    pub(crate) fn looks_after(&self, after_s: usize) -> Looks {
         let axes = [&self.x, &self.y, &self.z];
         let [beside, above] = self.known;
-        let mut looks = [[0.0; FUTURES]; FUTURES];
-        for (happens, row) in looks.iter_mut().enumerate() {
-            for ((future, look), weight) in row.iter_mut().enumerate().zip(&self.weights) {
+        let mut futures = [[0.0; FUTURES]; FUTURES];
+        for (look, row) in futures.iter_mut().enumerate() {
+            for (future, like) in row.iter_mut().enumerate() {
                 let mut apart = 0.0;
                 for (of, [place_m2, velocity_m2ps2]) in
                     axes.into_iter().zip([beside, beside, above])
                 {
-                    let apart_m = |second| value(of, second, future) - value(of, second, happens);
+                    let apart_m = |second| value(of, second, future) - value(of, second, look);
                     let place_m = apart_m(after_s);
                     let velocity_mps = apart_m(after_s + 1) - place_m;
                     apart +=
                         place_m * place_m / place_m2 + velocity_mps * velocity_mps / velocity_m2ps2;
                 }
                 // The likelihood exp(-d² / 2), with the error of what happens and that of what is known of it.
-                *look = weight * libm::expf(-apart / 4.0);
-            }
-            let sum = row.iter().sum::<f32>().max(f32::MIN_POSITIVE);
-            for look in row {
-                *look /= sum;
+                *like = libm::expf(-apart / 4.0);
             }
         }
-        looks
+        // A future looks like any of them, in proportion; what it looks like says how likely each is (Bayes).
+        let sums = futures.map(|row| row.iter().sum::<f32>());
+        let mut chances = [0.0; FUTURES];
+        for (row, chance) in futures.iter_mut().zip(&mut chances) {
+            for ((like, sum), weight) in row.iter_mut().zip(&sums).zip(&self.weights) {
+                *like *= weight / sum.max(f32::MIN_POSITIVE);
+            }
+            *chance = row.iter().sum::<f32>();
+            for like in row {
+                *like /= chance.max(f32::MIN_POSITIVE);
+            }
+        }
+        Looks { chances, futures }
     }
 
     /// Weights of the futures.
@@ -310,10 +335,10 @@ impl Ahead {
     fn passing(&self, path: &Path, at: usize, future: usize) -> Meeting {
         let [beside_m, above_m] = [&self.beside_m, &self.above_m].map(|of| value(of, at, future));
         let other_m = self.other_m.get(at).copied().unwrap_or_default();
-        let own_z = path.get(at).map_or(0.0, |place| place[2]);
+        let (away_m, dz_m) = self.closest_m(path, at, future);
         Meeting {
-            expected: [self.closest_m(path, at, future), beside_m, above_m],
-            dz_m: value(&self.z, at, future) - own_z,
+            expected: [away_m, beside_m, above_m],
+            dz_m,
             other_m: [
                 libm::hypotf(beside_m, other_m[0]),
                 libm::hypotf(above_m, other_m[1]),
@@ -333,25 +358,30 @@ impl Ahead {
         inside.map(|(_, weight)| weight).sum::<f32>() > 0.5
     }
 
-    /// The least horizontal distance of a path from a future, which is near at a second, metres: between seconds both fly straight.
-    fn closest_m(&self, path: &Path, at: usize, future: usize) -> f32 {
+    /// The least horizontal distance of a path from a future, which is near at a second, and how far the future is above it there, metres:
+    /// between seconds both fly straight.
+    fn closest_m(&self, path: &Path, at: usize, future: usize) -> (f32, f32) {
         let off = |second: usize| {
-            let [x, y, _] = path.get(second).copied().unwrap_or_default();
-            let (fx, fy) = (
-                value(&self.x, second, future),
-                value(&self.y, second, future),
-            );
-            (fx - x, fy - y)
+            let own = path.get(second).copied().unwrap_or_default();
+            let axes = [&self.x, &self.y, &self.z].into_iter().zip(own);
+            let mut off = [0.0; 3];
+            for (off, (of, own)) in off.iter_mut().zip(axes) {
+                *off = value(of, second, future) - own;
+            }
+            off
         };
-        let (x, y) = off(at);
-        let mut least = x * x + y * y;
+        let [x, y, z] = off(at);
+        let mut least = (x * x + y * y, z);
         for other in [at.saturating_sub(1), (at + 1).min(SECONDS)] {
-            let (dx, dy) = (off(other).0 - x, off(other).1 - y);
+            let [to_x, to_y, to_z] = off(other);
+            let (dx, dy) = (to_x - x, to_y - y);
             let share = (-(x * dx + y * dy) / (dx * dx + dy * dy).max(1e-6)).clamp(0.0, 1.0);
             let (x, y) = (x + share * dx, y + share * dy);
-            least = least.min(x * x + y * y);
+            if x * x + y * y < least.0 {
+                least = (x * x + y * y, z + share * (to_z - z));
+            }
         }
-        libm::sqrtf(least)
+        (libm::sqrtf(least.0), least.1)
     }
 }
 
@@ -375,10 +405,19 @@ mod tests {
             ys[0] = 20.0 * f32::from(second);
             ys[1] = 0.5 * f32::from(second);
         }
-        let looks = ahead.looks_after(5);
-        for row in looks {
+        let Looks { chances, futures } = ahead.looks_after(5);
+        for row in futures {
             assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-4);
         }
+        for future in 0..FUTURES {
+            let rows = futures.iter().zip(chances);
+            let sum: f32 = rows.map(|(row, chance)| chance * row[future]).sum();
+            assert!(
+                (sum - ahead.weights[future]).abs() < 1e-4,
+                "what is learned must keep what is believed"
+            );
+        }
+        let looks = futures;
         assert!(looks[0][0] > 0.99 && looks[2][0] < 0.01);
         assert!((looks[2][1] / looks[2][3] - 1.0).abs() < 0.1);
     }

@@ -17,10 +17,7 @@ use crate::price;
 /// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
 pub const MOST_WEIGHED: usize = 6;
 
-/// Goes back later, seconds.
-const BACK_S: [f64; 2] = [3.0, 8.0];
-
-/// Plans that are looked at together: courses with three climbs, the present way, and two ways back from it.
+/// Plans that are looked at together: courses with three climbs, the present way.
 const TOGETHER: usize = 60;
 
 /// Plans that are kept, the cheapest ones.
@@ -35,18 +32,16 @@ pub struct Ranked {
     pub chance: Chance,
     /// Its expected cost, metres.
     pub cost_m: f64,
+    /// What of that is for its start, or for a change from the present plan.
+    pub(crate) change_m: f64,
 }
 
 impl Ranked {
     const NONE: Self = Self {
         plan: Plan::Mission,
-        chance: Chance {
-            loss: 0.0,
-            inner: 0.0,
-            collision: 0.0,
-            passed_s: 0.0,
-        },
+        chance: Chance::NONE,
         cost_m: f64::INFINITY,
+        change_m: 0.0,
     };
 }
 
@@ -63,7 +58,7 @@ impl Looked {
     const fn new(plan: Plan) -> Self {
         Self {
             plan,
-            chance: Ranked::NONE.chance,
+            chance: Chance::NONE,
             there: Aside {
                 off_m: 0.0,
                 along_m: 0.0,
@@ -79,22 +74,43 @@ pub(crate) enum Other<'a> {
     Straight(Obstacle),
 }
 
-impl Other<'_> {
+/// One of the others, and what it costs on the mission, metres.
+#[derive(Clone, Copy)]
+pub(crate) struct Near<'a> {
+    other: Option<Other<'a>>,
+    /// How near it may come by its closing speed, metres.
+    away_m: f64,
+    pub(crate) loss_m: f64,
+}
+
+impl Near<'_> {
+    pub(crate) const NOTHING: Self = Self {
+        other: None,
+        away_m: f64::INFINITY,
+        loss_m: 0.0,
+    };
+
+    /// Whether the mission may meet it.
+    pub(crate) fn is_threat(&self) -> bool {
+        self.loss_m > price::no_loss_m(0.0)
+    }
+
     /// Its futures as they will be known after some seconds.
     pub(crate) fn ahead(&self, scene: &Scene<'_>, learned_s: f32, ahead: &mut Ahead) {
         let own_m = scene.now.position_m;
-        match self {
-            Self::Known(known) => {
+        match &self.other {
+            Some(Other::Known(known)) => {
                 let futures = known.belief.futures(scene.time_s);
                 ahead.set(&futures, own_m, &known.volume, learned_s);
             }
-            Self::Straight(obstacle) => ahead.set_straight(obstacle, own_m),
+            Some(Other::Straight(obstacle)) => ahead.set_straight(obstacle, own_m),
+            None => {}
         }
     }
 }
 
-/// All that is near, with its distance.
-pub(crate) type Others<'a> = List<(f64, Option<Other<'a>>), MOST_WEIGHED>;
+/// All that is near.
+pub(crate) type Others<'a> = List<Near<'a>, MOST_WEIGHED>;
 
 /// Weighs plans. It holds its scratch space.
 #[derive(Debug, Clone)]
@@ -149,22 +165,24 @@ impl Chooser {
         (present, away_s): (&Plan, f64),
         flight: &mut FlightPath,
     ) -> Chance {
-        let others = others(scene, beliefs, obstacles);
+        let mut others = others(scene, beliefs, obstacles);
         let here = Aside::at(scene, scene.now.position_m);
         self.ranked.clear();
-        self.begin([Plan::Mission]);
-        self.look(scene, &others, flight);
-        let hold = self
-            .looked
-            .first()
-            .map_or(Chance::default(), |on| on.chance);
-        if hold.loss < price::no_chance(away_s) {
-            self.rank(Plan::Mission, &hold, 0.0);
+        let mut hold = Chance::NONE;
+        for near in others.iter_mut() {
+            self.begin([Plan::Mission]);
+            self.look_at(scene, near, flight);
+            let one = self.looked.first().map_or(Chance::NONE, |on| on.chance);
+            near.loss_m = price::loss_m(&one);
+            hold = hold.and(one);
+        }
+        if price::loss_m(&hold) < price::no_loss_m(away_s) {
+            self.rank(Plan::Mission, &hold, (0.0, 0.0));
             return hold;
         }
         let flown = present.way_at(scene.time_s);
         let back_m = flown.map_or(0.0, |_| here.off_m);
-        self.rank(Plan::Mission, &hold, price::loss_m(&hold) + back_m);
+        self.rank(Plan::Mission, &hold, (price::loss_m(&hold) + back_m, 0.0));
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);
         let mut changes_m = 0.0;
@@ -172,22 +190,22 @@ impl Chooser {
             let Some(one) = self.looked.get(place).copied() else {
                 break;
             };
-            let mut cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
-            match (one.plan, flown) {
-                (Plan::Mission, _) => continue,
-                (Plan::Off(..), None) => cost_m += price::starts_m(&hold),
+            let cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
+            let change_m = match (one.plan, flown) {
+                (Plan::Mission | Plan::Back(..), _) => continue,
+                (Plan::Off(..), None) => price::starts_m(&hold),
                 // The present way is the first one off the mission.
                 (Plan::Off(way, _), Some(flown)) if way == flown => {
                     changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
+                    0.0
                 }
-                (Plan::Off(way, _), Some(flown)) => cost_m += changes_m + way.change_m(&flown),
-                (Plan::Back(..), _) => {}
-            }
-            self.rank(one.plan, &one.chance, cost_m);
+                (Plan::Off(way, _), Some(flown)) => changes_m + way.change_m(&flown),
+            };
+            self.rank(one.plan, &one.chance, (cost_m, change_m));
         }
         let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
-        if flown.is_none() && self.ranked.first().is_some_and(is_off) {
-            self.weigh_recourse(scene, &others, &here, flight);
+        if flown.is_some() || self.ranked.first().is_some_and(is_off) {
+            self.weigh_recourse(scene, (&others, &hold), (&here, back_m), flight);
         }
         hold
     }
@@ -197,13 +215,14 @@ impl Chooser {
         &self.ranked
     }
 
-    /// Puts a plan among the cheapest ones; of two that cost the same the first one stays before.
-    pub(crate) fn rank(&mut self, plan: Plan, chance: &Chance, cost_m: f64) {
+    /// Puts a plan among the cheapest ones, by its cost and that of a change to it, metres; of two that cost the same the first one stays before.
+    pub(crate) fn rank(&mut self, plan: Plan, chance: &Chance, (cost_m, change_m): (f64, f64)) {
         let chance = *chance;
         let new = Ranked {
             plan,
             chance,
-            cost_m,
+            cost_m: cost_m + change_m,
+            change_m,
         };
         keep_least(&mut self.ranked, new, |ranked| ranked.cost_m);
     }
@@ -218,19 +237,26 @@ impl Chooser {
 
     /// Adds up the chances of the plans with all others.
     pub(crate) fn look(&mut self, scene: &Scene<'_>, others: &Others<'_>, flight: &mut FlightPath) {
-        for other in others.iter().filter_map(|other| other.1) {
-            other.ahead(scene, 0.0, &mut self.ahead);
-            for place in 0..self.looked.len() {
-                self.meet(scene, place, flight);
-            }
+        for near in others.iter().filter(|near| near.other.is_some()) {
+            self.look_at(scene, near, flight);
         }
     }
 
-    /// Adds the chances of a plan with one of the others, and returns them for each of its futures.
+    /// Adds the chances of the plans with one of the others.
+    fn look_at(&mut self, scene: &Scene<'_>, near: &Near<'_>, flight: &mut FlightPath) {
+        near.ahead(scene, 0.0, &mut self.ahead);
+        for place in 0..self.looked.len() {
+            self.meet(scene, place, near.is_threat(), flight);
+        }
+    }
+
+    /// Adds the chances of a plan with one of the others, and returns them for each of its futures. A plan has passed when it has passed the
+    /// threats.
     pub(crate) fn meet(
         &mut self,
         scene: &Scene<'_>,
         place: usize,
+        is_threat: bool,
         flight: &mut FlightPath,
     ) -> [Chance; FUTURES] {
         let Some(looked) = self.looked.get_mut(place) else {
@@ -241,7 +267,10 @@ impl Chooser {
         scene.fly(&command, flight, &mut self.path);
         let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
         let each = self.ahead.meets(&self.path, !waits);
-        let chance = Chance::mean(&each, self.ahead.weights());
+        let mut chance = Chance::mean(&each, self.ahead.weights());
+        if !is_threat {
+            chance.passed_s = 0.0;
+        }
         let is_later = chance.passed_s >= looked.chance.passed_s;
         looked.chance = looked.chance.and(chance);
         if is_later {
@@ -265,23 +294,36 @@ fn keep_least<T: Copy, const N: usize>(
     kept.push(new);
 }
 
-/// The nearest of what is around, by distance, metres.
+/// The nearest of what is around.
 fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>) -> Others<'a> {
+    let route = scene.route;
     let own_m = scene.now.position_m;
-    let mut nearest = List::new((f64::INFINITY, None));
-    let mut keep = |away_m: f64, other| {
-        keep_least(&mut nearest, (away_m, Some(other)), |other| other.0);
+    let own_mps = route.flyer.velocity_mps(&scene.now) + route.wind_mps;
+    let mut nearest = List::new(Near::NOTHING);
+    let mut keep = |[at_m, v_mps]: [Vec3; 2], margin_m: f64, other| {
+        let off_m = at_m - own_m;
+        let closing_mps = (own_mps - v_mps).dot(off_m) / off_m.length().max(1.0);
+        let near = Near {
+            other: Some(other),
+            away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),
+            loss_m: 0.0,
+        };
+        keep_least(&mut nearest, near, |near| near.away_m);
     };
     for known in beliefs.iter() {
-        let at_m = known.belief.at(scene.time_s).position_m;
-        keep(at_m.distance(own_m), Other::Known(known));
+        let at = known.belief.at(scene.time_s);
+        let margin_m = known.volume.margin_m(own_m - at.position_m);
+        keep(
+            [at.position_m, at.velocity_mps],
+            margin_m,
+            Other::Known(known),
+        );
     }
     let keeps_on = |obstacle: &Obstacle| obstacle.movement.bounds().is_none();
     for obstacle in obstacles.iter().filter(keeps_on) {
-        keep(
-            obstacle.volume.margin_m(own_m - obstacle.position_m),
-            Other::Straight(obstacle),
-        );
+        let margin_m = obstacle.volume.margin_m(own_m - obstacle.position_m);
+        let at = [obstacle.position_m, obstacle.velocity_mps];
+        keep(at, margin_m, Other::Straight(obstacle));
     }
     nearest
 }
@@ -289,7 +331,6 @@ fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>
 /// The plans that begin now.
 fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
     let (time_s, leg_rad) = (scene.time_s, scene.leg_rad);
-    let backs = flown.map(|way| BACK_S.map(|back_s| Plan::Back(way, time_s + back_s)));
     let (low_rad, high_rad) = scene.climbs_rad;
     let can = move |up: &Up| match up {
         Up::Level => true,
@@ -304,10 +345,9 @@ fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
         })
     });
     let is_on = move |way: &Way| way.course_rad == leg_rad && way.up == Up::Level;
-    let off = all.filter(move |way| flown.is_some() || !is_on(way));
+    let off = all.filter(move |way| flown.map_or(!is_on(way), |flown| flown != *way));
     let off = flown.into_iter().chain(off);
-    let off = off.map(move |way| Plan::Off(way, time_s));
-    backs.into_iter().flatten().chain(off)
+    off.map(move |way| Plan::Off(way, time_s))
 }
 
 impl Looked {
@@ -334,7 +374,7 @@ impl Looked {
             Plan::Off(_, from_s) => {
                 let from_s = from_s - scene.time_s;
                 let until_s = self.until_s(from_s);
-                let flown_m = scene.route.flyer.airspeed_mps() * until_s;
+                let flown_m = scene.progress.leg(&scene.now).ground_speed_mps * until_s;
                 let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
                 off_m + price::EXTRA_PATH * extra_m + price::SECOND_M * (until_s - from_s)
             }
@@ -344,7 +384,7 @@ impl Looked {
 
 impl Way {
     /// What it costs to change to it, metres.
-    fn change_m(&self, present: &Self) -> f64 {
+    pub(crate) fn change_m(&self, present: &Self) -> f64 {
         let other_climb = if self.up == present.up { 0.0 } else { 0.5 };
         let turn = (self.course_rad - present.course_rad).abs().min(1.0);
         price::CHANGE_M * (turn + other_climb).min(1.0)
@@ -355,7 +395,7 @@ impl Way {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Aside {
     /// Distance from the leg, metres.
-    off_m: f64,
+    pub(crate) off_m: f64,
     /// Distance along it, metres.
     along_m: f64,
 }

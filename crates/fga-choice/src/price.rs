@@ -38,22 +38,23 @@ pub const CHANGE_M: f64 = 300.0;
 /// futures that did not wander, the aircraft turned to the other side more than three times in 87 of 232 flights.
 pub const CHANGE_SHARE: f64 = 0.1;
 
-/// A smaller chance of a loss on the mission counts as 0.
-const NO_CHANCE: f64 = 1e-4;
+/// What the mission may cost by chances of a loss that counts as nothing, as a share of a loss.
+const NO_LOSS: f64 = 1e-4;
 
 /// The same for each minute away from the mission, after the first one: an aircraft alongside must not keep ours away for ever.
-const NO_CHANCE_A_MINUTE: f64 = 0.01;
+const NO_LOSS_A_MINUTE: f64 = 0.01;
 
-/// The largest chance that counts as 0.
-const MOST_NO_CHANCE: f64 = 0.1;
+/// The largest of these shares.
+const MOST_NO_LOSS: f64 = 0.1;
 
-/// The chance of a loss on the mission that counts as 0 after some seconds away from it.
-pub(crate) fn no_chance(away_s: f64) -> f64 {
-    if away_s < 60.0 {
-        NO_CHANCE
+/// What the mission may cost by chances of a loss that counts as nothing, after some seconds away from it, metres.
+pub(crate) fn no_loss_m(away_s: f64) -> f64 {
+    let share = if away_s < 60.0 {
+        NO_LOSS
     } else {
-        (NO_CHANCE_A_MINUTE * away_s / 60.0).min(MOST_NO_CHANCE)
-    }
+        (NO_LOSS_A_MINUTE * away_s / 60.0).min(MOST_NO_LOSS)
+    };
+    LOSS_M * share
 }
 
 /// The price of a start, metres, for what the mission meets.

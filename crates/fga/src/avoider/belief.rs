@@ -63,6 +63,8 @@ struct Choice {
     left_s: f64,
     /// When the way back began that is flown, and when it is on its leg, seconds on the situation's clock.
     back_s: (f64, f64),
+    /// Whether something was heard since.
+    has_news: bool,
     /// What the mission enters by its expected motion, as seen then.
     threat: Option<Threat>,
     /// Whether it was proven then.
@@ -79,6 +81,7 @@ impl Choice {
         proven_share: None,
         cost_m: 0.0,
         left_s: f64::INFINITY,
+        has_news: false,
         back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
         threat: None,
         is_proven: false,
@@ -147,7 +150,7 @@ impl BeliefAvoider {
         if !situation.is_usable() {
             return self.avoider.step_into(situation, decision);
         }
-        let has_news = self.beliefs.hear(situation, &self.errors);
+        self.choice.has_news |= self.beliefs.hear(situation, &self.errors);
         if self.beliefs.is_empty() {
             self.choice = Choice::NONE;
             return self.avoider.step_into(situation, decision);
@@ -166,7 +169,6 @@ impl BeliefAvoider {
             beliefs: &self.beliefs,
             chooser: &mut self.chooser,
             choice: &mut self.choice,
-            has_news,
         };
         self.avoider.step_by(
             &expected,
@@ -184,7 +186,6 @@ struct Chooses<'a> {
     beliefs: &'a Beliefs,
     chooser: &'a mut Chooser,
     choice: &'a mut Choice,
-    has_news: bool,
 }
 
 impl Chooses<'_> {
@@ -240,7 +241,7 @@ impl Chooses<'_> {
         }
         let since_s = time_s - self.choice.at_s;
         let is_due =
-            since_s < 0.0 || since_s >= PERIOD_S.1 || self.has_news && since_s >= PERIOD_S.0;
+            since_s < 0.0 || since_s >= PERIOD_S.1 || self.choice.has_news && since_s >= PERIOD_S.0;
         let before = self.choice.plan;
         let is_kept = !is_due && !self.choice.is_left && {
             scene.set(&before, decision.command.edit());
