@@ -205,7 +205,12 @@ impl Chooser {
         }
         let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
         if flown.is_some() || self.ranked.first().is_some_and(is_off) {
-            self.weigh_recourse(scene, (&others, &hold), (&here, back_m), flight);
+            self.weigh_recourse(
+                scene,
+                (&others, &hold),
+                (&here, back_m, flown.is_some()),
+                flight,
+            );
         }
         hold
     }

@@ -15,10 +15,10 @@ use crate::chooser::{Aside, Chooser, Near, Others};
 use crate::price;
 
 /// When more is known, seconds.
-const LATER_S: [f64; 3] = [2.0, 5.0, 10.0];
+const LATER_S: [f64; 2] = [3.0, 8.0];
 
 /// Ways that are looked at with what follows them, the cheapest ones without.
-const WAYS: usize = 8;
+const WAYS: usize = 6;
 
 /// A number for each future that may happen, or for each look that they may have.
 type Each = [f64; FUTURES];
@@ -30,6 +30,7 @@ struct Studied<'a> {
     here: Aside,
     /// What the way back costs, metres.
     back_m: f64,
+    is_off: bool,
 }
 
 /// What is learned by some later moment.
@@ -45,11 +46,11 @@ impl Chooser {
         &mut self,
         scene: &Scene<'_>,
         (others, hold): (&Others<'_>, &Chance),
-        (here, back_m): (&Aside, f64),
+        (here, back_m, is_off): (&Aside, f64, bool),
         flight: &mut FlightPath,
     ) {
         let before = self.ranked;
-        let Some(studied) = Studied::of(others, here, back_m) else {
+        let Some(studied) = Studied::of(others, here, back_m, is_off) else {
             return;
         };
         self.ranked.clear();
@@ -119,7 +120,11 @@ impl Chooser {
             .zip(&learned.looks.futures)
         {
             let expected = Chance::mean(&each, looks);
-            *starts_m = price::starts_m(&expected);
+            *starts_m = if studied.is_off {
+                price::START_M
+            } else {
+                price::starts_m(&expected)
+            };
             *cost_m = rest_m + price::loss_m(&expected);
         }
         (learned, costs_m)
@@ -159,7 +164,7 @@ impl Chooser {
 
 impl<'a> Studied<'a> {
     /// The one that the mission is most likely to meet is studied.
-    fn of(others: &Others<'a>, here: &Aside, back_m: f64) -> Option<Self> {
+    fn of(others: &Others<'a>, here: &Aside, back_m: f64, is_off: bool) -> Option<Self> {
         let mut rest = *others;
         let threat = (rest.iter_mut()).max_by(|a, b| a.loss_m.total_cmp(&b.loss_m))?;
         let threat = core::mem::replace(threat, Near::NOTHING);
@@ -168,6 +173,7 @@ impl<'a> Studied<'a> {
             rest,
             here: *here,
             back_m,
+            is_off,
         })
     }
 }
