@@ -1,7 +1,7 @@
 //! The aircraft that are known: reports in, a belief of each.
 
 use fga_belief::{Belief, Errors, Report, Sigma, Source};
-use fga_index::situation::{Obstacle, ProtectedVolume, Situation, Uncertainty};
+use fga_index::situation::{Movement, Obstacle, ProtectedVolume, Situation, Uncertainty};
 use fga_proof::Vec3;
 use fga_proof::list::List;
 
@@ -165,6 +165,20 @@ impl Beliefs {
             }
             None => false,
         }
+    }
+
+    /// The aircraft that a situation does not have, as they are expected to be now.
+    pub fn absent(&self, situation: &Situation<'_>) -> impl Iterator<Item = Obstacle> {
+        let reported = |known: &&Known| situation.obstacles.iter().any(|one| one.id == known.id);
+        let absent = self.iter().filter(move |known| !reported(known));
+        absent.map(|known| {
+            let now = known.belief.at(situation.time_s);
+            let (at_m, v_mps) = (now.position_m, now.velocity_mps);
+            Obstacle {
+                movement: Movement::Aircraft(*known.belief.bounds()),
+                ..Obstacle::straight(known.id, at_m, v_mps, known.volume)
+            }
+        })
     }
 
     /// An obstacle as it is expected to be now: an aircraft where it is believed to be, everything else as it is.

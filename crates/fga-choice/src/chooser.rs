@@ -90,6 +90,14 @@ impl Near<'_> {
         loss_m: 0.0,
     };
 
+    /// The age of what is known of it, seconds.
+    pub(crate) fn age_s(&self, scene: &Scene<'_>) -> f64 {
+        match &self.other {
+            Some(Other::Known(known)) => (scene.time_s - known.belief.time_s()).max(0.0),
+            _ => 0.0,
+        }
+    }
+
     /// Whether the mission may meet it.
     pub(crate) fn is_threat(&self) -> bool {
         self.loss_m > price::no_loss_m(0.0)
@@ -122,6 +130,7 @@ pub struct Chooser {
     /// The aircraft's course, and that of the leg, unwrapped, radians.
     course_rad: f64,
     leg_rad: f64,
+    left_out: u32,
 }
 
 impl Default for Chooser {
@@ -140,7 +149,13 @@ impl Chooser {
             ranked: List::new(Ranked::NONE),
             course_rad: 0.0,
             leg_rad: 0.0,
+            left_out: 0,
         }
+    }
+
+    /// How many of what was around were not weighed last, because more than [`MOST_WEIGHED`] are nearer.
+    pub const fn left_out(&self) -> u32 {
+        self.left_out
     }
 
     /// The course of the leg through the air, unwrapped, and the whole turns between that and the aircraft's own course, radians. Off the
@@ -165,7 +180,8 @@ impl Chooser {
         (present, away_s): (&Plan, f64),
         flight: &mut FlightPath,
     ) -> Chance {
-        let mut others = others(scene, beliefs, obstacles);
+        let (mut others, left_out) = others(scene, beliefs, obstacles);
+        self.left_out = left_out;
         let here = Aside::at(scene, scene.now.position_m);
         self.ranked.clear();
         let mut hold = Chance::NONE;
@@ -181,7 +197,8 @@ impl Chooser {
             return hold;
         }
         let flown = present.way_at(scene.time_s);
-        let back_m = flown.map_or(0.0, |_| here.off_m);
+        let is_away = flown.is_some() || away_s > 0.0;
+        let back_m = flown.map_or(0.0, |_| here.off_m + price::CHANGE_M);
         self.rank(Plan::Mission, &hold, (price::loss_m(&hold) + back_m, 0.0));
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);
@@ -193,7 +210,7 @@ impl Chooser {
             let cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
             let change_m = match (one.plan, flown) {
                 (Plan::Mission | Plan::Back(..), _) => continue,
-                (Plan::Off(..), None) => price::starts_m(&hold),
+                (Plan::Off(..), None) => price::starts_m(&hold, is_away),
                 // The present way is the first one off the mission.
                 (Plan::Off(way, _), Some(flown)) if way == flown => {
                     changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
@@ -205,12 +222,7 @@ impl Chooser {
         }
         let is_off = |ranked: &Ranked| ranked.plan != Plan::Mission;
         if flown.is_some() || self.ranked.first().is_some_and(is_off) {
-            self.weigh_recourse(
-                scene,
-                (&others, &hold),
-                (&here, back_m, flown.is_some()),
-                flight,
-            );
+            self.weigh_recourse(scene, (&others, &hold), (&here, back_m, is_away), flight);
         }
         hold
     }
@@ -299,12 +311,16 @@ fn keep_least<T: Copy, const N: usize>(
     kept.push(new);
 }
 
-/// The nearest of what is around.
-fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>) -> Others<'a> {
+/// The nearest of what is around, and how many are left out.
+fn others<'a>(
+    scene: &Scene<'_>,
+    beliefs: &'a Beliefs,
+    obstacles: &Obstacles<'_>,
+) -> (Others<'a>, u32) {
     let route = scene.route;
     let own_m = scene.now.position_m;
     let own_mps = route.flyer.velocity_mps(&scene.now) + route.wind_mps;
-    let mut nearest = List::new(Near::NOTHING);
+    let (mut nearest, mut all) = (List::new(Near::NOTHING), 0_u32);
     let mut keep = |[at_m, v_mps]: [Vec3; 2], margin_m: f64, other| {
         let off_m = at_m - own_m;
         let closing_mps = (own_mps - v_mps).dot(off_m) / off_m.length().max(1.0);
@@ -314,6 +330,7 @@ fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>
             loss_m: 0.0,
         };
         keep_least(&mut nearest, near, |near| near.away_m);
+        all += 1;
     };
     for known in beliefs.iter() {
         let at = known.belief.at(scene.time_s);
@@ -330,7 +347,7 @@ fn others<'a>(scene: &Scene<'_>, beliefs: &'a Beliefs, obstacles: &Obstacles<'_>
         let at = [obstacle.position_m, obstacle.velocity_mps];
         keep(at, margin_m, Other::Straight(obstacle));
     }
-    nearest
+    (nearest, all.saturating_sub(MOST_WEIGHED as u32))
 }
 
 /// The plans that begin now.

@@ -27,10 +27,10 @@ pub const EXTRA_PATH: f64 = 2.0;
 /// A second away from the mission, metres.
 pub const SECOND_M: f64 = 10.0;
 
-/// A manoeuvre that begins, metres, where a loss is not likely.
-pub const START_M: f64 = 1200.0;
+/// A manoeuvre that begins, metres, where a loss is not likely, or where it is away from the mission still.
+pub const START_M: f64 = 2000.0;
 
-/// Another manoeuvre than the present one, metres.
+/// Another manoeuvre than the present one, or the way back, metres.
 pub const CHANGE_M: f64 = 300.0;
 
 /// Another manoeuvre must save this share of what the present one costs, at most of half a loss, because costs are estimates. In the recorded
@@ -58,8 +58,12 @@ pub(crate) fn no_loss_m(away_s: f64) -> f64 {
 }
 
 /// The price of a start, metres, for what the mission meets.
-pub(crate) fn starts_m(hold: &Chance) -> f64 {
-    START_M * (1.0 - hold.loss.min(1.0))
+pub(crate) fn starts_m(hold: &Chance, is_away: bool) -> f64 {
+    if is_away {
+        START_M
+    } else {
+        START_M * (1.0 - hold.loss.min(1.0))
+    }
 }
 
 /// The price of some chances, metres.

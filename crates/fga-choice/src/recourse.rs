@@ -3,7 +3,7 @@
 //! A plan that is weighed as if it were flown whatever is heard costs too much: some seconds later more is known, and then the best way
 //! from there on is flown. So a first step, the mission or a way, is weighed with what follows it as a program of two stages with recourse
 //! (Dantzig, Linear Programming under Uncertainty, 1955): for each future that may happen, how likely each of them will look then, and the
-//! least cost by that. What is known then is as sharp as what is known now. The first step counts with the mean of these costs.
+//! least cost by that. What is known then is as sharp, and as late, as what is known now. The first step counts with the mean of these costs.
 
 use fga_belief::FUTURES;
 use fga_proof::limit::whole;
@@ -30,7 +30,7 @@ struct Studied<'a> {
     here: Aside,
     /// What the way back costs, metres.
     back_m: f64,
-    is_off: bool,
+    is_away: bool,
 }
 
 /// What is learned by some later moment.
@@ -46,11 +46,11 @@ impl Chooser {
         &mut self,
         scene: &Scene<'_>,
         (others, hold): (&Others<'_>, &Chance),
-        (here, back_m, is_off): (&Aside, f64, bool),
+        (here, back_m, is_away): (&Aside, f64, bool),
         flight: &mut FlightPath,
     ) {
         let before = self.ranked;
-        let Some(studied) = Studied::of(others, here, back_m, is_off) else {
+        let Some(studied) = Studied::of(others, here, back_m, is_away) else {
             return;
         };
         self.ranked.clear();
@@ -108,9 +108,10 @@ impl Chooser {
         flight: &mut FlightPath,
     ) -> (Learned, Each) {
         self.look(scene, &studied.rest, flight);
-        (studied.threat).ahead(scene, after_s as f32, &mut self.ahead);
+        let known_s = (after_s - studied.threat.age_s(scene)).max(0.0);
+        (studied.threat).ahead(scene, known_s as f32, &mut self.ahead);
         let mut learned = Learned {
-            looks: self.ahead.looks_after(whole(after_s, SECONDS - 1)),
+            looks: self.ahead.looks_after(whole(known_s, SECONDS - 1)),
             starts_m: [0.0; FUTURES],
         };
         let (each, rest_m) = self.met(scene, studied, 0, flight);
@@ -120,11 +121,7 @@ impl Chooser {
             .zip(&learned.looks.futures)
         {
             let expected = Chance::mean(&each, looks);
-            *starts_m = if studied.is_off {
-                price::START_M
-            } else {
-                price::starts_m(&expected)
-            };
+            *starts_m = price::starts_m(&expected, studied.is_away);
             *cost_m = rest_m + price::loss_m(&expected);
         }
         (learned, costs_m)
@@ -164,7 +161,7 @@ impl Chooser {
 
 impl<'a> Studied<'a> {
     /// The one that the mission is most likely to meet is studied.
-    fn of(others: &Others<'a>, here: &Aside, back_m: f64, is_off: bool) -> Option<Self> {
+    fn of(others: &Others<'a>, here: &Aside, back_m: f64, is_away: bool) -> Option<Self> {
         let mut rest = *others;
         let threat = (rest.iter_mut()).max_by(|a, b| a.loss_m.total_cmp(&b.loss_m))?;
         let threat = core::mem::replace(threat, Near::NOTHING);
@@ -173,7 +170,7 @@ impl<'a> Studied<'a> {
             rest,
             here: *here,
             back_m,
-            is_off,
+            is_away,
         })
     }
 }

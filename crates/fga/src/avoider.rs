@@ -414,15 +414,12 @@ impl Avoider<dyn Places + '_> {
     /// the plan is forgotten. After a small step back, as of a clock that is kept in time by others, one decision period counts as
     /// passed: the plan goes on.
     fn in_order<'a>(&mut self, situation: &Situation<'a>) -> (Situation<'a>, bool) {
-        let mut time_s = situation.time_s + self.set_back_s;
-        let back_s = self.last_time_s - time_s;
-        let is_far = back_s > MOST_SET_BACK_S;
+        let (time_s, is_far) = self.in_order_s(situation.time_s);
         if is_far {
             // Nobody knows how much time has passed, so the old plan has no meaning.
             self.plan = None;
             self.state = State::Cruise;
-        } else if back_s > 0.0 {
-            time_s = self.last_time_s + self.settings.decision_period_s;
+        } else if time_s != situation.time_s + self.set_back_s {
             self.set_back_s = time_s - situation.time_s;
         }
         self.last_time_s = time_s;
@@ -433,6 +430,18 @@ impl Avoider<dyn Places + '_> {
             },
             is_far,
         )
+    }
+
+    /// A time on that clock, seconds, and whether it was set back far.
+    fn in_order_s(&self, time_s: f64) -> (f64, bool) {
+        let ordered_s = time_s + self.set_back_s;
+        let back_s = self.last_time_s - ordered_s;
+        let is_far = back_s > MOST_SET_BACK_S;
+        if back_s > 0.0 && !is_far {
+            (self.last_time_s + self.settings.decision_period_s, false)
+        } else {
+            (ordered_s, is_far)
+        }
     }
 
     #[inline(never)]
@@ -448,7 +457,8 @@ impl Avoider<dyn Places + '_> {
         };
         self.come_to(situation, &now);
         policy(self, situation, &now, decision);
-        if self.gives_up(situation, &now) {
+        let planned = self.plan.as_ref().and_then(|plan| plan.threat);
+        if self.gives_up(situation, &now, planned.or(decision.record.threat)) {
             decision.record.reason = Reason::WaypointGivenUp;
         }
     }
@@ -464,8 +474,12 @@ impl Avoider<dyn Places + '_> {
 
     /// Whether it gives a waypoint up from which an obstacle at rest keeps the aircraft.
     #[inline(never)]
-    fn gives_up(&mut self, situation: &Situation<'_>, now: &MotionState) -> bool {
-        let threat = self.plan.as_ref().and_then(|plan| plan.threat);
+    fn gives_up(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        threat: Option<Threat>,
+    ) -> bool {
         let is_at_rest = |hazard: &Hazard| hazard.velocity_mps == -situation.wind_mps;
         let hazards = self.tracks.rows();
         if !threat.is_some_and(|t| hazards.iter().any(|h| h.id() == t.id && is_at_rest(h))) {

@@ -150,15 +150,25 @@ impl BeliefAvoider {
         if !situation.is_usable() {
             return self.avoider.step_into(situation, decision);
         }
-        self.choice.has_news |= self.beliefs.hear(situation, &self.errors);
+        let (time_s, is_far) = self.avoider.in_order_s(situation.time_s);
+        if is_far {
+            self.beliefs.forget();
+            self.choice = Choice::NONE;
+        }
+        let ordered = &Situation {
+            time_s,
+            ..*situation
+        };
+        self.choice.has_news |= self.beliefs.hear(ordered, &self.errors);
         if self.beliefs.is_empty() {
             self.choice = Choice::NONE;
             return self.avoider.step_into(situation, decision);
         }
         self.seen.clear();
         let mut left_out = self.beliefs.left_out();
-        for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
-            let expected = self.beliefs.expected(&obstacle, situation.time_s);
+        let reported = situation.obstacles.iter().filter(Obstacle::is_valid);
+        let expected = reported.map(|obstacle| self.beliefs.expected(&obstacle, time_s));
+        for expected in expected.chain(self.beliefs.absent(ordered)) {
             left_out += u32::from(self.seen.push(expected).is_none());
         }
         let expected = Situation {
@@ -177,7 +187,7 @@ impl BeliefAvoider {
                 chooses.step(avoider, situation, now, decision);
             },
         );
-        decision.record.work.limit_met |= left_out > 0;
+        decision.record.work.limit_met |= left_out + self.chooser.left_out() > 0;
     }
 }
 
