@@ -118,8 +118,13 @@ pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
     };
     if text.trim_start().starts_with('<') {
         let document = Document::parse(text).map_err(|error| {
-            let line = u64::from(error.pos().row);
-            areas.unreadable(line, "KML", error.to_string().split(" at ").next())
+            let told = error.to_string().replace(char::is_control, " ");
+            let told = told.split(" at ").next().unwrap_or_default();
+            InputError::at(
+                path,
+                Some(error.pos().row.into()),
+                format!("is no KML: {told}"),
+            )
         })?;
         let root = document.root_element().tag_name().name();
         match root {

@@ -127,7 +127,8 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
             kind_column,
         };
         let push = |id| grouped.push(id, row.obstacle()?);
-        row.identifier(0).and_then(push).map_err(wrong)?;
+        let id = row.parsed(0, "a whole number from 0");
+        id.and_then(push).map_err(wrong)?;
     }
     if grouped.encounters.is_empty() {
         let message = "holds no encounter, expected at least one row below the column names";
@@ -191,6 +192,21 @@ fn numbers_of(obstacle: &Obstacle) -> impl Iterator<Item = f64> {
         .chain([obstacle.volume.radius_m()])
 }
 
+/// What a column expects where a number does not fit in it.
+fn misfit(name: &str, value: f64) -> Option<String> {
+    let (largest, unit) = if name.ends_with("_mps") {
+        (LARGEST_SPEED_MPS, "metres per second")
+    } else {
+        (LARGEST_LENGTH_M, "metres")
+    };
+    if !value.is_finite() || value.abs() > largest {
+        return Some(format!(
+            "a finite number of at most {largest:e} {unit} either way"
+        ));
+    }
+    (name == "radius_m" && value < 0.0).then(|| "a radius of 0 metres or more".into())
+}
+
 /// Groups obstacles from another source than a file into encounters, in the order of their first
 /// rows. Each row is the number of its encounter and an obstacle.
 ///
@@ -204,18 +220,7 @@ pub fn from_rows(
     for (row, (id, obstacle)) in rows.into_iter().enumerate() {
         let names = COLUMNS.iter().skip(2);
         let wrong = numbers_of(&obstacle).zip(names).find_map(|(value, name)| {
-            let largest = if name.ends_with("_mps") {
-                LARGEST_SPEED_MPS
-            } else {
-                LARGEST_LENGTH_M
-            };
-            let expected = if !value.is_finite() || value.abs() > largest {
-                format!("a finite number of at most {largest:e} either way")
-            } else if *name == "radius_m" && value < 0.0 {
-                "a radius of 0 metres or more".into()
-            } else {
-                return None;
-            };
+            let expected = misfit(name, value)?;
             Some(format!("column {name} holds {value}, expected {expected}"))
         });
         wrong
@@ -265,32 +270,18 @@ impl EncounterRow<'_> {
             .ok_or_else(|| self.wrong(column, expected))
     }
 
-    fn identifier(&self, column: usize) -> Result<u64, String> {
-        self.parsed(column, "a whole number from 0")
-    }
-
-    fn number(&self, column: usize, largest: f64, unit: &str) -> Result<f64, String> {
-        let value: f64 = self.parsed(column, &format!("a number of {unit}"))?;
-        if !value.is_finite() {
-            return Err(self.wrong(column, &format!("a finite number of {unit}")));
-        }
-        if value.abs() > largest {
-            return Err(self.wrong(column, &format!("at most {largest:e} {unit} either way")));
-        }
-        Ok(value)
+    fn number(&self, column: usize) -> Result<f64, String> {
+        let name = COLUMNS.get(column).copied().unwrap_or_default();
+        let value = self.parsed(column, "").unwrap_or(f64::NAN);
+        misfit(name, value).map_or(Ok(value), |expected| Err(self.wrong(column, &expected)))
     }
 
     fn obstacle(&self) -> Result<Obstacle, String> {
-        let length = |column| self.number(column, LARGEST_LENGTH_M, "metres");
-        let speed = |column| self.number(column, LARGEST_SPEED_MPS, "metres per second");
-        let radius_m = length(8)?;
-        if radius_m < 0.0 {
-            return Err(self.wrong(8, "a radius of 0 metres or more"));
-        }
-        let id = u32::try_from(self.identifier(1)?)
-            .map_err(|_| self.wrong(1, "a whole number from 0 to 4294967295"))?;
-        let position_m = DVec3::new(length(2)?, length(3)?, length(4)?);
-        let velocity_mps = DVec3::new(speed(5)?, speed(6)?, speed(7)?);
+        let number = |column| self.number(column);
+        let radius_m = number(8)?;
+        let id = self.parsed(1, "a whole number from 0 to 4294967295")?;
+        let position_m = DVec3::new(number(2)?, number(3)?, number(4)?);
+        let velocity_mps = DVec3::new(number(5)?, number(6)?, number(7)?);
         let volume = ProtectedVolume::Sphere { radius_m };
         Ok(Obstacle {
             movement: self.movement()?,

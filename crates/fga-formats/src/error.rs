@@ -31,20 +31,42 @@ fn line_part(line: Option<u64>) -> String {
 impl InputError {
     /// An error about the file as a whole.
     pub fn in_file(path: impl Into<PathBuf>, message: impl Into<String>) -> Self {
-        Self {
-            path: path.into(),
-            line: None,
-            message: message.into(),
-        }
+        Self::at(path, None, message)
     }
 
     /// An error on one line, counted from one.
     pub fn at_line(path: impl Into<PathBuf>, line: u64, message: impl Into<String>) -> Self {
+        Self::at(path, Some(line), message)
+    }
+
+    /// An error on a line, counted from one, where the line is known.
+    pub(crate) fn at(
+        path: impl Into<PathBuf>,
+        line: Option<u64>,
+        message: impl Into<String>,
+    ) -> Self {
         Self {
             path: path.into(),
-            line: Some(line),
+            line: line.filter(|line| *line > 0),
             message: message.into(),
         }
+    }
+
+    /// JSON that is not what it should be.
+    pub(crate) fn json(path: &Path, kind: &str, error: &serde_json::Error) -> Self {
+        let line = u64::try_from(error.line()).ok();
+        Self::at(
+            path,
+            line,
+            format!("is no {kind}: {}", json_sentence(error)),
+        )
+    }
+
+    /// A table that is not what it should be.
+    pub(crate) fn csv(path: &Path, kind: &str, error: &csv::Error) -> Self {
+        let line = error.position().map(csv::Position::line);
+        let message = format!("is no {kind}: {error}");
+        Self::at(path, line, message.replace(char::is_control, " "))
     }
 
     /// An unreadable file.

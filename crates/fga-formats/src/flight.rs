@@ -3,7 +3,7 @@
 //! The simulator and the companion fill a [`Flight`]; the writers of `export` turn it
 //! into files. A JSON file keeps it between two commands.
 
-use crate::error::{InputError, OutputError, json_sentence, read_text, shown};
+use crate::error::{InputError, OutputError, read_text, shown};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::{atomic, units};
 use alloc::borrow::Cow;
@@ -199,14 +199,8 @@ impl Flight {
     /// # Errors
     /// An unreadable file, a file that is not a flight, or numbers that make no flight.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        let flight: Self = serde_json::from_str(&read_text(path)?).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or_default();
-            InputError::at_line(
-                path,
-                line,
-                format!("is not a recorded flight: {}", json_sentence(&error)),
-            )
-        })?;
+        let wrong = |error| InputError::json(path, "recorded flight", &error);
+        let flight: Self = serde_json::from_str(&read_text(path)?).map_err(wrong)?;
         flight
             .check()
             .map_err(|message| InputError::in_file(path, message))?;

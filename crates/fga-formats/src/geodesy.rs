@@ -292,12 +292,7 @@ pub(crate) fn velocity_from_compass(compass_deg: f64, speed_mps: f64, climb_mps:
 
 /// Compass course (degrees from north towards east, within [0, 360)) of a course ψ of the core.
 pub fn compass_from_course_deg(course_rad: f64) -> f64 {
-    let degrees = libm::fmod((FRAC_PI_2 - course_rad) / DEGREE_RAD, 360.0);
-    let degrees = if degrees < 0.0 {
-        degrees + 360.0
-    } else {
-        degrees
-    };
+    let degrees = ((FRAC_PI_2 - course_rad) / DEGREE_RAD).rem_euclid(360.0);
     if degrees >= 360.0 { 0.0 } else { degrees }
 }
 

@@ -96,22 +96,32 @@ impl TrafficReport {
 
 /// The estimated position uncertainty of a navigation accuracy category, metres (DO-260B, table
 /// 2-71).
-const fn position_error_m(category: u8) -> Option<f64> {
-    Some(match category {
-        0 => f64::INFINITY,
-        1 => 18_520.0,
-        2 => 7_408.0,
-        3 => 3_704.0,
-        4 => 1_852.0,
-        5 => 926.0,
-        6 => 555.6,
-        7 => 185.2,
-        8 => 92.6,
-        9 => 30.0,
-        10 => 10.0,
-        11 => 3.0,
-        _ => return None,
-    })
+fn position_error_m(category: u8) -> Option<f64> {
+    let errors_m = [
+        f64::INFINITY,
+        18_520.0,
+        7_408.0,
+        3_704.0,
+        1_852.0,
+        926.0,
+        555.6,
+        185.2,
+        92.6,
+        30.0,
+        10.0,
+        3.0,
+    ];
+    errors_m.get(usize::from(category)).copied()
+}
+
+/// The address in hexadecimal digits, of at most 24 bits and not 0; a sign before them marks one that ICAO has not assigned.
+pub(crate) fn address_of(text: &str) -> Option<u32> {
+    let digits = text.trim_start_matches(|letter: char| !letter.is_ascii_alphanumeric());
+    let is_short = digits.len() <= 6 && text.len() - digits.len() <= 1;
+    let address = u32::from_str_radix(digits, 16).ok();
+    let address = address.filter(|address| is_short && *address != 0)?;
+    let is_assigned = digits.len() == text.len();
+    Some(address | if is_assigned { 0 } else { NON_ICAO })
 }
 
 /// An altitude and its datum.

@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 
 use super::area::{AreaFile, AreaOutline, LARGEST_M, NamedArea};
 use super::mended::mended;
-use crate::error::{InputError, json_sentence};
+use crate::error::InputError;
 use crate::words::counted;
 
 /// Places nearer than this are one corner, degrees: a centimetre.
@@ -62,10 +62,14 @@ impl Areas<'_> {
 
     /// Notes something about the next area.
     pub(super) fn note(&mut self, message: &str) {
+        self.notes.push(self.about_next(message));
+    }
+
+    fn about_next(&self, message: impl Display) -> String {
         let number = self.all.len() + 1;
         let name = self.like.name.as_ref();
         let name = name.map_or_else(String::new, |name| format!(" ({name})"));
-        self.notes.push(format!("area {number}{name} {message}"));
+        format!("area {number}{name} {message}")
     }
 
     pub(super) fn json<T: DeserializeOwned>(
@@ -73,27 +77,11 @@ impl Areas<'_> {
         text: &str,
         kind: &str,
     ) -> Result<T, InputError> {
-        serde_json::from_str(text).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or_default();
-            self.unreadable(line, kind, Some(&json_sentence(&error)))
-        })
-    }
-
-    /// What is wrong with the text of a kind, as one line whatever it quotes.
-    pub(super) fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
-        let told = told.unwrap_or_default().replace(char::is_control, " ");
-        InputError {
-            line: Some(line).filter(|line| *line > 0),
-            ..InputError::in_file(self.path, format!("is no {kind}: {told}"))
-        }
+        serde_json::from_str(text).map_err(|error| InputError::json(self.path, kind, &error))
     }
 
     pub(super) fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {
-        let number = self.all.len() + 1;
-        let name = self.like.name.as_ref();
-        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
-        let message = format!("area {number}{name} {message}");
-        Err(InputError::in_file(self.path, message))
+        Err(InputError::in_file(self.path, self.about_next(message)))
     }
 
     /// Takes a polygon by its rings, the first of which is its outline.

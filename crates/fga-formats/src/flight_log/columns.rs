@@ -31,14 +31,7 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
         .trim(csv::Trim::All)
         .flexible(true)
         .from_reader(bytes);
-    let unreadable = |error: csv::Error| {
-        let line = error.position().map(csv::Position::line);
-        let message = format!("is no log: {error}");
-        line.map_or_else(
-            || InputError::in_file(path, &message),
-            |line| InputError::at_line(path, line, &message),
-        )
-    };
+    let unreadable = |error| InputError::csv(path, "log", &error);
     let head = reader.headers().map_err(unreadable)?.clone();
     let mut places = [0; 6];
     for (place, name) in places.iter_mut().zip(COLUMNS) {

@@ -73,10 +73,7 @@ impl ItemReader {
     /// An error about an item.
     pub(super) fn error(&self, item: &Item, message: &str) -> InputError {
         let message = format!("item {} {message}", item.number);
-        match item.line {
-            Some(line) => InputError::at_line(&self.path, line, message),
-            None => InputError::in_file(&self.path, message),
-        }
+        InputError::at(&self.path, item.line, message)
     }
 
     /// Takes home; latitude and longitude are 0 where the station knew none.

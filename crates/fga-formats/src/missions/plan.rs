@@ -115,11 +115,8 @@ struct Transects {
 }
 
 pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
-    let plan: Plan = serde_json::from_str(text).map_err(|error| {
-        let line = u64::try_from(error.line()).unwrap_or(1);
-        let told = json_sentence(&error);
-        InputError::at_line(path, line, format!("is no plan of QGroundControl: {told}"))
-    })?;
+    let wrong = |error| InputError::json(path, "plan of QGroundControl", &error);
+    let plan: Plan = serde_json::from_str(text).map_err(wrong)?;
     if plan.file_type != "Plan" {
         let message = format!(
             "is of type {}, expected a Plan of QGroundControl",

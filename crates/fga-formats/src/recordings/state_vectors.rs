@@ -20,7 +20,7 @@ use crate::error::{InputError, shown};
 use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
-use crate::traffic::NON_ICAO;
+use crate::traffic::address_of;
 use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// A position that was older when the list was written is too old, seconds.
@@ -77,10 +77,8 @@ impl StateVector<'_> {
 pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
     let mut reader = StateVectorReader::new(path);
     for document in serde_json::Deserializer::from_str(text).into_iter::<Value>() {
-        let document = document.map_err(|error| {
-            let message = format!("is no JSON that can be read: {error}");
-            InputError::in_file(path, message)
-        })?;
+        let document =
+            document.map_err(|error| InputError::json(path, "JSON that can be read", &error))?;
         reader.document(&document)?;
     }
     Ok(reader.collector.finish(reader.tally))
@@ -108,11 +106,7 @@ pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputEr
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let wrong = |error: csv::Error| {
-        let message =
-            format!("is no table that can be read: {error}").replace(char::is_control, " ");
-        InputError::in_file(path, message)
-    };
+    let wrong = |error| InputError::csv(path, "table that can be read", &error);
     let columns = table.headers().map_err(wrong)?.clone();
     for row in table.records() {
         reader.history(&columns, &row.map_err(wrong)?);
@@ -242,7 +236,7 @@ impl<'a> StateVectorReader<'a> {
         let grounded = ["alt_baro", "altitude"].map(|key| row.get(key).and_then(Value::as_str));
         self.take(&StateVector {
             name,
-            address: text(&["icao24", "hex"]).and_then(address_of),
+            address: text(&["icao24", "hex"]).and_then(|text| address_of(text.trim())),
             callsign: text(&["callsign", "flight"]),
             time_s,
             age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
@@ -373,20 +367,6 @@ fn name_of(value: &Value) -> Option<&str> {
         .as_str()
         .map(str::trim)
         .filter(|name| !name.is_empty())
-}
-
-/// A 24-bit address in hexadecimal digits; a sign before them marks an address that ICAO has not assigned.
-fn address_of(text: &str) -> Option<u32> {
-    let text = text.trim();
-    let digits = text.trim_start_matches('~');
-    let address = u32::from_str_radix(digits, 16)
-        .ok()
-        .filter(|address| *address < NON_ICAO)?;
-    Some(if digits.len() < text.len() {
-        address | NON_ICAO
-    } else {
-        address
-    })
 }
 
 fn number(value: Option<&Value>) -> Option<f64> {

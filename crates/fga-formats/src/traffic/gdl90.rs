@@ -181,20 +181,20 @@ fn traffic(bytes: &[u8; TRAFFIC]) -> Result<TrafficReport, LeftOut> {
 }
 
 /// Radius of containment of a navigation integrity category, metres.
-const fn containment_m(category: u8) -> Option<f64> {
-    Some(match category {
-        0 => f64::INFINITY,
-        1 => 37_040.0,
-        2 => 14_816.0,
-        3 => 7_408.0,
-        4 => 3_704.0,
-        5 => 1_852.0,
-        6 => 1_111.2,
-        7 => 370.4,
-        8 => 185.2,
-        9 => 75.0,
-        10 => 25.0,
-        11 => 7.5,
-        _ => return None,
-    })
+fn containment_m(category: u8) -> Option<f64> {
+    let radii_m = [
+        f64::INFINITY,
+        37_040.0,
+        14_816.0,
+        7_408.0,
+        3_704.0,
+        1_852.0,
+        1_111.2,
+        370.4,
+        185.2,
+        75.0,
+        25.0,
+        7.5,
+    ];
+    radii_m.get(usize::from(category)).copied()
 }
