@@ -1,7 +1,7 @@
 //! Ground asked for over MAVLink: a block of ArduPilot's grid, filled piece by piece by `TERRAIN_DATA`.
 
 use super::ardupilot::{COLUMNS, DEGREE_M, PIECE, ROWS, TO_NEXT, grid, scale};
-use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::field::{HOLE, HeightField, HeightGrid};
 
 /// All 56 pieces of a block.
 const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
@@ -158,8 +158,7 @@ impl RequestedBlock {
     /// What is known so far; pieces that were never known are holes. `None` before the first piece, or if the heights cannot be ground.
     pub fn field(&self) -> Option<HeightField> {
         let is_known = self.heights.iter().any(|height| *height != HOLE);
-        let heights = self.heights.iter().copied().map(whole).collect();
-        let field = HeightField::new(self.grid, heights).ok();
+        let field = HeightField::new(self.grid, self.heights.clone()).ok();
         field.filter(|_| is_known)
     }
 }
