@@ -38,6 +38,7 @@ use crate::error::{InputError, read_bytes, shown, text_of};
 use crate::missions;
 use crate::words::counted;
 
+pub(crate) use area::LARGEST_M;
 pub use area::{AreaFile, AreaLimit, AreaOutline, EdgeLine, NamedArea, Reference};
 pub use plane::PlaneArea;
 use taken::Areas;

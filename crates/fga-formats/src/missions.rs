@@ -17,7 +17,7 @@ mod over;
 mod plan;
 mod waypoints;
 
-pub use mission_file::{FenceOutline, MissionFence, MissionFile, Waypoint};
+pub use mission_file::{MissionFence, MissionFile, Waypoint};
 
 use std::path::Path;
 

@@ -58,12 +58,7 @@ impl Areas<'_> {
                     is_timed,
                     ..NamedArea::default()
                 };
-                for (limit, side) in ["lower", "upper"].into_iter().enumerate() {
-                    let found = self.aixm_limit(volume, side);
-                    if let Some(limit) = self.like.limits.get_mut(limit) {
-                        *limit = found;
-                    }
-                }
+                self.like.limits = ["lower", "upper"].map(|side| self.aixm_limit(volume, side));
                 let Some(surface) = within(volume, "horizontalProjection") else {
                     self.leave_out("volume without an outline of its own");
                     continue;

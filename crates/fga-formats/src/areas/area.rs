@@ -8,7 +8,7 @@ use crate::terrain::Area;
 const LEAST_RADIUS_M: f64 = 6_335_439.0;
 
 /// A circle has at most this radius, metres.
-pub(super) const LARGEST_M: f64 = 1e7;
+pub(crate) const LARGEST_M: f64 = 1e7;
 
 /// The areas of a file.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use fga::situation::Passing;
 
-use super::{FenceOutline, MissionFence, MissionFile, Waypoint};
+use super::{MissionFence, MissionFile, Waypoint};
+use crate::areas::{AreaOutline, LARGEST_M};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 use crate::number;
@@ -26,7 +27,7 @@ const DEGREE_M: f64 = 111_320.0;
 const MOST_AWAY_KM: f64 = 500.0;
 
 /// An item as a file gives it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Item {
     /// Its number in the file.
     pub number: u64,
@@ -364,14 +365,14 @@ impl ItemReader {
                     self.corners = Some((corners_deg, count, keep_in));
                     return Ok(());
                 }
-                let outline = FenceOutline::Polygon { corners_deg };
+                let outline = AreaOutline::Polygon(vec![corners_deg]);
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             // The last one is a circle around home, wherever that is.
             5003..=5005 if item.command != 5005 || self.file.home.is_some() => {
                 let home_deg = |home: Geodetic| [home.latitude_deg, home.longitude_deg];
                 let home = self.file.home.filter(|_| item.command == 5005);
-                let outline = FenceOutline::Circle {
+                let outline = AreaOutline::Circle {
                     center_deg: home.map_or(at_deg, home_deg),
                     radius_m: item.first_parameter.unwrap_or(0.0),
                 };
@@ -400,15 +401,16 @@ impl ItemReader {
     /// Adds a fence that can be one.
     pub(super) fn add_fence(&mut self, item: &Item, fence: MissionFence) -> Result<(), InputError> {
         let (places, usable) = match &fence.outline {
-            FenceOutline::Circle {
+            AreaOutline::Circle {
                 center_deg,
                 radius_m,
             } => (
                 core::slice::from_ref(center_deg),
-                radius_m.is_finite() && *radius_m > 0.0,
+                *radius_m > 0.0 && *radius_m <= LARGEST_M,
             ),
-            FenceOutline::Polygon { corners_deg } => {
-                (corners_deg.as_slice(), corners_deg.len() >= 3)
+            AreaOutline::Polygon(rings) => {
+                let corners = rings.first().map(Vec::as_slice).unwrap_or_default();
+                (corners, corners.len() >= 3)
             }
         };
         for [latitude_deg, longitude_deg] in places {

@@ -10,7 +10,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::items::{Item, ItemReader};
-use super::{FenceOutline, MissionFence, MissionFile};
+use super::{MissionFence, MissionFile};
+use crate::areas::AreaOutline;
 use crate::error::{InputError, json_sentence};
 use crate::geodesy::Geodetic;
 
@@ -157,9 +158,9 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         take(value, &mut count, &mut reader, true)?;
     }
     // Fences have numbers of their own in messages.
-    let mut item = blank(0);
+    let mut item = Item::default();
     let circles = plan.geo_fence.circles.into_iter().map(|circle| {
-        let outline = FenceOutline::Circle {
+        let outline = AreaOutline::Circle {
             center_deg: circle.circle.center,
             radius_m: circle.circle.radius,
         };
@@ -170,7 +171,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     let polygons = polygons.map(|polygon| (polygon.polygon, polygon.inclusion));
     let polygons = polygons.chain(old.map(|corners_deg| (corners_deg, true)));
     let polygons =
-        polygons.map(|(corners_deg, keep_in)| (FenceOutline::Polygon { corners_deg }, keep_in));
+        polygons.map(|(corners_deg, keep_in)| (AreaOutline::Polygon(vec![corners_deg]), keep_in));
     for (outline, keep_in) in circles.chain(polygons) {
         item.number += 1;
         reader.add_fence(&item, MissionFence { outline, keep_in })?;
@@ -192,18 +193,6 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
 
 const HOME: &str = "has an unusable plannedHomePosition, expected [latitude, longitude, altitude]";
 
-const fn blank(number: u64) -> Item {
-    Item {
-        number,
-        line: None,
-        command: 0,
-        frame: 0,
-        first_parameter: None,
-        group: None,
-        at: [None; 3],
-    }
-}
-
 /// The items taken so far.
 #[derive(Debug, Default)]
 struct Counted {
@@ -220,7 +209,10 @@ fn take(
     complex: bool,
 ) -> Result<(), InputError> {
     count.items += 1;
-    let item = blank(count.items);
+    let item = Item {
+        number: count.items,
+        ..Item::default()
+    };
     if let Some(id) = value.get("doJumpId") {
         let number = id.as_u64();
         if number.is_none() || number <= count.jump_id {
