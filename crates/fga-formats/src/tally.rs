@@ -1,6 +1,5 @@
 //! How much of an input a reader used, and why it left out the rest.
 
-use core::fmt::Write as _;
 use core::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
@@ -164,15 +163,18 @@ impl Tally {
         if self.lost() == 0 {
             return None;
         }
-        let mut words = format!("{} of {} {parts}:", self.lost(), self.read());
         let lost = self
             .reasons()
             .filter(|(reason, _)| *reason != LeftOut::NotNeeded);
-        for (index, (reason, count)) in lost.enumerate() {
-            let comma = if index > 0 { "," } else { "" };
-            let _ = write!(words, "{comma} {count} {}", reason.words());
-        }
-        Some(words)
+        let lost: Vec<String> = lost
+            .map(|(reason, count)| format!("{count} {}", reason.words()))
+            .collect();
+        Some(format!(
+            "{} of {} {parts}: {}",
+            self.lost(),
+            self.read(),
+            lost.join(", ")
+        ))
     }
 
     /// The counts by the names of their reasons.

@@ -57,10 +57,7 @@ pub fn text(flight: &Flight) -> String {
     for (index, zone) in flight.zones.iter().enumerate() {
         packets.push(self::zone(flight, index, zone));
     }
-    for (index, event) in flight.events.iter().enumerate() {
-        let Some(position_m) = flight.position_at(event.time_s) else {
-            continue;
-        };
+    for (index, (event, position_m)) in flight.placed_events().enumerate() {
         packets.push(json!({
             "id": format!("event/{index}"),
             "name": event.kind,

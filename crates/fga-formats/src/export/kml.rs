@@ -296,10 +296,7 @@ impl Kml {
 
     fn events(&mut self, flight: &Flight) {
         self.folder("Events", |out| {
-            for event in &flight.events {
-                let Some(position_m) = flight.position_at(event.time_s) else {
-                    continue;
-                };
+            for (event, position_m) in flight.placed_events() {
                 out.placemark(&event.kind, |out| {
                     out.element("description", &event.text);
                     let when = iso(flight.unix_s(event.time_s));

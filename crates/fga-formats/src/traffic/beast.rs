@@ -44,11 +44,6 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// At the start of a connection.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `take` for each frame in them.
     pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(BeastFrame<'_>)) {
         for byte in bytes {
@@ -132,11 +127,6 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes received at `time_s` and calls `report` for each report in them.
     ///
     /// Times need not grow, but positions need two messages within ten seconds.

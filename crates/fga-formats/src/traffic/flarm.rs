@@ -38,11 +38,6 @@ struct OwnPlace {
 }
 
 impl Sentences {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `report` for each report in them.
     pub fn push(&mut self, bytes: &[u8], report: impl FnMut(TrafficReport)) {
         let Self { lines, own } = self;

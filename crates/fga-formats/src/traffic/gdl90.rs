@@ -35,11 +35,6 @@ pub struct Datagrams {
 }
 
 impl Datagrams {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `report` for each report in them.
     pub fn push(&mut self, bytes: &[u8], mut report: impl FnMut(TrafficReport)) {
         for byte in bytes {

@@ -40,11 +40,6 @@ use message::FIELDS;
 pub struct LineStream(LineBuffer);
 
 impl LineStream {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `report` for each report in them.
     pub fn push(&mut self, bytes: &[u8], report: impl FnMut(TrafficReport)) {
         self.0.push(bytes, parse_line, report);

@@ -276,7 +276,7 @@ fn lines_of_base_station() {
     let lines = "MSG,3,1,1,4CA2D6,1,2026/01/01,10:00:00.000,2026/01/01,10:00:00.100,,3700,,,45.0,5.0,,,0,0,0,0\r\nMSG,4,1,1,4CA2D6,1,2026/01/01,10:00:01.000,2026/01/01,10:00:01.100,,,100,90,,,-64,,0,0,0,0\r\n12345,MLAT,3,1,1,~4CA2D7,1,2026/01/01,10:00:02.000,,,\"A,1\",3700H,,,45.0,5.01,,,0,0,0,0,,,30\r\n";
     mutate(&[lines.as_bytes()], |bytes| {
         recording_of(bytes);
-        sbs::LineStream::new().push(bytes, |report| is_sane(&report));
+        sbs::LineStream::default().push(bytes, |report| is_sane(&report));
     });
 }
 
@@ -285,10 +285,10 @@ fn sentences_and_datagrams() {
     let feed = b"$GPGGA,120000,4530.0,N,00515.0,E,1,8,1,9,M,8,M,,*54\n$PGRMZ,3000,F,2*06\n$PFLAA,0,1200,-3400,150,1,4B5C6D,90,,40,-1.5,1*23\n";
     let traffic = b"\x7e\x14\x00\xab\x45\x49\x1f\xef\x15\xa8\x89\x78\x0f\x09\xa9\x07\xb0\x01\x20\x01\x4e\x38\x32\x35\x56\x20\x20\x20\x00\x57\xd6\x7e";
     mutate(&[feed.as_slice(), traffic], |bytes| {
-        Sentences::new().push(bytes, |report| is_sane(&report));
-        Datagrams::new().push(bytes, |report| is_sane(&report));
+        Sentences::default().push(bytes, |report| is_sane(&report));
+        Datagrams::default().push(bytes, |report| is_sane(&report));
         #[cfg(feature = "beast")]
-        fga_formats::traffic::beast::Stream::new().push(bytes, 0.0, |report| is_sane(&report));
+        fga_formats::traffic::beast::Stream::default().push(bytes, 0.0, |report| is_sane(&report));
     });
 }
 

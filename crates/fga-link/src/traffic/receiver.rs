@@ -256,11 +256,11 @@ struct Wire {
 impl Wire {
     fn new(source: ReportSource) -> Self {
         Self {
-            lines: sbs::LineStream::new(),
-            messages: gdl90::Datagrams::new(),
-            sentences: flarm::Sentences::new(),
+            lines: sbs::LineStream::default(),
+            messages: gdl90::Datagrams::default(),
+            sentences: flarm::Sentences::default(),
             #[cfg(feature = "beast")]
-            frames: beast::Stream::new(),
+            frames: beast::Stream::default(),
             source,
         }
     }
