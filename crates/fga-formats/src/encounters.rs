@@ -38,6 +38,14 @@ pub const COLUMNS: [&str; 9] = [
 /// The optional column that says how an obstacle may move.
 pub const KIND_COLUMN: &str = "kind";
 
+/// Its words.
+const KINDS: [(&str, Movement); 4] = [
+    ("still", Movement::AtRest),
+    ("straight", Movement::Straight),
+    ("aircraft", Movement::CREWED),
+    ("uas", Movement::SMALL_UAS),
+];
+
 /// The largest plausible position or radius, metres.
 const LARGEST_LENGTH_M: f64 = 1e8;
 /// The largest plausible component of a velocity, metres per second.
@@ -234,14 +242,10 @@ pub fn from_rows(
 }
 
 /// The movement for a word of the column [`KIND_COLUMN`]; `None` for an unknown word.
-pub const fn movement_of(word: &[u8]) -> Option<Movement> {
-    match word {
-        b"" | b"straight" => Some(Movement::Straight),
-        b"still" => Some(Movement::AtRest),
-        b"aircraft" => Some(Movement::CREWED),
-        b"uas" => Some(Movement::SMALL_UAS),
-        _ => None,
-    }
+pub fn movement_of(word: &[u8]) -> Option<Movement> {
+    let word = if word.is_empty() { b"straight" } else { word };
+    let known = KINDS.iter().find(|(kind, _)| kind.as_bytes() == word);
+    known.map(|(_, movement)| *movement)
 }
 
 /// One row.
@@ -335,13 +339,8 @@ pub fn write_to<'a>(
 
 /// The word of the column [`KIND_COLUMN`] for a movement; `None` for bounds that have no word.
 pub fn kind_of(movement: Movement) -> Option<&'static str> {
-    match movement {
-        Movement::AtRest => Some("still"),
-        Movement::Straight => Some("straight"),
-        Movement::CREWED => Some("aircraft"),
-        Movement::SMALL_UAS => Some("uas"),
-        Movement::Aircraft(_) => None,
-    }
+    let known = KINDS.iter().find(|(_, known)| *known == movement);
+    known.map(|(kind, _)| *kind)
 }
 
 /// Writes a batch file, completely or not at all; see [`write_to`].

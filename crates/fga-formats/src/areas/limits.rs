@@ -111,31 +111,24 @@ impl SaidLimit {
 
     /// A unit by its name, or by its number at `OpenAIP`.
     pub(super) fn take_unit(&mut self, value: &Value) {
-        match value.as_u64() {
-            Some(0) => self.word("M"),
-            Some(1) => self.word("FT"),
-            Some(6) => self.word("FL"),
-            _ => self.take_word(value),
-        }
+        self.take_word(value, &[(0, "M"), (1, "FT"), (6, "FL")]);
     }
 
     pub(super) fn take_reference(&mut self, value: &Value) {
         // What a height counts from is no height.
         let height = self.height;
-        match value.as_u64() {
-            Some(0) => self.word("AGL"),
-            Some(1) => self.word("AMSL"),
-            Some(2) => self.word("STD"),
-            _ => self.take_word(value),
-        }
+        self.take_word(value, &[(0, "AGL"), (1, "AMSL"), (2, "STD")]);
         self.height = height;
     }
 
-    fn take_word(&mut self, value: &Value) {
-        match value {
-            Value::String(text) => self.take(text),
-            Value::Null => (),
-            other => self.unknown = Some(other.to_string()),
+    fn take_word(&mut self, value: &Value, numbered: &[(u64, &str)]) {
+        let number = value.as_u64();
+        let known = numbered.iter().find(|(code, _)| number == Some(*code));
+        match (known, value) {
+            (Some((_, word)), _) => self.word(word),
+            (None, Value::String(text)) => self.take(text),
+            (None, Value::Null) => (),
+            (None, other) => self.unknown = Some(other.to_string()),
         }
     }
 

@@ -146,26 +146,18 @@ const TRANSPARENCY_MASK: u16 = 4;
 
 /// Calls the image of a directory gray: the decoder reads no image that calls itself a mask.
 fn as_gray(bytes: &mut [u8], directory: u64) -> Option<()> {
-    const INTERPRETATION: u16 = 262;
-    let is_little = bytes.starts_with(b"II");
-    let (count_bytes, entry_bytes) = match bytes.get(2..4)? {
-        [43, 0] | [0, 43] => (8, 20),
-        _ => (2, 12),
+    let (interpretation, gray) = match bytes.first()? {
+        b'I' => ([6, 1], [1, 0]),
+        _ => ([1, 6], [0, 1]),
     };
-    let of = |pair: &[u8]| -> Option<u16> {
-        let pair = pair.first_chunk::<2>()?;
-        Some(if is_little {
-            u16::from_le_bytes(*pair)
-        } else {
-            u16::from_be_bytes(*pair)
-        })
+    let (count_bytes, entry_bytes, value) = match bytes.get(2..4)? {
+        [43, 0] | [0, 43] => (8, 20, 12..14),
+        _ => (2, 12, 8..10),
     };
     let entries = bytes.get_mut(usize::try_from(directory).ok()?.checked_add(count_bytes)?..)?;
     let mut entries = entries.chunks_exact_mut(entry_bytes);
-    let entry = entries.find(|entry| of(entry) == Some(INTERPRETATION))?;
-    let value = entry.get_mut(if entry_bytes == 20 { 12.. } else { 8.. })?;
-    let gray = if is_little { [1, 0] } else { [0, 1] };
-    value.get_mut(..2)?.copy_from_slice(&gray);
+    let entry = entries.find(|entry| entry.starts_with(&interpretation))?;
+    entry.get_mut(value)?.copy_from_slice(&gray);
     Some(())
 }
 
