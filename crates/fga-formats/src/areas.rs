@@ -35,6 +35,7 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use crate::error::{InputError, read_bytes, shown, text_of};
+use crate::gzip::unpacked;
 use crate::missions;
 use crate::words::counted;
 
@@ -50,6 +51,7 @@ use taken::Areas;
 /// unknown unit.
 pub fn read(path: &Path) -> Result<AreaFile, InputError> {
     let bytes = read_bytes(path)?;
+    let bytes = unpacked(&bytes, path)?;
     if !bytes.starts_with(b"PK\x03\x04") {
         return parse(&text_of(&bytes), path);
     }

@@ -21,7 +21,8 @@ pub use mission_file::{MissionFence, MissionFile, Waypoint};
 
 use std::path::Path;
 
-use crate::error::{InputError, read_text};
+use crate::error::InputError;
+use crate::gzip::read_packed_text;
 
 /// Whether a text is a mission, by its first words.
 pub fn is_mission(text: &str) -> bool {
@@ -38,7 +39,7 @@ pub fn is_mission_file(path: &Path) -> bool {
     match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("plan" | "waypoints") => true,
         Some("txt" | "mission" | "wp" | "json") => {
-            read_text(path).is_ok_and(|text| is_mission(&text))
+            read_packed_text(path).is_ok_and(|text| is_mission(&text))
         }
         _ => false,
     }
@@ -49,7 +50,7 @@ pub fn is_mission_file(path: &Path) -> bool {
 /// # Errors
 /// A file that is unreadable or no mission; an item that cannot be understood, with its number or line.
 pub fn read(path: &Path) -> Result<MissionFile, InputError> {
-    parse(&read_text(path)?, path)
+    parse(&read_packed_text(path)?, path)
 }
 
 /// Reads a mission from its text; see [`read`].

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::area::{AreaFile, AreaOutline, LARGEST_M, NamedArea};
+use super::area::{AreaFile, AreaOutline, EdgeLine, LARGEST_M, NamedArea};
 use super::mended::mended;
 use crate::error::InputError;
 use crate::words::counted;
@@ -17,6 +17,22 @@ const SAME_DEG: f64 = 1e-7;
 fn is_same(one: [f64; 2], other: [f64; 2]) -> bool {
     let (north_deg, east_deg) = (one[0] - other[0], one[1] - other[1]);
     north_deg.abs() < SAME_DEG && east_deg.abs() < SAME_DEG
+}
+
+/// Lets the longitudes of a ring go on beyond 180° where an edge is longer than half a turn, from near the longitude of a corner; whether
+/// there is such an edge. An edge of a whole turn is one round the earth.
+fn go_on(corners_deg: &mut [[f64; 2]], [_, mut before_deg]: [f64; 2]) -> bool {
+    let (mut is_over, mut turned_deg) = (false, 0.0);
+    for [_, longitude_deg] in corners_deg {
+        let apart_deg = before_deg - *longitude_deg;
+        before_deg = *longitude_deg;
+        if apart_deg.abs() > 180.0 && apart_deg.abs() < 360.0 {
+            turned_deg += 360.0_f64.copysign(apart_deg);
+            is_over = true;
+        }
+        *longitude_deg += turned_deg;
+    }
+    is_over
 }
 
 /// The areas of a file so far.
@@ -86,8 +102,8 @@ impl Areas<'_> {
 
     /// Takes a polygon by its rings, the first of which is its outline.
     pub(super) fn take(&mut self, rings: &[Vec<Vec<f64>>]) -> Result<(), InputError> {
-        let mut rings_deg = Vec::new();
-        let mut is_open = false;
+        let mut rings_deg: Vec<Vec<[f64; 2]>> = Vec::new();
+        let (mut is_open, mut is_over) = (false, false);
         for ring in rings {
             let corners = ring.iter().zip(1..);
             let corners =
@@ -95,6 +111,10 @@ impl Areas<'_> {
             let mut corners_deg = corners.collect::<Result<Vec<_>, _>>()?;
             if corners_deg.is_empty() {
                 return self.refuse("has no corners, expected a ring");
+            }
+            if self.like.edges == EdgeLine::Degrees {
+                let first = rings_deg.first().unwrap_or(&corners_deg).first().copied();
+                is_over |= go_on(&mut corners_deg, first.unwrap_or_default());
             }
             is_open |= corners_deg.len() == 1 || corners_deg.first() != corners_deg.last();
             // Published outlines repeat a corner, and an arc ends at the next one.
@@ -115,6 +135,9 @@ impl Areas<'_> {
         }
         if is_open {
             self.note("is not closed: its last corner is joined to its first one");
+        }
+        if is_over {
+            self.note("is not cut at the antimeridian: it is taken to lie on both sides of it");
         }
         let outlines = mended(&rings_deg);
         if let Some(outlines) = &outlines {
