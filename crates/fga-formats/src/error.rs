@@ -125,9 +125,20 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     Ok(text_of(&read_bytes(path)?))
 }
 
-/// The text of a file's bytes: those that are not UTF-8 become replacement characters, and byte-order marks before it are dropped.
+/// The text of a file's bytes: UTF-16 where its byte-order mark begins them, as programs of Windows write it, else UTF-8. Bytes that are
+/// neither become replacement characters, and byte-order marks before the text are dropped.
 pub fn text_of(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes);
+    let wide = |pairs: &[u8], of: fn([u8; 2]) -> u16| {
+        let units = pairs.as_chunks::<2>().0.iter().copied().map(of);
+        let letters = char::decode_utf16(units);
+        let letters = letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER));
+        letters.collect::<String>().into()
+    };
+    let text = match bytes {
+        [0xff, 0xfe, pairs @ ..] => wide(pairs, u16::from_le_bytes),
+        [0xfe, 0xff, pairs @ ..] => wide(pairs, u16::from_be_bytes),
+        _ => String::from_utf8_lossy(bytes),
+    };
     text.trim_start_matches('\u{feff}').to_owned()
 }
 
@@ -215,6 +226,8 @@ mod tests {
     #[test]
     fn byte_order_marks_are_no_text() {
         assert_eq!(text_of(b"\xEF\xBB\xBF\xEF\xBB\xBFa\xFF"), "a\u{fffd}");
+        assert_eq!(text_of(b"\xFF\xFEa\0\xE4\0\x3D\xD8"), "aä\u{fffd}");
+        assert_eq!(text_of(b"\xFE\xFF\0a\0"), "a");
     }
 
     #[test]
