@@ -88,7 +88,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
 pub(super) fn is_history(text: &str) -> bool {
     let head = text.lines().next().unwrap_or_default().to_ascii_lowercase();
     let columns: Vec<&str> = head
-        .split(',')
+        .split([',', ';', '\t'])
         .map(|name| name.trim().trim_matches('"'))
         .collect();
     ["time", "icao24", "lat", "lon", "velocity"]
@@ -102,7 +102,9 @@ pub(super) fn is_history(text: &str) -> bool {
 /// A table that is none.
 pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputError> {
     let mut reader = StateVectorReader::new(path);
+    let separator = text.bytes().find(|byte| b",;\t".contains(byte));
     let mut table = csv::ReaderBuilder::new()
+        .delimiter(separator.unwrap_or(b','))
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
@@ -343,7 +345,7 @@ impl<'a> StateVectorReader<'a> {
             name, callsign, null, heard, null, lon, lat, low, on_ground, speed, track, climb, null,
             high
         ]);
-        self.opensky(&state, time_s);
+        self.opensky(&state, seconds(Some(&json!(time_s))));
     }
 
     fn take(&mut self, state: &StateVector<'_>) {
