@@ -167,7 +167,7 @@ impl Flight {
     }
 
     /// The events with the aircraft's positions at their times.
-    pub(crate) fn placed_events(&self) -> impl Iterator<Item = (&FlightEvent, Vec3)> {
+    pub fn placed_events(&self) -> impl Iterator<Item = (&FlightEvent, Vec3)> {
         let events = self.events.iter();
         events.filter_map(|event| Some((event, self.position_at(event.time_s)?)))
     }
