@@ -23,6 +23,7 @@ mod geotiff;
 mod hgt;
 mod lerc;
 mod local;
+mod lzw;
 mod mosaic;
 mod name;
 mod projected;

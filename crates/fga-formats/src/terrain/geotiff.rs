@@ -11,8 +11,8 @@ use tiff::{ColorType, TiffError};
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
-use super::tags::{numbers, sentence};
-use super::{lerc, name, projected};
+use super::tags::{content, numbers, sentence, set};
+use super::{lerc, lzw, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
@@ -39,7 +39,9 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     let failed = |error: TiffError| sentence(&error);
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BYTES;
-    let mut decoder = Decoder::new(input).map_err(failed)?.with_limits(limits);
+    let mut decoder = Decoder::new(input)
+        .map_err(failed)?
+        .with_limits(limits.clone());
     let (columns, rows) = decoder.dimensions().map_err(failed)?;
     let color = decoder.colortype().map_err(failed)?;
     let ColorType::Gray(bits @ (16 | 32 | 64)) = color else {
@@ -84,7 +86,11 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
     let heights_of = |image| heights(image, unknown, line);
-    let mut heights = match lerc::heights(&mut decoder, size, heights_of)? {
+    let heights = match lerc::heights(&mut decoder, size, heights_of)? {
+        Some(heights) => Some(heights),
+        None => lzw::heights(&mut decoder, size, limits, heights_of)?,
+    };
+    let mut heights = match heights {
         Some(heights) => heights,
         None => heights_of(decoder.read_image().map_err(failed)?)?,
     };
@@ -129,37 +135,18 @@ fn mask<R: Read + Seek>(
             ));
         }
         let directory = decoder.ifd_pointer().map_or(0, |at| at.0);
-        let mut bytes = Vec::new();
-        let input = decoder.inner();
-        input.rewind().map_err(|error| unread(&error))?;
-        let read = input.take(MOST_BYTES as u64).read_to_end(&mut bytes);
-        read.map_err(|error| unread(&error))?;
-        as_gray(&mut bytes, directory)
-            .ok_or("has a mask without its interpretation, expected a whole TIFF")?;
+        let mut bytes = content(&mut decoder)?;
+        // The decoder reads no image that calls itself a mask.
+        let interpretation = Tag::PhotometricInterpretation;
+        set(&mut bytes, directory, interpretation, GRAY)?;
         return gray_mask(bytes, directory, size).map(Some);
     }
     Ok(None)
 }
 
-/// A mask as its photometric interpretation names it.
+/// A mask, and a gray image, as the photometric interpretation names them.
 const TRANSPARENCY_MASK: u16 = 4;
-
-/// Calls the image of a directory gray: the decoder reads no image that calls itself a mask.
-fn as_gray(bytes: &mut [u8], directory: u64) -> Option<()> {
-    let (interpretation, gray) = match bytes.first()? {
-        b'I' => ([6, 1], [1, 0]),
-        _ => ([1, 6], [0, 1]),
-    };
-    let (count_bytes, entry_bytes, value) = match bytes.get(2..4)? {
-        [43, 0] | [0, 43] => (8, 20, 12..14),
-        _ => (2, 12, 8..10),
-    };
-    let entries = bytes.get_mut(usize::try_from(directory).ok()?.checked_add(count_bytes)?..)?;
-    let mut entries = entries.chunks_exact_mut(entry_bytes);
-    let entry = entries.find(|entry| entry.starts_with(&interpretation))?;
-    entry.get_mut(value)?.copy_from_slice(&gray);
-    Some(())
-}
+const GRAY: u32 = 1;
 
 /// Whether each pixel is known, by the gray image of a directory: what is black is a hole.
 fn gray_mask(
