@@ -1100,7 +1100,7 @@ fn an_outline_that_is_not_cut_at_the_antimeridian_lies_on_both_sides_of_it() {
     let text =
         r#"{"type":"Polygon","coordinates":[[[-180,10],[180,10],[180,20],[-180,20],[-180,10]]]}"#;
     let file = parse(text, Path::new("a.geojson")).unwrap();
-    assert_eq!(file.notes, [String::new(); 0]);
+    assert!(file.notes.is_empty());
     let plane = file.areas[0].on_plane(&frame(15.0, 5.0), false);
     assert!(surrounds(&plane.polygons[0][0], fga::Vec2::ZERO));
 }
