@@ -15,15 +15,14 @@
 mod along;
 mod ardupilot;
 mod area;
+mod chunks;
 mod dted;
 mod field;
 mod file;
 mod geokeys;
 mod geotiff;
 mod hgt;
-mod lerc;
 mod local;
-mod lzw;
 mod mosaic;
 mod name;
 mod projected;

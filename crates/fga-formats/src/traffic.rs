@@ -21,8 +21,11 @@ pub mod sbs;
 mod surveillance;
 
 pub use generations::Generations;
+pub use lines::{LineParser, Lines};
 
 use core::fmt;
+
+use arrayvec::ArrayString;
 
 /// The bit of an address that ICAO has not assigned: of a ground station, or drawn by the aircraft.
 pub const NON_ICAO: u32 = 1 << 24;
@@ -143,39 +146,22 @@ impl Altitude {
 }
 
 /// A call sign: one to eight letters, digits or blanks inside.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Callsign {
-    letters: [u8; 8],
-    length: u8,
-}
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Callsign(ArrayString<8>);
 
 impl Callsign {
     /// The call sign in `text` without the blanks around it; `None` if that is empty, longer
     /// than eight characters or holds anything but letters, digits, `-` and blanks.
     pub fn new(text: &str) -> Option<Self> {
-        let text = text.trim().as_bytes();
-        let known = |letter: &u8| letter.is_ascii_alphanumeric() || b"- ".contains(letter);
-        if text.is_empty() || !text.iter().all(known) {
-            return None;
-        }
-        let mut letters = [b' '; 8];
-        letters.get_mut(..text.len())?.copy_from_slice(text);
-        let length = u8::try_from(text.len()).ok()?;
-        Some(Self { letters, length })
+        let text = text.trim();
+        let known = |letter: u8| letter.is_ascii_alphanumeric() || b"- ".contains(&letter);
+        let is_one = !text.is_empty() && text.bytes().all(known);
+        ArrayString::from(text).ok().filter(|_| is_one).map(Self)
     }
 
     /// The call sign as text.
     pub fn as_str(&self) -> &str {
-        let letters = self.letters.get(..usize::from(self.length));
-        letters
-            .and_then(|letters| core::str::from_utf8(letters).ok())
-            .unwrap_or_default()
-    }
-}
-
-impl fmt::Debug for Callsign {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Callsign({:?})", self.as_str())
+        &self.0
     }
 }
 

@@ -1,11 +1,6 @@
 //! State vectors in JSON: of recordings, of readsb, and of the OpenSky network.
 //!
-//! | document | units | time |
-//! |---|---|---|
-//! | a list of objects, or an object of columns, with `icao24`, `timestamp`, `latitude`, … | ft, kt, ft/min | `timestamp` |
-//! | `{"now": …, "aircraft": [{"hex": …, "lat": …}]}` of readsb, dump1090 and tar1090 | ft, kt, ft/min | `now` less `seen_pos` |
-//! | `{"icao": …, "timestamp": …, "trace": [[…]]}` of readsb and tar1090, one aircraft | ft, kt, ft/min | `timestamp` and the first of each row |
-//! | `{"time": …, "states": [["icao24", …]]}` of the OpenSky network | m, m/s | `time_position` |
+//! Which documents, names and units there are: `docs/formats.md`, Recorded encounters. Units are ft, kt and ft/min; OpenSky's are m and m/s.
 //!
 //! A file may hold several documents one after the other, or a list of them. Times are seconds or milliseconds since
 //! 1970.

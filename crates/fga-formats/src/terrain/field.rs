@@ -130,16 +130,8 @@ impl HeightGrid {
 
     fn check(&self) -> Result<(), String> {
         let area = self.area();
-        let numbers = [
-            self.south_deg,
-            self.west_deg,
-            self.step_north_deg,
-            self.step_east_deg,
-        ];
-        if !numbers.iter().all(|number| number.is_finite())
-            || self.step_north_deg <= 0.0
-            || self.step_east_deg <= 0.0
-        {
+        let is_finite = area.north_deg.is_finite() && area.east_deg.is_finite();
+        if !(is_finite && self.step_north_deg > 0.0 && self.step_east_deg > 0.0) {
             return Err(format!(
                 "has the corner {}, {} and the spacing {} x {} degrees, expected a corner and a spacing above 0",
                 self.south_deg, self.west_deg, self.step_north_deg, self.step_east_deg

@@ -4,15 +4,15 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use roxmltree::{Document, Node};
 
+use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
 
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
 use super::tags::{content, numbers, sentence, set};
-use super::{lerc, lzw, name, projected};
+use super::{chunks, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
@@ -36,14 +36,13 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .seek(SeekFrom::End(0))
         .map_err(|error| unread(&error))?;
     input.rewind().map_err(|error| unread(&error))?;
-    let failed = |error: TiffError| sentence(&error);
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BYTES;
     let mut decoder = Decoder::new(input)
-        .map_err(failed)?
+        .map_err(sentence)?
         .with_limits(limits.clone());
-    let (columns, rows) = decoder.dimensions().map_err(failed)?;
-    let color = decoder.colortype().map_err(failed)?;
+    let (columns, rows) = decoder.dimensions().map_err(sentence)?;
+    let color = decoder.colortype().map_err(sentence)?;
     let ColorType::Gray(bits @ (16 | 32 | 64)) = color else {
         return Err(format!(
             "has pixels of the kind {color:?}, expected one band of heights with 16 or 32 bits"
@@ -60,7 +59,7 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     }
     let directory = decoder
         .find_tag_unsigned_vec::<u16>(Tag::GeoKeyDirectoryTag)
-        .map_err(failed)?
+        .map_err(sentence)?
         .ok_or("is a TIFF without a place (no GeoKeys), expected a GeoTIFF")?;
     let keys = geokeys::read(&directory)?;
     let size = [rows, columns].map(|count| count as usize);
@@ -69,9 +68,9 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     let matrix = numbers(&mut decoder, Tag::ModelTransformationTag)?;
     let corner = corner(&scale, &tie, &matrix, &keys)?;
     let mut text = |tag| -> Result<Option<String>, String> {
-        let value = decoder.find_tag(tag).map_err(failed)?;
+        let value = decoder.find_tag(tag).map_err(sentence)?;
         value
-            .map(|value| value.into_string().map_err(failed))
+            .map(|value| value.into_string().map_err(sentence))
             .transpose()
     };
     let unknown = text(Tag::GdalNodata)?
@@ -86,13 +85,9 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
     let heights_of = |image| heights(image, unknown, line);
-    let heights = match lerc::heights(&mut decoder, size, heights_of)? {
-        Some(heights) => Some(heights),
-        None => lzw::heights(&mut decoder, size, limits, heights_of)?,
-    };
-    let mut heights = match heights {
+    let mut heights = match chunks::heights(&mut decoder, size, limits, heights_of)? {
         Some(heights) => heights,
-        None => heights_of(decoder.read_image().map_err(failed)?)?,
+        None => heights_of(decoder.read_image().map_err(sentence)?)?,
     };
     if let Some(known) = mask(decoder, [columns, rows])? {
         let masked = heights.iter_mut().zip(known).filter(|(_, known)| !known);
@@ -116,14 +111,13 @@ fn mask<R: Read + Seek>(
     mut decoder: Decoder<R>,
     size: [u32; 2],
 ) -> Result<Option<Vec<bool>>, String> {
-    let failed = |error: TiffError| sentence(&error);
     while decoder.more_images() {
-        decoder.next_image().map_err(failed)?;
-        let (width, height) = decoder.dimensions().map_err(failed)?;
+        decoder.next_image().map_err(sentence)?;
+        let (width, height) = decoder.dimensions().map_err(sentence)?;
         let kind = decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType);
-        let kind = kind.map_err(failed)?.unwrap_or(0);
+        let kind = kind.map_err(sentence)?.unwrap_or(0);
         let color = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
-        let is_mask = kind & 4 != 0 || color.map_err(failed)? == Some(TRANSPARENCY_MASK);
+        let is_mask = kind & 4 != 0 || color.map_err(sentence)? == Some(TRANSPARENCY_MASK);
         if kind & 1 != 0 || (!is_mask && (width < size[0] || height < size[1])) {
             continue;
         }
@@ -154,14 +148,13 @@ fn gray_mask(
     directory: u64,
     [columns, rows]: [u32; 2],
 ) -> Result<Vec<bool>, String> {
-    let failed = |error: TiffError| sentence(&error);
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(sentence)?;
     while decoder.ifd_pointer().map(|at| at.0) != Some(directory) {
-        decoder.next_image().map_err(failed)?;
+        decoder.next_image().map_err(sentence)?;
     }
     let (columns, rows) = (columns as usize, rows as usize);
-    let color = decoder.colortype().map_err(failed)?;
-    let image = decoder.read_image().map_err(failed)?;
+    let color = decoder.colortype().map_err(sentence)?;
+    let image = decoder.read_image().map_err(sentence)?;
     let known: Vec<bool> = match (color, image) {
         (ColorType::Gray(1), DecodingResult::U8(bits)) => {
             let lines = bits.chunks(columns.div_ceil(8)).flat_map(|line| {

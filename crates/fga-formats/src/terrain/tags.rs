@@ -10,7 +10,8 @@ use super::file::MOST_BYTES;
 use crate::gzip::{fill, unread};
 
 /// An error of the reader as words without its line breaks.
-pub(super) fn sentence(error: &TiffError) -> String {
+#[expect(clippy::needless_pass_by_value, reason = "as map_err gives it")]
+pub(super) fn sentence(error: TiffError) -> String {
     let words = error.to_string().replace('\n', " ");
     format!(
         "is no usable TIFF ({words}), expected a whole one, uncompressed or compressed by deflate, LZW, PackBits, ZSTD or LERC"
@@ -22,10 +23,9 @@ pub(super) fn numbers<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     tag: Tag,
 ) -> Result<Vec<f64>, String> {
-    let found = decoder.find_tag(tag).map_err(|error| sentence(&error))?;
+    let found = decoder.find_tag(tag).map_err(sentence)?;
     let numbers = found.map(tiff::decoder::ifd::Value::into_f64_vec);
-    let numbers = numbers.transpose().map_err(|error| sentence(&error))?;
-    Ok(numbers.unwrap_or_default())
+    Ok(numbers.transpose().map_err(sentence)?.unwrap_or_default())
 }
 
 /// The whole numbers of a tag; empty without it.
@@ -33,10 +33,8 @@ pub(super) fn whole<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     tag: Tag,
 ) -> Result<Vec<u64>, String> {
-    let found = decoder.find_tag_unsigned_vec(tag);
-    found
-        .map(Option::unwrap_or_default)
-        .map_err(|error| sentence(&error))
+    let found = decoder.find_tag_unsigned_vec(tag).map_err(sentence)?;
+    Ok(found.unwrap_or_default())
 }
 
 /// All bytes of a file.

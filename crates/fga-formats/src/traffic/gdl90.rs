@@ -3,11 +3,7 @@
 //! A message lies between two bytes `0x7E`; inside, `0x7D` stands before a `0x7E` or `0x7D` that is changed by `0x20`. It ends with a
 //! checksum of two bytes.
 //!
-//! | message | meaning here |
-//! |---|---|
-//! | 20, traffic report | a report: address, place, pressure altitude, velocity over ground where its direction is a true track, climb, call sign, NIC and NACp; latitude, longitude and NIC of 0 are no place |
-//! | 0 heartbeat, 10 ownship report, 11 ownship geometric altitude, uplinks, those of ForeFlight and Stratux | without use: the vehicle says where it is |
-//! | another | of an unknown kind |
+//! What becomes of each message and field: `docs/formats.md`, GDL 90.
 
 use super::{Altitude, Callsign, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::course_from_compass_rad;

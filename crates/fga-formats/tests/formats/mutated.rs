@@ -311,11 +311,12 @@ fn heights_of(bytes: &[u8], name: &str) {
 
 #[test]
 fn heights() {
-    let files: [(&str, &[u8]); 5] = [
+    let files: [(&str, &[u8]); 6] = [
         ("a.tif", include_bytes!("terrain/masked.tif")),
         ("a.tif", include_bytes!("terrain/strips.tif")),
         ("a.tif", include_bytes!("terrain/utm.tif")),
         ("a.tif", include_bytes!("terrain/scaled.tif")),
+        ("a.tif", include_bytes!("terrain/tiles.tif")),
         ("N46E009.DAT", include_bytes!("terrain/old.dat")),
     ];
     for (name, seed) in files {
