@@ -4,10 +4,7 @@
 //! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. What of a file is no
 //! area, or is said in a way that is not known, is named in [`AreaFile::notes`].
 //!
-//! | file | an edge is |
-//! |---|---|
-//! | GeoJSON, ED-318, fences of missions | straight in longitude and latitude (RFC 7946, 3.1.1; flat coordinates of ArduPilot) |
-//! | KML, ED-269, `OpenAir`, AIXM | the shortest way on the ellipsoid |
+//! Which line an edge is in each format: `docs/formats.md`, Missions.
 
 mod aixm;
 mod arcs;

@@ -86,33 +86,18 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
         .from_reader(input);
     let mut record = csv::ByteRecord::new();
     let next = |reader: &mut csv::Reader<_>, record: &mut csv::ByteRecord| {
-        reader
-            .read_byte_record(record)
-            .map_err(|error| match error.into_kind() {
-                csv::ErrorKind::Io(error) => InputError::unreadable(path, &error),
-                _ => InputError::in_file(path, "is not a comma-separated file"),
-            })
+        let read = reader.read_byte_record(record);
+        read.map_err(|error| InputError::csv(path, "comma-separated file", &error))
     };
     let line_of = |record: &csv::ByteRecord| record.position().map_or(0, csv::Position::line);
 
     if !next(&mut reader, &mut record)? {
-        return Err(InputError::in_file(
-            path,
-            format!("is empty, expected the columns {}", COLUMNS.join(",")),
-        ));
+        let message = format!("is empty, expected the columns {}", COLUMNS.join(","));
+        return Err(InputError::in_file(path, message));
     }
     let first_line = line_of(&record);
     let wrong = |message: String| InputError::at_line(path, first_line, message);
-    let mut columns = [0; COLUMNS.len()];
-    for (column, name) in columns.iter_mut().zip(COLUMNS) {
-        let place = place_of(&record, name).map_err(wrong)?;
-        *column = place.ok_or_else(|| {
-            let all = COLUMNS.join(",");
-            wrong(format!(
-                "the column {name} is missing, expected the columns {all}"
-            ))
-        })?;
-    }
+    let columns = places_of(&record, COLUMNS).map_err(wrong)?;
     let kind_column = place_of(&record, KIND_COLUMN).map_err(wrong)?;
     let width = record.len();
 
@@ -145,8 +130,23 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(grouped.encounters)
 }
 
+/// The indices of columns in a file that has to have all of them.
+pub(crate) fn places_of<const N: usize>(
+    header: &csv::ByteRecord,
+    names: [&str; N],
+) -> Result<[usize; N], String> {
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(names) {
+        *place = place_of(header, name)?.ok_or_else(|| {
+            let all = names.join(",");
+            format!("the column {name} is missing, expected the columns {all}")
+        })?;
+    }
+    Ok(places)
+}
+
 /// The index of a column in a file, if present.
-pub(crate) fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
+fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
     let mut places = header.iter().enumerate().filter_map(|(place, field)| {
         let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
         field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)

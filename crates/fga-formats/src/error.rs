@@ -64,6 +64,9 @@ impl InputError {
 
     /// A table that is not what it should be.
     pub(crate) fn csv(path: &Path, kind: &str, error: &csv::Error) -> Self {
+        if let csv::ErrorKind::Io(error) = error.kind() {
+            return Self::unreadable(path, error);
+        }
         let line = error.position().map(csv::Position::line);
         let message = format!("is no {kind}: {error}");
         Self::at(path, line, message.replace(char::is_control, " "))

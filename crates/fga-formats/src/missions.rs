@@ -65,9 +65,6 @@ pub fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
     if begin.starts_with('{') {
         return plan::parse(text, path);
     }
-    Err(InputError::at_line(
-        path,
-        1,
-        "is no mission, expected a plan of QGroundControl (JSON) or a list that begins with QGC WPL 110",
-    ))
+    let message = "is no mission, expected a plan of QGroundControl (JSON) or a list that begins with QGC WPL 110";
+    Err(InputError::at_line(path, 1, message))
 }

@@ -48,13 +48,11 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
     }
     files.sort();
     if files.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            format!(
-                "holds no recordings, expected files that end in .{} (or .gz after it)",
-                ENDINGS.join(", .")
-            ),
-        ));
+        let message = format!(
+            "holds no recordings, expected files that end in .{} (or .gz after it)",
+            ENDINGS.join(", .")
+        );
+        return Err(InputError::in_file(path, message));
     }
     Ok(files)
 }
@@ -120,10 +118,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
         Content::Recording(recording) => recording,
     };
     if recording.aircraft.len() < 2 {
-        return Err(InputError::in_file(
-            path,
-            "holds one aircraft only, expected the ownship and at least one more",
-        ));
+        let message = "holds one aircraft only, expected the ownship and at least one more";
+        return Err(InputError::in_file(path, message));
     }
     let tally = recording.tally;
     let named = vec![Named { name, recording }];

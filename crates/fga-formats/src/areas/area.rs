@@ -81,12 +81,11 @@ impl AreaOutline {
                 ]
             }
         };
-        let corners = corners_deg.iter();
-        let corners =
-            corners.map(|[latitude_deg, longitude_deg]| Vec2::new(*longitude_deg, *latitude_deg));
+        // North before east.
+        let corners = corners_deg.into_iter().map(Vec2::from);
         let low = corners.clone().fold(Vec2::INFINITY, Vec2::min);
         let high = corners.fold(Vec2::NEG_INFINITY, Vec2::max);
-        Area::new([low.y, low.x, high.y, high.x]).ok()
+        Area::new([low.x, low.y, high.x, high.y]).ok()
     }
 }
 

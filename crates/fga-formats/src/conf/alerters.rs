@@ -188,10 +188,11 @@ fn volume(
         "WCV_TAUMOD" | "WCV_TCPA" | "WCV_TEP" | "WCV_HZ" => {
             Ok(Volume::WellClear(thresholds(entries, &prefix, times)?))
         }
-        "WCV_TAUMOD_SUM" => Ok(Volume::Uncertain(UncertainWellClear {
-            volume: thresholds(entries, &prefix, times)?,
-            factors: own_factors(entries, &prefix, factors)?,
-        })),
+        "WCV_TAUMOD_SUM" => {
+            let (volume, mut factors) = (thresholds(entries, &prefix, times)?, *factors);
+            take_factors(entries, &prefix, &mut factors)?;
+            Ok(Volume::Uncertain(UncertainWellClear { volume, factors }))
+        }
         "CDCylinder" => {
             let default = Cylinder::CD3D;
             let radius_m = quantity(entries, &format!("{prefix}D"), Length)?;
@@ -236,28 +237,25 @@ fn thresholds(
     })
 }
 
-/// The factors of a detector: its own if the file has them, else those of the top level.
-fn own_factors(
+/// Takes the factors behind a prefix, those of the top level or of a detector of its own.
+pub(super) fn take_factors(
     entries: &mut Entries,
     prefix: &str,
-    factors: &DeviationFactors,
-) -> Result<DeviationFactors, InputError> {
-    let mut own = *factors;
+    factors: &mut DeviationFactors,
+) -> Result<(), InputError> {
     for (key, target) in [
-        ("h_pos_z_score", &mut own.horizontal_position),
-        ("h_vel_z_score_min", &mut own.horizontal_velocity_least),
-        ("h_vel_z_score_max", &mut own.horizontal_velocity_most),
-        ("v_pos_z_score", &mut own.vertical_position),
-        ("v_vel_z_score", &mut own.vertical_velocity),
+        ("h_pos_z_score", &mut factors.horizontal_position),
+        ("h_vel_z_score_min", &mut factors.horizontal_velocity_least),
+        ("h_vel_z_score_max", &mut factors.horizontal_velocity_most),
+        ("v_pos_z_score", &mut factors.vertical_position),
+        ("v_vel_z_score", &mut factors.vertical_velocity),
     ] {
-        let key = format!("{prefix}{key}");
-        if let Some(number) = entries.number(&key, None, Allowed::NotNegative)? {
-            *target = number.si;
-        }
+        let number = entries.number(&format!("{prefix}{key}"), None, Allowed::NotNegative)?;
+        *target = number.map_or(*target, |number| number.si);
     }
-    let distance = quantity(entries, &format!("{prefix}h_vel_z_distance"), Length)?;
-    own.velocity_distance_m = distance.unwrap_or(own.velocity_distance_m);
-    Ok(own)
+    let distance_m = quantity(entries, &format!("{prefix}h_vel_z_distance"), Length)?;
+    factors.velocity_distance_m = distance_m.unwrap_or(factors.velocity_distance_m);
+    Ok(())
 }
 
 fn advisory(entries: &mut Entries, prefix: &str, line: u64) -> Result<Volume, InputError> {

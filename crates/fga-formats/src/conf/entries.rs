@@ -84,10 +84,8 @@ impl Entries {
             }
         }
         if left.is_empty() {
-            return Err(InputError::in_file(
-                path,
-                "is empty, expected lines key = value [unit]",
-            ));
+            let message = "is empty, expected lines key = value [unit]";
+            return Err(InputError::in_file(path, message));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -227,10 +225,6 @@ fn split_unit(text: &str) -> (&str, &str) {
     let is_unit = |c: char| !(c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E'));
     let end = text.find(is_unit).unwrap_or(text.len());
     let (digits, unit) = text.split_at(end);
-    let unit = unit.trim();
-    let bare = unit
-        .strip_prefix('[')
-        .and_then(|inner| inner.strip_suffix(']'))
-        .unwrap_or(unit);
-    (digits.trim(), bare.trim())
+    let unit = unit.trim().trim_start_matches('[').trim_end_matches(']');
+    (digits.trim(), unit.trim())
 }

@@ -1,6 +1,7 @@
 //! The keys of the top level.
 
 use super::Configuration;
+use super::alerters::take_factors;
 use super::entries::{Allowed, Entries, Number};
 use crate::error::InputError;
 use crate::units::Dimension;
@@ -100,12 +101,6 @@ pub(super) fn read(
         "persistence_preferred_hs" or "max_delta_resolution_hs": Speed NotNegative => resolution_persistence.horizontal_speed;
         "persistence_preferred_vs" or "max_delta_resolution_vs": Speed NotNegative => resolution_persistence.vertical_speed;
         "persistence_preferred_alt" or "max_delta_resolution_alt": Length NotNegative => resolution_persistence.altitude;
-        "h_pos_z_score": plain NotNegative => deviation_factors.horizontal_position;
-        "h_vel_z_score_min": plain NotNegative => deviation_factors.horizontal_velocity_least;
-        "h_vel_z_score_max": plain NotNegative => deviation_factors.horizontal_velocity_most;
-        "h_vel_z_distance": Length NotNegative => deviation_factors.velocity_distance_m;
-        "v_pos_z_score": plain NotNegative => deviation_factors.vertical_position;
-        "v_vel_z_score": plain NotNegative => deviation_factors.vertical_velocity;
         "contour_thr": Angle NotNegative => contour_rad;
         "dta_latitude": Angle Any => terminal.latitude_rad;
         "dta_longitude": Angle Any => terminal.longitude_rad;
@@ -124,6 +119,7 @@ pub(super) fn read(
         "ownship_centric_alerting" => ownship_centric;
         "bands_add_time_to_maneuver" => counts_maneuver_time;
     }
+    take_factors(entries, "", &mut configuration.settings.deviation_factors)?;
     words_and_counts(entries, configuration)?;
     check(entries, configuration)
 }

@@ -75,10 +75,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         }
     }
     if samples.iter().any(Vec::is_empty) {
-        return Err(InputError::in_file(
-            path,
-            "holds no rows, expected at least one below the column names",
-        ));
+        let message = "holds no rows, expected at least one below the column names";
+        return Err(InputError::in_file(path, message));
     }
     let rows = samples.first().map_or(0, Vec::len);
     let tally = Tally::all_used(rows as u64);

@@ -178,10 +178,8 @@ impl<'a> StateVectorReader<'a> {
     fn row(&mut self, row: &Value) -> Result<(), InputError> {
         let index = self.tally.read();
         let wrong = |message: String| {
-            Err(InputError::in_file(
-                self.path,
-                format!("state vector {index} {message}"),
-            ))
+            let message = format!("state vector {index} {message}");
+            Err(InputError::in_file(self.path, message))
         };
         let words = |key: &str| row.get(key).and_then(Value::as_str);
         let keys = ["flight_id", "icao24", "callsign"];

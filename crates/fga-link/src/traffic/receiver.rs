@@ -135,7 +135,7 @@ impl KnownParts {
 #[derive(Debug)]
 pub struct Joiner {
     sender: ReportSender,
-    aircraft: Generations<KnownParts>,
+    aircraft: Generations<KnownParts, MOST_AIRCRAFT>,
 }
 
 impl Joiner {
@@ -148,7 +148,7 @@ impl Joiner {
     pub fn of(sender: ReportSender) -> Self {
         Self {
             sender,
-            aircraft: Generations::new(MOST_AIRCRAFT),
+            aircraft: Generations::default(),
         }
     }
 
