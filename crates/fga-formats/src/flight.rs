@@ -139,12 +139,7 @@ pub struct FlightWay {
 impl Flight {
     /// The local frame on the globe.
     pub fn frame(&self) -> LocalFrame {
-        let origin = self.origin.unwrap_or(Geodetic {
-            latitude_deg: 0.0,
-            longitude_deg: 0.0,
-            altitude_m: 0.0,
-        });
-        LocalFrame::new(origin, self.earth)
+        LocalFrame::new(self.origin.unwrap_or_default(), self.earth)
     }
 
     /// A time of the flight as seconds since 1970-01-01 00:00 UTC.

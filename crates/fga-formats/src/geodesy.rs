@@ -21,7 +21,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
 /// A place on the earth.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Geodetic {
     /// Latitude, degrees, north positive.
     pub latitude_deg: f64,

@@ -106,10 +106,7 @@ impl Areas<'_> {
 fn outline(ring: Element<'_>) -> Result<Outline, String> {
     let mut places: Vec<Vec<f64>> = Vec::new();
     for node in ring.descendants().filter(Node::is_element) {
-        if node
-            .attributes()
-            .any(|attribute| attribute.name() == "href")
-        {
+        if node.attributes().any(|given| given.name() == "href") {
             return Err("an outline elsewhere (xlink)".into());
         }
         match node.tag_name().name() {

@@ -286,10 +286,8 @@ impl Areas<'_> {
                 }
                 continue;
             };
-            if words
-                .iter()
-                .any(|word| ["desc", "description", "text", "name"].contains(&word.as_str()))
-            {
+            let are_words = ["desc", "description", "text", "name"];
+            if words.iter().any(|word| are_words.contains(&word.as_str())) {
                 continue;
             }
             match Role::of(&words) {
@@ -314,7 +312,9 @@ impl Areas<'_> {
                 }
             }
         }
-        for ((mut said, what), limit) in said.into_iter().zip(["lower", "upper"]).zip([0, 1]) {
+        let mut limits = self.like.limits;
+        let said = said.into_iter().zip(["lower", "upper"]);
+        for ((mut said, what), limit) in said.zip(&mut limits) {
             if !said.is_said() {
                 continue;
             }
@@ -322,10 +322,8 @@ impl Areas<'_> {
                 said.unknown = said.unknown.or(shared.unknown.clone());
                 said.unit_m = shared.unit_m.or(unit_m);
             }
-            let found = self.named(&said, what);
-            if let Some(limit) = self.like.limits.get_mut(limit) {
-                *limit = found;
-            }
+            *limit = self.named(&said, what);
         }
+        self.like.limits = limits;
     }
 }

@@ -74,10 +74,8 @@ impl Areas<'_> {
 
     fn altitude(&mut self, said: &Altitude, what: &str) -> Option<AreaLimit> {
         let feet = |feet: f64, above| {
-            Some(AreaLimit {
-                height_m: feet * FOOT_M,
-                above,
-            })
+            let height_m = feet * FOOT_M;
+            Some(AreaLimit { height_m, above })
         };
         match said {
             Altitude::Gnd => feet(0.0, Reference::Ground),

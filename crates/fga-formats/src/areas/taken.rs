@@ -70,10 +70,8 @@ impl Areas<'_> {
 
     /// Counts what is no area.
     pub(super) fn leave_out(&mut self, what: &str) {
-        *self
-            .others
-            .entry(Self::name(what).unwrap_or_default())
-            .or_default() += 1;
+        let what = Self::name(what).unwrap_or_default();
+        *self.others.entry(what).or_default() += 1;
     }
 
     /// Notes something about the next area.

@@ -36,10 +36,7 @@ pub(super) fn read(entries: &mut Entries, settings: &mut AlertSettings) -> Resul
         let Some((line, text)) = entries.text("alerters") else {
             return Err(entries.missing("has no alerters, expected a key alerters"));
         };
-        let names = text
-            .split([',', ' ', '\t'])
-            .map(str::trim)
-            .filter(|name| !name.is_empty());
+        let names = text.split([',', ' ', '\t']).filter(|name| !name.is_empty());
         settings.alerters = names
             .map(|name| alerter(entries, name, &format!("{name}_"), &factors))
             .collect::<Result<_, _>>()?;

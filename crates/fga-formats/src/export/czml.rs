@@ -29,8 +29,8 @@ pub fn text(flight: &Flight) -> String {
     })];
     packets.push(aircraft(flight, &interval));
     packets.extend(state_lines(flight));
+    let frame = flight.frame();
     if !flight.mission.is_empty() {
-        let frame = flight.frame();
         packets.push(json!({
             "id": "mission",
             "name": "Mission",
@@ -38,7 +38,6 @@ pub fn text(flight: &Flight) -> String {
         }));
     }
     for (index, [ground, path]) in curtain(flight).into_iter().enumerate() {
-        let frame = flight.frame();
         let lowest_m: Vec<f64> = ground.iter().map(|at| degrees(&frame, *at)[2]).collect();
         let places: Vec<f64> = path.iter().flat_map(|at| degrees(&frame, *at)).collect();
         packets.push(json!({
@@ -63,7 +62,7 @@ pub fn text(flight: &Flight) -> String {
             "name": event.kind,
             "description": html(&event.text),
             "availability": self::interval(flight, event.time_s, to_s.max(event.time_s)),
-            "position": { "cartographicDegrees": degrees(&flight.frame(), position_m) },
+            "position": { "cartographicDegrees": degrees(&frame, position_m) },
             "point": { "pixelSize": 6, "color": rgba(state_color("avoiding"), 255) },
         }));
     }

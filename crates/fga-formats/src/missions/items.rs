@@ -81,7 +81,7 @@ impl ItemReader {
     pub(super) fn take_home(&mut self, item: &Item) -> Result<(), InputError> {
         let [latitude, longitude, _] = item.at;
         if (latitude, longitude) != (Some(0.0), Some(0.0)) {
-            self.file.home = Some(self.place(item)?);
+            self.file.home = Some(self.waypoint(item)?.place);
         }
         Ok(())
     }
@@ -252,11 +252,6 @@ impl ItemReader {
         self.file.waypoints.push(waypoint);
     }
 
-    /// A place of an item that is not above the ground.
-    fn place(&mut self, item: &Item) -> Result<Geodetic, InputError> {
-        Ok(self.waypoint(item)?.place)
-    }
-
     /// Where an item leads, flown by.
     fn waypoint(&mut self, item: &Item) -> Result<Waypoint, InputError> {
         let [Some(latitude_deg), Some(longitude_deg), given_m] = item.at else {
@@ -380,7 +375,7 @@ impl ItemReader {
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             5100 if !matches!(item.frame, 10 | 11) => {
-                let place = self.place(item)?;
+                let place = self.waypoint(item)?.place;
                 self.file.rally.push(place);
                 Ok(())
             }

@@ -167,12 +167,11 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         (outline, circle.inclusion)
     });
     let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
+    let polygon = |corners_deg: Vec<[f64; 2]>| AreaOutline::Polygon(vec![corners_deg]);
     let polygons = plan.geo_fence.polygons.into_iter();
-    let polygons = polygons.map(|polygon| (polygon.polygon, polygon.inclusion));
-    let polygons = polygons.chain(old.map(|corners_deg| (corners_deg, true)));
-    let polygons =
-        polygons.map(|(corners_deg, keep_in)| (AreaOutline::Polygon(vec![corners_deg]), keep_in));
-    for (outline, keep_in) in circles.chain(polygons) {
+    let polygons = polygons.map(|each| (polygon(each.polygon), each.inclusion));
+    let old = old.map(|corners_deg| (polygon(corners_deg), true));
+    for (outline, keep_in) in circles.chain(polygons).chain(old) {
         item.number += 1;
         reader.add_fence(&item, MissionFence { outline, keep_in })?;
     }
@@ -184,10 +183,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
             ..item
         })?;
     }
-    reader.file().cruise_mps = plan
-        .mission
-        .cruise_speed
-        .filter(|speed| speed.is_finite() && *speed > 0.0);
+    let cruise_mps = plan.mission.cruise_speed;
+    reader.file().cruise_mps = cruise_mps.filter(|mps| mps.is_finite() && *mps > 0.0);
     reader.finish()
 }
 

@@ -154,9 +154,8 @@ fn in_reach(heard: Vec<Heard>) -> Vec<Heard> {
         rows.push(vec![this]);
     }
     let longest = rows.into_iter().max_by_key(Vec::len);
-    longest
-        .filter(|row| 2 * row.len() > count)
-        .unwrap_or_default()
+    let most = longest.filter(|row| 2 * row.len() > count);
+    most.unwrap_or_default()
 }
 
 impl Received {

@@ -152,7 +152,7 @@ fn gray_mask(
     while decoder.ifd_pointer().map(|at| at.0) != Some(directory) {
         decoder.next_image().map_err(sentence)?;
     }
-    let (columns, rows) = (columns as usize, rows as usize);
+    let [columns, rows] = [columns, rows].map(|count| count as usize);
     let color = decoder.colortype().map_err(sentence)?;
     let image = decoder.read_image().map_err(sentence)?;
     let known: Vec<bool> = match (color, image) {

@@ -120,14 +120,9 @@ impl RequestedBlock {
         heights_m: &[i16; PIECE * PIECE],
     ) -> Taken {
         // A sender may have rounded the corner otherwise: two centimetres.
-        let is_corner = self
-            .corner_e7
-            .iter()
-            .zip(corner_e7)
-            .all(|(own, other)| own.abs_diff(other) <= 2);
-        let is_ground = heights_m
-            .iter()
-            .all(|height| height.unsigned_abs() <= 9_000);
+        let mut sides = self.corner_e7.iter().zip(corner_e7);
+        let is_corner = sides.all(|(own, other)| own.abs_diff(other) <= 2);
+        let is_ground = heights_m.iter().all(|m| m.unsigned_abs() <= 9_000);
         let piece = usize::from(piece);
         if !is_corner || spacing_m != self.spacing_m {
             return Taken::Other;

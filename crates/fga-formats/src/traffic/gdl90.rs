@@ -62,9 +62,7 @@ impl Datagrams {
                 parse(&self.body)
             };
             self.tally.take(&parsed);
-            if let Ok(found) = parsed {
-                report(found);
-            }
+            parsed.into_iter().for_each(report);
         }
         self.body.clear();
     }

@@ -549,10 +549,7 @@ fn a_flight_is_kept_as_a_file() {
 #[test]
 fn formats_have_names() {
     for format in Format::ALL {
-        assert_eq!(
-            format.to_string().to_uppercase().parse::<Format>(),
-            Ok(format)
-        );
+        assert_eq!(format.name().to_uppercase().parse::<Format>(), Ok(format));
     }
     let error = "kmz".parse::<Format>().unwrap_err();
     assert_eq!(
