@@ -22,6 +22,11 @@ pub(super) fn heights<R: Read + Seek>(
     limits: Limits,
     heights_of: impl Fn(DecodingResult) -> Result<Vec<f32>, String>,
 ) -> Result<Option<Vec<f32>>, String> {
+    for lengths in [Tag::TileByteCounts, Tag::StripByteCounts] {
+        if whole(decoder, lengths)?.contains(&0) {
+            return Err("lacks a part (sparse), expected all of its strips or tiles".into());
+        }
+    }
     let tiles = whole(decoder, Tag::TileOffsets)?.len();
     let posts = match whole(decoder, Tag::Compression)?[..] {
         [LERC] => blobs(decoder, heights_of)?,

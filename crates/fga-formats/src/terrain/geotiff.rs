@@ -246,12 +246,9 @@ fn grid([west, north, east_step, north_step]: [f64; 4], [rows, columns]: [usize;
 /// The height that stands for a hole.
 fn nodata(text: &str) -> Result<f64, String> {
     let text = text.trim_matches(|c: char| c == '\0' || c.is_whitespace());
-    text.parse().map_err(|_| {
-        format!(
-            "has {} as the value of a hole, expected a number",
-            crate::error::shown(text)
-        )
-    })
+    let found = crate::error::shown(text);
+    let wrong = |_| format!("has {found} as the value of a hole, expected a number");
+    text.parse().map_err(wrong)
 }
 
 /// What GDAL's metadata say of the only band.
@@ -280,11 +277,8 @@ impl Metadata {
                 ))
             };
             let of_first = item.attribute("sample").is_none_or(|sample| sample == "0");
-            match item
-                .attribute("role")
-                .map(str::to_ascii_lowercase)
-                .as_deref()
-            {
+            let role = item.attribute("role").map(str::to_ascii_lowercase);
+            match role.as_deref() {
                 Some("scale") if of_first => found.line.get_or_insert(AS_THEY_ARE)[0] = number()?,
                 Some("offset") if of_first => found.line.get_or_insert(AS_THEY_ARE)[1] = number()?,
                 Some("unittype") if of_first && !value.is_empty() => {
