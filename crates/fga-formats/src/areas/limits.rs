@@ -28,7 +28,9 @@ pub(super) struct SaidLimit {
 impl SaidLimit {
     /// Takes words such as `2500 ft AMSL`, `FL 65`, `GND` or `UNL`.
     pub(super) fn take(&mut self, text: &str) {
-        let text = text.trim().to_ascii_uppercase().replace("WGS84", "HAE");
+        // AIXM writes W84.
+        let text = text.trim().to_ascii_uppercase().replace("WGS84", "W84");
+        let text = text.replace("W84", "HAE");
         self.said.push(text.clone());
         let mut words: Vec<String> = Vec::new();
         let mut kind = None;

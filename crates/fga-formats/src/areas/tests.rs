@@ -122,7 +122,7 @@ fn limits_in_properties_are_read_where_their_names_are_known() {
             (Ground, 200.0 * ft),
         ),
         (
-            r#""geometry":[{"uomDimensions":"M","lowerLimit":-5,"lowerVerticalReference":"WGS84","upperLimit":200,"upperVerticalReference":"AMSL"}]"#,
+            r#""geometry":[{"uomDimensions":"M","lowerLimit":-5,"lowerVerticalReference":"W84","upperLimit":200,"upperVerticalReference":"AMSL"}]"#,
             (Ellipsoid, -5.0),
             (Sea, 200.0),
         ),
