@@ -127,10 +127,8 @@ pub fn scenario_text(
                 center_deg,
                 radius_m,
             } => writeln!(text, "center_deg = {center_deg:?}\nradius_m = {radius_m:?}"),
-            AreaOutline::Polygon(rings) => {
-                let corners_deg = rings.first().map(Vec::as_slice).unwrap_or_default();
-                writeln!(text, "polygon_deg = {corners_deg:?}")
-            }
+            // One ring.
+            AreaOutline::Polygon(rings) => writeln!(text, "polygon_deg = {:?}", rings.concat()),
         };
     }
     for place in &mission.rally {

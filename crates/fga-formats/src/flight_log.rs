@@ -21,7 +21,6 @@ use std::path::Path;
 
 use crate::error::{InputError, read_bytes};
 use crate::gzip;
-use crate::tally::{LeftOut, Tally};
 pub use columns::COLUMNS;
 pub use phases::Limits;
 pub use series::{FlightLog, SeriesPiece};
@@ -53,31 +52,6 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<FlightLog, InputError> {
     signals
         .log()
         .map_err(|message| InputError::in_file(path, message))
-}
-
-/// Takes part after part of a log, each by its length and what became of it; the bytes between are damaged, one part up to the next.
-fn walk<'a>(
-    bytes: &'a [u8],
-    damage: LeftOut,
-    mut take: impl FnMut(&'a [u8]) -> Option<(usize, Result<(), LeftOut>)>,
-) -> Tally {
-    let mut tally = Tally::default();
-    let (mut at, mut is_damaged) = (0, false);
-    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
-        let taken = take(rest);
-        at += taken.map_or(1, |(length, _)| length);
-        if let Some((_, result)) = taken {
-            if is_damaged {
-                tally.leave_out(damage);
-            }
-            tally.take(&result);
-        }
-        is_damaged = taken.is_none();
-    }
-    if is_damaged {
-        tally.leave_out(LeftOut::CutShort);
-    }
-    tally
 }
 
 /// A log from its columns, in the order of [`COLUMNS`].

@@ -15,13 +15,12 @@ pub mod beast;
 pub mod flarm;
 pub mod gdl90;
 mod generations;
-mod lines;
+pub mod lines;
 pub mod sbs;
 #[cfg(feature = "beast")]
 mod surveillance;
 
 pub use generations::Generations;
-pub use lines::{LineParser, Lines};
 
 use core::fmt;
 

@@ -1,7 +1,7 @@
 //! Alerters, their levels and their detectors.
 
 use super::entries::{Allowed, Entries};
-use super::keys::CONFLICT_REGIONS;
+use super::keys::{CONFLICT_REGIONS, take_factors};
 use crate::error::{InputError, shown};
 use crate::units::Dimension::{self, Angle, Length, Speed, Time};
 use fga_alerts::volume::{
@@ -232,27 +232,6 @@ fn thresholds(
         vertical_time,
         ..volume
     })
-}
-
-/// Takes the factors behind a prefix, those of the top level or of a detector of its own.
-pub(super) fn take_factors(
-    entries: &mut Entries,
-    prefix: &str,
-    factors: &mut DeviationFactors,
-) -> Result<(), InputError> {
-    for (key, target) in [
-        ("h_pos_z_score", &mut factors.horizontal_position),
-        ("h_vel_z_score_min", &mut factors.horizontal_velocity_least),
-        ("h_vel_z_score_max", &mut factors.horizontal_velocity_most),
-        ("v_pos_z_score", &mut factors.vertical_position),
-        ("v_vel_z_score", &mut factors.vertical_velocity),
-    ] {
-        let number = entries.number(&format!("{prefix}{key}"), None, Allowed::NotNegative)?;
-        *target = number.map_or(*target, |number| number.si);
-    }
-    let distance_m = quantity(entries, &format!("{prefix}h_vel_z_distance"), Length)?;
-    factors.velocity_distance_m = distance_m.unwrap_or(factors.velocity_distance_m);
-    Ok(())
 }
 
 fn advisory(entries: &mut Entries, prefix: &str, line: u64) -> Result<Volume, InputError> {

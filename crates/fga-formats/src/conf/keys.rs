@@ -1,12 +1,12 @@
 //! The keys of the top level.
 
 use super::Configuration;
-use super::alerters::take_factors;
 use super::entries::{Allowed, Entries, Number};
 use crate::error::InputError;
 use crate::units::Dimension;
 use Allowed::{Any, NotNegative, Positive};
 use core::f64::consts::{PI, TAU};
+use fga_alerts::volume::DeviationFactors;
 use fga_alerts::{Region, SlowDirections, TerminalGuidance};
 
 /// Names of regions that bands paint.
@@ -122,6 +122,29 @@ pub(super) fn read(
     take_factors(entries, "", &mut configuration.settings.deviation_factors)?;
     words_and_counts(entries, configuration)?;
     check(entries, configuration)
+}
+
+/// Takes the factors behind a prefix, those of the top level or of a detector of its own.
+pub(super) fn take_factors(
+    entries: &mut Entries,
+    prefix: &str,
+    factors: &mut DeviationFactors,
+) -> Result<(), InputError> {
+    for (key, target) in [
+        ("h_pos_z_score", &mut factors.horizontal_position),
+        ("h_vel_z_score_min", &mut factors.horizontal_velocity_least),
+        ("h_vel_z_score_max", &mut factors.horizontal_velocity_most),
+        ("v_pos_z_score", &mut factors.vertical_position),
+        ("v_vel_z_score", &mut factors.vertical_velocity),
+    ] {
+        let number = entries.number(&format!("{prefix}{key}"), None, NotNegative)?;
+        *target = number.map_or(*target, |number| number.si);
+    }
+    let key = format!("{prefix}h_vel_z_distance");
+    if let Some(distance) = entries.number(&key, Some(Dimension::Length), NotNegative)? {
+        factors.velocity_distance_m = distance.si;
+    }
+    Ok(())
 }
 
 /// The keys that are words or whole numbers.

@@ -7,9 +7,8 @@ use std::collections::HashMap;
 
 use super::phases::{Limits, Phases, Word};
 use super::series::{Series, Signals};
-use super::walk;
 use crate::number::count;
-use crate::tally::LeftOut;
+use crate::tally::{LeftOut, Tally};
 
 const HEAD: [u8; 2] = [0xa3, 0x95];
 const FORMAT_KIND: u8 = 128;
@@ -231,7 +230,7 @@ fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, MessageFormat>) -> Optio
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut formats: HashMap<u8, MessageFormat> = HashMap::new();
     let mut choices = Choices::default();
-    let tally = walk(bytes, LeftOut::UnknownKind, |rest| {
+    let tally = Tally::walk(bytes, LeftOut::UnknownKind, |rest| {
         let (kind, message) = message_of(rest, &formats)?;
         let taken = if kind == FORMAT_KIND {
             let described = MessageFormat::of(message);

@@ -12,9 +12,8 @@ use std::collections::HashMap;
 use super::dataflash::{climb_rad, text};
 use super::phases::Word;
 use super::series::{Series, Signals};
-use super::walk;
 use crate::clock::Elapsed;
-use crate::tally::LeftOut;
+use crate::tally::{LeftOut, Tally};
 
 const STAMP: usize = 8;
 const HEARTBEAT: u32 = 0;
@@ -205,7 +204,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut commands: HashMap<u16, u16> = HashMap::new();
     let mut elapsed = Elapsed::with_gaps(SET_S);
     let mut begin_s = None;
-    let tally = walk(bytes, LeftOut::WrongChecksum, |rest| {
+    let tally = Tally::walk(bytes, LeftOut::WrongChecksum, |rest| {
         let frame = LogFrame::of(rest)?;
         let stamp = rest.get(..STAMP).and_then(|stamp| stamp.try_into().ok());
         let stamp_us = u64::from_be_bytes(stamp.unwrap_or_default());

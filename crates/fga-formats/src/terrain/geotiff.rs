@@ -130,17 +130,15 @@ fn mask<R: Read + Seek>(
         }
         let directory = decoder.ifd_pointer().map_or(0, |at| at.0);
         let mut bytes = content(&mut decoder)?;
-        // The decoder reads no image that calls itself a mask.
-        let interpretation = Tag::PhotometricInterpretation;
-        set(&mut bytes, directory, interpretation, GRAY)?;
+        // Gray, for the decoder reads no image that calls itself a mask.
+        set(&mut bytes, directory, Tag::PhotometricInterpretation, 1)?;
         return gray_mask(bytes, directory, size).map(Some);
     }
     Ok(None)
 }
 
-/// A mask, and a gray image, as the photometric interpretation names them.
+/// A mask as its photometric interpretation names it.
 const TRANSPARENCY_MASK: u16 = 4;
-const GRAY: u32 = 1;
 
 /// Whether each pixel is known, by the gray image of a directory: what is black is a hole.
 fn gray_mask(
