@@ -59,7 +59,7 @@ impl Heights {
     }
 
     /// All that are no holes.
-    fn known(&self) -> impl Iterator<Item = f64> + Clone {
+    pub(super) fn known(&self) -> impl Iterator<Item = f64> + Clone {
         (0..self.len()).filter_map(|index| self.get(index))
     }
 }
