@@ -36,7 +36,7 @@ fn parity(content: &[u8]) -> [u8; 3] {
 }
 
 fuzz_target!(|bytes: &[u8]| {
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     stream.push(bytes, 0.0, check);
     let mut frames = Vec::new();
     for (content, second) in bytes.chunks_exact(11).zip(0_u32..) {

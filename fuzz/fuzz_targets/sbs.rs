@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let collect = |size: usize| {
-        let mut stream = LineStream::new();
+        let mut stream = LineStream::default();
         let mut reports = Vec::new();
         for part in bytes.chunks(size) {
             stream.push(part, |report| {

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use fga::situation::Passing;
 use fga::vehicle::Vehicle;
 use fga_formats::InputError;
+use fga_formats::areas::AreaOutline;
 use fga_formats::geodesy::{Earth, LocalFrame};
-use fga_formats::missions::{FenceOutline, MissionFile};
+use fga_formats::missions::MissionFile;
 use fga_formats::terrain::{Given, Terrain};
 use fga_formats::words::counted;
 
@@ -122,13 +123,12 @@ pub fn scenario_text(
             "\n[[zone]]\nname = \"fence {number}\"\nkind = \"{kind}\"\n"
         );
         let _ = match &fence.outline {
-            FenceOutline::Circle {
+            AreaOutline::Circle {
                 center_deg,
                 radius_m,
             } => writeln!(text, "center_deg = {center_deg:?}\nradius_m = {radius_m:?}"),
-            FenceOutline::Polygon { corners_deg } => {
-                writeln!(text, "polygon_deg = {corners_deg:?}")
-            }
+            // One ring.
+            AreaOutline::Polygon(rings) => writeln!(text, "polygon_deg = {:?}", rings.concat()),
         };
     }
     for place in &mission.rally {

@@ -4,10 +4,7 @@
 //! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. What of a file is no
 //! area, or is said in a way that is not known, is named in [`AreaFile::notes`].
 //!
-//! | file | an edge is |
-//! |---|---|
-//! | GeoJSON, ED-318, fences of missions | straight in longitude and latitude (RFC 7946, 3.1.1; flat coordinates of ArduPilot) |
-//! | KML, ED-269, `OpenAir`, AIXM | the shortest way on the ellipsoid |
+//! Which line an edge is in each format: `docs/formats.md`, Missions.
 
 mod aixm;
 mod arcs;
@@ -35,9 +32,11 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 use crate::error::{InputError, read_bytes, shown, text_of};
+use crate::gzip::unpacked;
 use crate::missions;
 use crate::words::counted;
 
+pub(crate) use area::LARGEST_M;
 pub use area::{AreaFile, AreaLimit, AreaOutline, EdgeLine, NamedArea, Reference};
 pub use plane::PlaneArea;
 use taken::Areas;
@@ -49,6 +48,7 @@ use taken::Areas;
 /// unknown unit.
 pub fn read(path: &Path) -> Result<AreaFile, InputError> {
     let bytes = read_bytes(path)?;
+    let bytes = unpacked(&bytes, path)?;
     if !bytes.starts_with(b"PK\x03\x04") {
         return parse(&text_of(&bytes), path);
     }
@@ -118,8 +118,13 @@ pub fn parse(text: &str, path: &Path) -> Result<AreaFile, InputError> {
     };
     if text.trim_start().starts_with('<') {
         let document = Document::parse(text).map_err(|error| {
-            let line = u64::from(error.pos().row);
-            areas.unreadable(line, "KML", error.to_string().split(" at ").next())
+            let told = error.to_string().replace(char::is_control, " ");
+            let told = told.split(" at ").next().unwrap_or_default();
+            InputError::at(
+                path,
+                Some(error.pos().row.into()),
+                format!("is no KML: {told}"),
+            )
         })?;
         let root = document.root_element().tag_name().name();
         match root {

@@ -25,12 +25,9 @@ impl AtomicFile {
     /// A missing or unwritable folder, or a path that is itself a folder.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let failed = |error| OutputError::new(path, error);
-        let Some(name) = path.file_name() else {
+        let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
             return Err(failed(io::ErrorKind::IsADirectory.into()));
         };
-        if path.is_dir() {
-            return Err(failed(io::ErrorKind::IsADirectory.into()));
-        }
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),

@@ -38,6 +38,14 @@ pub const COLUMNS: [&str; 9] = [
 /// The optional column that says how an obstacle may move.
 pub const KIND_COLUMN: &str = "kind";
 
+/// Its words.
+const KINDS: [(&str, Movement); 4] = [
+    ("still", Movement::AtRest),
+    ("straight", Movement::Straight),
+    ("aircraft", Movement::CREWED),
+    ("uas", Movement::SMALL_UAS),
+];
+
 /// The largest plausible position or radius, metres.
 const LARGEST_LENGTH_M: f64 = 1e8;
 /// The largest plausible component of a velocity, metres per second.
@@ -78,33 +86,18 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
         .from_reader(input);
     let mut record = csv::ByteRecord::new();
     let next = |reader: &mut csv::Reader<_>, record: &mut csv::ByteRecord| {
-        reader
-            .read_byte_record(record)
-            .map_err(|error| match error.into_kind() {
-                csv::ErrorKind::Io(error) => InputError::unreadable(path, &error),
-                _ => InputError::in_file(path, "is not a comma-separated file"),
-            })
+        let read = reader.read_byte_record(record);
+        read.map_err(|error| InputError::csv(path, "comma-separated file", &error))
     };
     let line_of = |record: &csv::ByteRecord| record.position().map_or(0, csv::Position::line);
 
     if !next(&mut reader, &mut record)? {
-        return Err(InputError::in_file(
-            path,
-            format!("is empty, expected the columns {}", COLUMNS.join(",")),
-        ));
+        let message = format!("is empty, expected the columns {}", COLUMNS.join(","));
+        return Err(InputError::in_file(path, message));
     }
     let first_line = line_of(&record);
     let wrong = |message: String| InputError::at_line(path, first_line, message);
-    let mut columns = [0; COLUMNS.len()];
-    for (column, name) in columns.iter_mut().zip(COLUMNS) {
-        let place = place_of(&record, name).map_err(wrong)?;
-        *column = place.ok_or_else(|| {
-            let all = COLUMNS.join(",");
-            wrong(format!(
-                "the column {name} is missing, expected the columns {all}"
-            ))
-        })?;
-    }
+    let columns = places_of(&record, COLUMNS).map_err(wrong)?;
     let kind_column = place_of(&record, KIND_COLUMN).map_err(wrong)?;
     let width = record.len();
 
@@ -127,7 +120,8 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
             kind_column,
         };
         let push = |id| grouped.push(id, row.obstacle()?);
-        row.identifier(0).and_then(push).map_err(wrong)?;
+        let id = row.parsed(0, "a whole number from 0");
+        id.and_then(push).map_err(wrong)?;
     }
     if grouped.encounters.is_empty() {
         let message = "holds no encounter, expected at least one row below the column names";
@@ -136,8 +130,23 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(grouped.encounters)
 }
 
+/// The indices of columns in a file that has to have all of them.
+pub(crate) fn places_of<const N: usize>(
+    header: &csv::ByteRecord,
+    names: [&str; N],
+) -> Result<[usize; N], String> {
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(names) {
+        *place = place_of(header, name)?.ok_or_else(|| {
+            let all = names.join(",");
+            format!("the column {name} is missing, expected the columns {all}")
+        })?;
+    }
+    Ok(places)
+}
+
 /// The index of a column in a file, if present.
-pub(crate) fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
+fn place_of(header: &csv::ByteRecord, name: &str) -> Result<Option<usize>, String> {
     let mut places = header.iter().enumerate().filter_map(|(place, field)| {
         let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
         field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)
@@ -191,6 +200,21 @@ fn numbers_of(obstacle: &Obstacle) -> impl Iterator<Item = f64> {
         .chain([obstacle.volume.radius_m()])
 }
 
+/// What a column expects where a number does not fit in it.
+fn misfit(name: &str, value: f64) -> Option<String> {
+    let (largest, unit) = if name.ends_with("_mps") {
+        (LARGEST_SPEED_MPS, "metres per second")
+    } else {
+        (LARGEST_LENGTH_M, "metres")
+    };
+    if !value.is_finite() || value.abs() > largest {
+        return Some(format!(
+            "a finite number of at most {largest:e} {unit} either way"
+        ));
+    }
+    (name == "radius_m" && value < 0.0).then(|| "a radius of 0 metres or more".into())
+}
+
 /// Groups obstacles from another source than a file into encounters, in the order of their first
 /// rows. Each row is the number of its encounter and an obstacle.
 ///
@@ -204,18 +228,7 @@ pub fn from_rows(
     for (row, (id, obstacle)) in rows.into_iter().enumerate() {
         let names = COLUMNS.iter().skip(2);
         let wrong = numbers_of(&obstacle).zip(names).find_map(|(value, name)| {
-            let largest = if name.ends_with("_mps") {
-                LARGEST_SPEED_MPS
-            } else {
-                LARGEST_LENGTH_M
-            };
-            let expected = if !value.is_finite() || value.abs() > largest {
-                format!("a finite number of at most {largest:e} either way")
-            } else if *name == "radius_m" && value < 0.0 {
-                "a radius of 0 metres or more".into()
-            } else {
-                return None;
-            };
+            let expected = misfit(name, value)?;
             Some(format!("column {name} holds {value}, expected {expected}"))
         });
         wrong
@@ -229,14 +242,10 @@ pub fn from_rows(
 }
 
 /// The movement for a word of the column [`KIND_COLUMN`]; `None` for an unknown word.
-pub const fn movement_of(word: &[u8]) -> Option<Movement> {
-    match word {
-        b"" | b"straight" => Some(Movement::Straight),
-        b"still" => Some(Movement::AtRest),
-        b"aircraft" => Some(Movement::CREWED),
-        b"uas" => Some(Movement::SMALL_UAS),
-        _ => None,
-    }
+pub fn movement_of(word: &[u8]) -> Option<Movement> {
+    let word = if word.is_empty() { b"straight" } else { word };
+    let known = KINDS.iter().find(|(kind, _)| kind.as_bytes() == word);
+    known.map(|(_, movement)| *movement)
 }
 
 /// One row.
@@ -265,32 +274,18 @@ impl EncounterRow<'_> {
             .ok_or_else(|| self.wrong(column, expected))
     }
 
-    fn identifier(&self, column: usize) -> Result<u64, String> {
-        self.parsed(column, "a whole number from 0")
-    }
-
-    fn number(&self, column: usize, largest: f64, unit: &str) -> Result<f64, String> {
-        let value: f64 = self.parsed(column, &format!("a number of {unit}"))?;
-        if !value.is_finite() {
-            return Err(self.wrong(column, &format!("a finite number of {unit}")));
-        }
-        if value.abs() > largest {
-            return Err(self.wrong(column, &format!("at most {largest:e} {unit} either way")));
-        }
-        Ok(value)
+    fn number(&self, column: usize) -> Result<f64, String> {
+        let name = COLUMNS.get(column).copied().unwrap_or_default();
+        let value = self.parsed(column, "").unwrap_or(f64::NAN);
+        misfit(name, value).map_or(Ok(value), |expected| Err(self.wrong(column, &expected)))
     }
 
     fn obstacle(&self) -> Result<Obstacle, String> {
-        let length = |column| self.number(column, LARGEST_LENGTH_M, "metres");
-        let speed = |column| self.number(column, LARGEST_SPEED_MPS, "metres per second");
-        let radius_m = length(8)?;
-        if radius_m < 0.0 {
-            return Err(self.wrong(8, "a radius of 0 metres or more"));
-        }
-        let id = u32::try_from(self.identifier(1)?)
-            .map_err(|_| self.wrong(1, "a whole number from 0 to 4294967295"))?;
-        let position_m = DVec3::new(length(2)?, length(3)?, length(4)?);
-        let velocity_mps = DVec3::new(speed(5)?, speed(6)?, speed(7)?);
+        let number = |column| self.number(column);
+        let radius_m = number(8)?;
+        let id = self.parsed(1, "a whole number from 0 to 4294967295")?;
+        let position_m = DVec3::new(number(2)?, number(3)?, number(4)?);
+        let velocity_mps = DVec3::new(number(5)?, number(6)?, number(7)?);
         let volume = ProtectedVolume::Sphere { radius_m };
         Ok(Obstacle {
             movement: self.movement()?,
@@ -344,13 +339,8 @@ pub fn write_to<'a>(
 
 /// The word of the column [`KIND_COLUMN`] for a movement; `None` for bounds that have no word.
 pub fn kind_of(movement: Movement) -> Option<&'static str> {
-    match movement {
-        Movement::AtRest => Some("still"),
-        Movement::Straight => Some("straight"),
-        Movement::CREWED => Some("aircraft"),
-        Movement::SMALL_UAS => Some("uas"),
-        Movement::Aircraft(_) => None,
-    }
+    let known = KINDS.iter().find(|(_, known)| *known == movement);
+    known.map(|(kind, _)| *kind)
 }
 
 /// Writes a batch file, completely or not at all; see [`write_to`].

@@ -31,20 +31,45 @@ fn line_part(line: Option<u64>) -> String {
 impl InputError {
     /// An error about the file as a whole.
     pub fn in_file(path: impl Into<PathBuf>, message: impl Into<String>) -> Self {
-        Self {
-            path: path.into(),
-            line: None,
-            message: message.into(),
-        }
+        Self::at(path, None, message)
     }
 
     /// An error on one line, counted from one.
     pub fn at_line(path: impl Into<PathBuf>, line: u64, message: impl Into<String>) -> Self {
+        Self::at(path, Some(line), message)
+    }
+
+    /// An error on a line, counted from one, where the line is known.
+    pub(crate) fn at(
+        path: impl Into<PathBuf>,
+        line: Option<u64>,
+        message: impl Into<String>,
+    ) -> Self {
         Self {
             path: path.into(),
-            line: Some(line),
+            line: line.filter(|line| *line > 0),
             message: message.into(),
         }
+    }
+
+    /// JSON that is not what it should be.
+    pub(crate) fn json(path: &Path, kind: &str, error: &serde_json::Error) -> Self {
+        let line = u64::try_from(error.line()).ok();
+        Self::at(
+            path,
+            line,
+            format!("is no {kind}: {}", json_sentence(error)),
+        )
+    }
+
+    /// A table that is not what it should be.
+    pub(crate) fn csv(path: &Path, kind: &str, error: &csv::Error) -> Self {
+        if let csv::ErrorKind::Io(error) = error.kind() {
+            return Self::unreadable(path, error);
+        }
+        let line = error.position().map(csv::Position::line);
+        let message = format!("is no {kind}: {error}");
+        Self::at(path, line, message.replace(char::is_control, " "))
     }
 
     /// An unreadable file.
@@ -103,9 +128,20 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     Ok(text_of(&read_bytes(path)?))
 }
 
-/// The text of a file's bytes: those that are not UTF-8 become replacement characters, and byte-order marks before it are dropped.
+/// The text of a file's bytes: UTF-16 where its byte-order mark begins them, as programs of Windows write it, else UTF-8. Bytes that are
+/// neither become replacement characters, and byte-order marks before the text are dropped.
 pub fn text_of(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes);
+    let wide = |pairs: &[u8], of: fn([u8; 2]) -> u16| {
+        let units = pairs.as_chunks::<2>().0.iter().copied().map(of);
+        let letters = char::decode_utf16(units);
+        let letters = letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER));
+        letters.collect::<String>().into()
+    };
+    let text = match bytes {
+        [0xff, 0xfe, pairs @ ..] => wide(pairs, u16::from_le_bytes),
+        [0xfe, 0xff, pairs @ ..] => wide(pairs, u16::from_be_bytes),
+        _ => String::from_utf8_lossy(bytes),
+    };
     text.trim_start_matches('\u{feff}').to_owned()
 }
 
@@ -193,6 +229,8 @@ mod tests {
     #[test]
     fn byte_order_marks_are_no_text() {
         assert_eq!(text_of(b"\xEF\xBB\xBF\xEF\xBB\xBFa\xFF"), "a\u{fffd}");
+        assert_eq!(text_of(b"\xFF\xFEa\0\xE4\0\x3D\xD8"), "aä\u{fffd}");
+        assert_eq!(text_of(b"\xFE\xFF\0a\0"), "a");
     }
 
     #[test]

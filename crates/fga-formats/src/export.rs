@@ -22,7 +22,6 @@ mod text;
 
 use crate::error::OutputError;
 use crate::flight::Flight;
-use core::fmt;
 use core::str::FromStr;
 pub use look::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
 use std::path::Path;
@@ -52,12 +51,6 @@ impl Format {
             Self::GeoJson => "geojson",
             Self::Mcap => "mcap",
         }
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -3,7 +3,7 @@
 //! The simulator and the companion fill a [`Flight`]; the writers of `export` turn it
 //! into files. A JSON file keeps it between two commands.
 
-use crate::error::{InputError, OutputError, json_sentence, read_text, shown};
+use crate::error::{InputError, OutputError, read_text, shown};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::{atomic, units};
 use alloc::borrow::Cow;
@@ -139,12 +139,7 @@ pub struct FlightWay {
 impl Flight {
     /// The local frame on the globe.
     pub fn frame(&self) -> LocalFrame {
-        let origin = self.origin.unwrap_or(Geodetic {
-            latitude_deg: 0.0,
-            longitude_deg: 0.0,
-            altitude_m: 0.0,
-        });
-        LocalFrame::new(origin, self.earth)
+        LocalFrame::new(self.origin.unwrap_or_default(), self.earth)
     }
 
     /// A time of the flight as seconds since 1970-01-01 00:00 UTC.
@@ -161,19 +156,15 @@ impl Flight {
     /// The aircraft's position at a time, linear between samples, constant before the first and
     /// after the last; `None` without samples.
     pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
-        let after = self
-            .samples
-            .partition_point(|sample| sample.time_s <= time_s);
-        let Some(before) = after.checked_sub(1).and_then(|i| self.samples.get(i)) else {
-            return self.samples.first().map(|sample| sample.position_m);
-        };
-        Some(match self.samples.get(after) {
-            Some(next) => {
-                let part = (time_s - before.time_s) / (next.time_s - before.time_s);
-                before.position_m.lerp(next.position_m, part)
-            }
-            None => before.position_m,
-        })
+        let (from_s, to_s) = self.span_s();
+        let row = |sample: &FlightSample| (sample.time_s, sample.position_m);
+        between(&self.samples, row, time_s.max(from_s).min(to_s))
+    }
+
+    /// The events with the aircraft's positions at their times.
+    pub fn placed_events(&self) -> impl Iterator<Item = (&FlightEvent, Vec3)> {
+        let events = self.events.iter();
+        events.filter_map(|event| Some((event, self.position_at(event.time_s)?)))
     }
 
     /// Samples at least `step_s` apart, plus the first, the last and every change of
@@ -199,14 +190,8 @@ impl Flight {
     /// # Errors
     /// An unreadable file, a file that is not a flight, or numbers that make no flight.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        let flight: Self = serde_json::from_str(&read_text(path)?).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or_default();
-            InputError::at_line(
-                path,
-                line,
-                format!("is not a recorded flight: {}", json_sentence(&error)),
-            )
-        })?;
+        let wrong = |error| InputError::json(path, "recorded flight", &error);
+        let flight: Self = serde_json::from_str(&read_text(path)?).map_err(wrong)?;
         flight
             .check()
             .map_err(|message| InputError::in_file(path, message))?;
@@ -298,6 +283,16 @@ fn grows(what: &str, times_s: impl Iterator<Item = f64>) -> Result<(), String> {
     Ok(())
 }
 
+/// The position at a time, linear between rows; `None` before the first and after the last.
+fn between<T>(rows: &[T], of: impl Fn(&T) -> (f64, Vec3), time_s: f64) -> Option<Vec3> {
+    let after = rows.partition_point(|row| of(row).0 <= time_s);
+    let (before_s, before_m) = of(rows.get(after.checked_sub(1)?)?);
+    let Some((next_s, next_m)) = rows.get(after).map(of) else {
+        return (before_s == time_s).then_some(before_m);
+    };
+    Some(before_m.lerp(next_m, (time_s - before_s) / (next_s - before_s)))
+}
+
 impl FlightZone {
     /// What it is for, as in scenarios: `keep-in` or `keep-out`.
     pub const fn kind(&self) -> &'static str {
@@ -314,18 +309,9 @@ impl FlightObstacle {
     /// The obstacle's position at a time, linear between rows; `None` while it is absent:
     /// before the first and after the last row of a moving one.
     pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
-        let first = self.track.first()?;
-        if self.is_static() {
-            return Some(first.position_m);
-        }
-        let after = self.track.partition_point(|row| row.time_s <= time_s);
-        let before = self.track.get(after.checked_sub(1)?)?;
-        match self.track.get(after) {
-            Some(next) => {
-                let part = (time_s - before.time_s) / (next.time_s - before.time_s);
-                Some(before.position_m.lerp(next.position_m, part))
-            }
-            None => (before.time_s == time_s).then_some(before.position_m),
+        match self.track[..] {
+            [only] => Some(only.position_m),
+            _ => between(&self.track, |row| (row.time_s, row.position_m), time_s),
         }
     }
 }

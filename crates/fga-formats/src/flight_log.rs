@@ -1,11 +1,6 @@
 //! Flight logs: what an aircraft did with the bank that was commanded.
 //!
-//! | file | how it is known | what is read |
-//! |---|---|---|
-//! | CSV | any other text | the columns `t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad` |
-//! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` or `SET_ATTITUDE_TARGET` |
-//! | dataflash log (`.bin`) | begins with the bytes A3 95 | `ATT`, `ARSP` or `CTUN`, `XKF1` or `NKF1` |
-//! | `ULog` of PX4 (`.ulg`) | begins with `ULog` | `vehicle_attitude` and its setpoint, `airspeed_validated` or `airspeed`, `vehicle_local_position` |
+//! Which logs, and what is read of each: `docs/how-to-identify.md`.
 //!
 //! A file that is compressed with gzip is read as what it holds. The signals of a log have rates of their
 //! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly. Where a

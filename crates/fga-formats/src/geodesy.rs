@@ -21,7 +21,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
 /// A place on the earth.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Geodetic {
     /// Latitude, degrees, north positive.
     pub latitude_deg: f64,
@@ -292,12 +292,7 @@ pub(crate) fn velocity_from_compass(compass_deg: f64, speed_mps: f64, climb_mps:
 
 /// Compass course (degrees from north towards east, within [0, 360)) of a course ψ of the core.
 pub fn compass_from_course_deg(course_rad: f64) -> f64 {
-    let degrees = libm::fmod((FRAC_PI_2 - course_rad) / DEGREE_RAD, 360.0);
-    let degrees = if degrees < 0.0 {
-        degrees + 360.0
-    } else {
-        degrees
-    };
+    let degrees = ((FRAC_PI_2 - course_rad) / DEGREE_RAD).rem_euclid(360.0);
     if degrees >= 360.0 { 0.0 } else { degrees }
 }
 

@@ -17,11 +17,12 @@ mod over;
 mod plan;
 mod waypoints;
 
-pub use mission_file::{FenceOutline, MissionFence, MissionFile, Waypoint};
+pub use mission_file::{MissionFence, MissionFile, Waypoint};
 
 use std::path::Path;
 
-use crate::error::{InputError, read_text};
+use crate::error::InputError;
+use crate::gzip::read_packed_text;
 
 /// Whether a text is a mission, by its first words.
 pub fn is_mission(text: &str) -> bool {
@@ -38,7 +39,7 @@ pub fn is_mission_file(path: &Path) -> bool {
     match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("plan" | "waypoints") => true,
         Some("txt" | "mission" | "wp" | "json") => {
-            read_text(path).is_ok_and(|text| is_mission(&text))
+            read_packed_text(path).is_ok_and(|text| is_mission(&text))
         }
         _ => false,
     }
@@ -49,7 +50,7 @@ pub fn is_mission_file(path: &Path) -> bool {
 /// # Errors
 /// A file that is unreadable or no mission; an item that cannot be understood, with its number or line.
 pub fn read(path: &Path) -> Result<MissionFile, InputError> {
-    parse(&read_text(path)?, path)
+    parse(&read_packed_text(path)?, path)
 }
 
 /// Reads a mission from its text; see [`read`].
@@ -64,9 +65,6 @@ pub fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
     if begin.starts_with('{') {
         return plan::parse(text, path);
     }
-    Err(InputError::at_line(
-        path,
-        1,
-        "is no mission, expected a plan of QGroundControl (JSON) or a list that begins with QGC WPL 110",
-    ))
+    let message = "is no mission, expected a plan of QGroundControl (JSON) or a list that begins with QGC WPL 110";
+    Err(InputError::at_line(path, 1, message))
 }

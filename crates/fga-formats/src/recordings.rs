@@ -1,14 +1,6 @@
 //! Recorded encounters from any program.
 //!
-//! | file | recognized by | encounters |
-//! |---|---|---|
-//! | `.daa` of DAIDALUS; pairing files of MIT-LL (`NAME, east, north, alt, …`) | a line of column names | one |
-//! | DEGAS of MIT-LL | a first line `# xE1,xE2,…` | one |
-//! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` or `MLAT,` | one for each close pair |
-//! | state vectors in JSON: a list of objects, columns, `aircraft` and traces of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
-//! | scenarios of `BlueSky` (`.scn`) | a first line with a time and `>` | one for each close pair |
-//! | log of PX4 (`.ulg`) with traffic | its first bytes | one for each close pair |
-//! | history of OpenSky (CSV) | the columns `time,icao24,lat,lon,velocity` | one for each close pair |
+//! Which files there are and how each is recognized: `docs/formats.md`, Recorded encounters.
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
 //! Where a file holds one instant only, its aircraft fly straight on. Aircraft that say that they are on the ground are left
@@ -56,13 +48,11 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
     }
     files.sort();
     if files.is_empty() {
-        return Err(InputError::in_file(
-            path,
-            format!(
-                "holds no recordings, expected files that end in .{} (or .gz after it)",
-                ENDINGS.join(", .")
-            ),
-        ));
+        let message = format!(
+            "holds no recordings, expected files that end in .{} (or .gz after it)",
+            ENDINGS.join(", .")
+        );
+        return Err(InputError::in_file(path, message));
     }
     Ok(files)
 }
@@ -128,10 +118,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
         Content::Recording(recording) => recording,
     };
     if recording.aircraft.len() < 2 {
-        return Err(InputError::in_file(
-            path,
-            "holds one aircraft only, expected the ownship and at least one more",
-        ));
+        let message = "holds one aircraft only, expected the ownship and at least one more";
+        return Err(InputError::in_file(path, message));
     }
     let tally = recording.tally;
     let named = vec![Named { name, recording }];

@@ -1,6 +1,5 @@
 //! How much of an input a reader used, and why it left out the rest.
 
-use core::fmt::Write as _;
 use core::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
@@ -114,6 +113,31 @@ impl Tally {
         }
     }
 
+    /// Takes part after part of bytes, each by its length and what became of it; the bytes between are damaged, one part up to the next.
+    pub(crate) fn walk<'a>(
+        bytes: &'a [u8],
+        damage: LeftOut,
+        mut take: impl FnMut(&'a [u8]) -> Option<(usize, Result<(), LeftOut>)>,
+    ) -> Self {
+        let mut tally = Self::default();
+        let (mut at, mut is_damaged) = (0, false);
+        while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
+            let taken = take(rest);
+            at += taken.map_or(1, |(length, _)| length);
+            if let Some((_, result)) = taken {
+                if is_damaged {
+                    tally.leave_out(damage);
+                }
+                tally.take(&result);
+            }
+            is_damaged = taken.is_none();
+        }
+        if is_damaged {
+            tally.leave_out(LeftOut::CutShort);
+        }
+        tally
+    }
+
     /// Counts a part that is not used.
     pub fn leave_out(&mut self, reason: LeftOut) {
         if let Some(count) = self.left_out.get_mut(reason as usize) {
@@ -164,15 +188,18 @@ impl Tally {
         if self.lost() == 0 {
             return None;
         }
-        let mut words = format!("{} of {} {parts}:", self.lost(), self.read());
         let lost = self
             .reasons()
             .filter(|(reason, _)| *reason != LeftOut::NotNeeded);
-        for (index, (reason, count)) in lost.enumerate() {
-            let comma = if index > 0 { "," } else { "" };
-            let _ = write!(words, "{comma} {count} {}", reason.words());
-        }
-        Some(words)
+        let lost: Vec<String> = lost
+            .map(|(reason, count)| format!("{count} {}", reason.words()))
+            .collect();
+        Some(format!(
+            "{} of {} {parts}: {}",
+            self.lost(),
+            self.read(),
+            lost.join(", ")
+        ))
     }
 
     /// The counts by the names of their reasons.

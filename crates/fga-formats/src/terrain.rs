@@ -1,11 +1,6 @@
 //! Heights of the ground from the files that people have.
 //!
-//! | file | recognized by |
-//! |---|---|
-//! | SRTM, also compressed with gzip | the ending `.hgt`, `.hgt.gz`; the name is the place |
-//! | GeoTIFF: geographic or on a map's grid, one band | its first bytes |
-//! | DTED 0, 1, 2 | a first word `UHL1` |
-//! | ArduPilot's terrain, also compressed with gzip | the ending `.DAT`, `.DAT.gz` |
+//! Which files, how their place, datum and error are known: `docs/how-to-terrain.md`.
 //!
 //! A [`RequestedBlock`] is ground that a ground station sends over MAVLink. A [`LocalGround`] is ground as a flight takes it.
 //!
@@ -15,13 +10,13 @@
 mod along;
 mod ardupilot;
 mod area;
+mod chunks;
 mod dted;
 mod field;
 mod file;
 mod geokeys;
 mod geotiff;
 mod hgt;
-mod lerc;
 mod local;
 mod mosaic;
 mod name;

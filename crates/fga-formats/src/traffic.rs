@@ -15,7 +15,7 @@ pub mod beast;
 pub mod flarm;
 pub mod gdl90;
 mod generations;
-mod lines;
+pub mod lines;
 pub mod sbs;
 #[cfg(feature = "beast")]
 mod surveillance;
@@ -23,6 +23,8 @@ mod surveillance;
 pub use generations::Generations;
 
 use core::fmt;
+
+use arrayvec::ArrayString;
 
 /// The bit of an address that ICAO has not assigned: of a ground station, or drawn by the aircraft.
 pub const NON_ICAO: u32 = 1 << 24;
@@ -96,22 +98,32 @@ impl TrafficReport {
 
 /// The estimated position uncertainty of a navigation accuracy category, metres (DO-260B, table
 /// 2-71).
-const fn position_error_m(category: u8) -> Option<f64> {
-    Some(match category {
-        0 => f64::INFINITY,
-        1 => 18_520.0,
-        2 => 7_408.0,
-        3 => 3_704.0,
-        4 => 1_852.0,
-        5 => 926.0,
-        6 => 555.6,
-        7 => 185.2,
-        8 => 92.6,
-        9 => 30.0,
-        10 => 10.0,
-        11 => 3.0,
-        _ => return None,
-    })
+fn position_error_m(category: u8) -> Option<f64> {
+    let errors_m = [
+        f64::INFINITY,
+        18_520.0,
+        7_408.0,
+        3_704.0,
+        1_852.0,
+        926.0,
+        555.6,
+        185.2,
+        92.6,
+        30.0,
+        10.0,
+        3.0,
+    ];
+    errors_m.get(usize::from(category)).copied()
+}
+
+/// The address in hexadecimal digits, of at most 24 bits and not 0; a sign before them marks one that ICAO has not assigned.
+pub(crate) fn address_of(text: &str) -> Option<u32> {
+    let digits = text.trim_start_matches(|letter: char| !letter.is_ascii_alphanumeric());
+    let is_short = digits.len() <= 6 && text.len() - digits.len() <= 1;
+    let address = u32::from_str_radix(digits, 16).ok();
+    let address = address.filter(|address| is_short && *address != 0)?;
+    let is_assigned = digits.len() == text.len();
+    Some(address | if is_assigned { 0 } else { NON_ICAO })
 }
 
 /// An altitude and its datum.
@@ -133,39 +145,22 @@ impl Altitude {
 }
 
 /// A call sign: one to eight letters, digits or blanks inside.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Callsign {
-    letters: [u8; 8],
-    length: u8,
-}
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Callsign(ArrayString<8>);
 
 impl Callsign {
     /// The call sign in `text` without the blanks around it; `None` if that is empty, longer
     /// than eight characters or holds anything but letters, digits, `-` and blanks.
     pub fn new(text: &str) -> Option<Self> {
-        let text = text.trim().as_bytes();
-        let known = |letter: &u8| letter.is_ascii_alphanumeric() || b"- ".contains(letter);
-        if text.is_empty() || !text.iter().all(known) {
-            return None;
-        }
-        let mut letters = [b' '; 8];
-        letters.get_mut(..text.len())?.copy_from_slice(text);
-        let length = u8::try_from(text.len()).ok()?;
-        Some(Self { letters, length })
+        let text = text.trim();
+        let known = |letter: u8| letter.is_ascii_alphanumeric() || b"- ".contains(&letter);
+        let is_one = !text.is_empty() && text.bytes().all(known);
+        ArrayString::from(text).ok().filter(|_| is_one).map(Self)
     }
 
     /// The call sign as text.
     pub fn as_str(&self) -> &str {
-        let letters = self.letters.get(..usize::from(self.length));
-        letters
-            .and_then(|letters| core::str::from_utf8(letters).ok())
-            .unwrap_or_default()
-    }
-}
-
-impl fmt::Debug for Callsign {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Callsign({:?})", self.as_str())
+        &self.0
     }
 }
 

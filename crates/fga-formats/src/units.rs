@@ -5,6 +5,8 @@
 
 use core::f64::consts::PI;
 
+use crate::error::shown;
+
 /// One foot, metres (international foot, exact).
 pub const FOOT_M: f64 = 0.3048;
 /// One nautical mile, metres (exact).
@@ -133,6 +135,24 @@ impl Unit {
             _ => return None,
         };
         Some(Self::new(dimension, factor))
+    }
+
+    /// The unit of a quantity with this name; `None` for a name that says that there is none.
+    ///
+    /// # Errors
+    /// An unknown unit, one of another quantity; a sentence without its subject.
+    pub(crate) fn of(name: &str, dimension: Dimension) -> Result<Option<Self>, String> {
+        let (unknown, of) = match Self::parse(name) {
+            Some(unit) if unit.dimension == dimension => return Ok(Some(unit)),
+            Some(other) => ("", format!(" of {}", other.dimension.with_article())),
+            None if Self::is_unspecified(name) => return Ok(None),
+            None => ("unknown ", String::new()),
+        };
+        let (found, expected) = (shown(name), dimension.with_article());
+        let examples = dimension.examples();
+        Err(format!(
+            "has the {unknown}unit {found}{of}, expected {expected} unit such as {examples}"
+        ))
     }
 
     /// Whether a unit field says that the column has no unit.

@@ -99,11 +99,8 @@ pub fn maneuver_words(maneuver: &Maneuver, ownship: &Ownship) -> String {
     } else {
         String::new()
     };
-    match (turn, climb) {
-        (Some(turn), Some(climb)) => format!("{turn} and {climb}{when}"),
-        (Some(one), None) | (None, Some(one)) => format!("{one}{when}"),
-        (None, None) => "hold course and altitude".into(),
-    }
+    let parts: Vec<String> = turn.into_iter().chain(climb).collect();
+    format!("{}{when}", parts.join(" and "))
 }
 
 /// A decision as one line, such as "threat: N2 in 4.1 s, 12.0 m inside; latest safe start in 1.6 s;

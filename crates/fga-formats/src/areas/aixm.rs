@@ -12,16 +12,18 @@ use crate::units::{Dimension, Unit};
 
 type Element<'a> = Node<'a, 'a>;
 
-fn is(node: &Element<'_>, name: &str) -> bool {
+pub(super) fn is(node: &Element<'_>, name: &str) -> bool {
     node.tag_name().name() == name
 }
 
-/// The first element of a name within another one.
-fn within<'a>(node: Element<'a>, name: &str) -> Option<Element<'a>> {
-    node.descendants().find(|inner| is(inner, name))
+/// The elements of some names within another one.
+pub(super) fn all<'a>(node: Element<'a>, names: &[&str]) -> impl Iterator<Item = Element<'a>> {
+    let named = |inner: &Element<'_>| names.contains(&inner.tag_name().name());
+    node.descendants().filter(named)
 }
 
-fn text<'a>(node: Element<'a>, name: &str) -> Option<&'a str> {
+/// The text of a child.
+pub(super) fn text<'a>(node: Element<'a>, name: &str) -> Option<&'a str> {
     let child = node.children().find(|child| is(child, name))?;
     child.text().map(str::trim).filter(|text| !text.is_empty())
 }
@@ -34,22 +36,16 @@ enum Outline {
 
 impl Areas<'_> {
     pub(super) fn take_aixm(&mut self, document: &Document<'_>) -> Result<(), InputError> {
-        let slices = document
-            .descendants()
-            .filter(|node| is(node, "AirspaceTimeSlice"));
-        for slice in slices {
+        for slice in all(document.root(), &["AirspaceTimeSlice"]) {
             let names = [text(slice, "name"), text(slice, "designator")].into_iter();
             let name = names.flatten().find_map(Self::name);
             let is_timed = slice.children().any(|child| is(&child, "activation"));
-            for part in slice
-                .descendants()
-                .filter(|node| is(node, "AirspaceGeometryComponent"))
-            {
+            for part in all(slice, &["AirspaceGeometryComponent"]) {
                 if text(part, "operation") == Some("SUBTR") {
                     self.leave_out("volume to subtract (SUBTR)");
                     continue;
                 }
-                let Some(volume) = within(part, "AirspaceVolume") else {
+                let Some(volume) = all(part, &["AirspaceVolume"]).next() else {
                     continue;
                 };
                 self.like = NamedArea {
@@ -58,19 +54,12 @@ impl Areas<'_> {
                     is_timed,
                     ..NamedArea::default()
                 };
-                for (limit, side) in ["lower", "upper"].into_iter().enumerate() {
-                    let found = self.aixm_limit(volume, side);
-                    if let Some(limit) = self.like.limits.get_mut(limit) {
-                        *limit = found;
-                    }
-                }
-                let Some(surface) = within(volume, "horizontalProjection") else {
+                self.like.limits = ["lower", "upper"].map(|side| self.aixm_limit(volume, side));
+                let Some(surface) = all(volume, &["horizontalProjection"]).next() else {
                     self.leave_out("volume without an outline of its own");
                     continue;
                 };
-                let rings = surface
-                    .descendants()
-                    .filter(|node| ["exterior", "interior"].iter().any(|name| is(node, name)));
+                let rings = all(surface, &["exterior", "interior"]);
                 let outlines = match rings.map(outline).collect::<Result<Vec<Outline>, String>>() {
                     Ok(outlines) => outlines,
                     Err(message) => {
@@ -117,10 +106,7 @@ impl Areas<'_> {
 fn outline(ring: Element<'_>) -> Result<Outline, String> {
     let mut places: Vec<Vec<f64>> = Vec::new();
     for node in ring.descendants().filter(Node::is_element) {
-        if node
-            .attributes()
-            .any(|attribute| attribute.name() == "href")
-        {
+        if node.attributes().any(|given| given.name() == "href") {
             return Err("an outline elsewhere (xlink)".into());
         }
         match node.tag_name().name() {
@@ -160,11 +146,8 @@ fn outline(ring: Element<'_>) -> Result<Outline, String> {
 
 /// Longitudes and latitudes of the positions within an element.
 fn positions(node: Element<'_>) -> Result<Vec<Vec<f64>>, String> {
-    let texts = node
-        .descendants()
-        .filter(|inner| is(inner, "pos") || is(inner, "posList"));
     let mut places = Vec::new();
-    for inner in texts {
+    for inner in all(node, &["pos", "posList"]) {
         let mut named = inner
             .ancestors()
             .filter_map(|outer| outer.attribute("srsName"));

@@ -8,7 +8,7 @@ use crate::terrain::Area;
 const LEAST_RADIUS_M: f64 = 6_335_439.0;
 
 /// A circle has at most this radius, metres.
-pub(super) const LARGEST_M: f64 = 1e7;
+pub(crate) const LARGEST_M: f64 = 1e7;
 
 /// The areas of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -81,12 +81,11 @@ impl AreaOutline {
                 ]
             }
         };
-        let corners = corners_deg.iter();
-        let corners =
-            corners.map(|[latitude_deg, longitude_deg]| Vec2::new(*longitude_deg, *latitude_deg));
+        // North before east.
+        let corners = corners_deg.into_iter().map(Vec2::from);
         let low = corners.clone().fold(Vec2::INFINITY, Vec2::min);
         let high = corners.fold(Vec2::NEG_INFINITY, Vec2::max);
-        Area::new([low.y, low.x, high.y, high.x]).ok()
+        Area::new([low.x, low.y, high.x, high.y]).ok()
     }
 }
 

@@ -1,16 +1,16 @@
 //! Areas in KML.
 
-use roxmltree::{Document, Node};
+use roxmltree::Document;
 
 use serde_json::Value;
 
+use super::aixm::{all, is, text};
 use super::area::{EdgeLine, NamedArea};
 use super::taken::Areas;
 use crate::error::{InputError, shown};
 
 impl Areas<'_> {
     pub(super) fn take_kml(&mut self, document: &Document<'_>) -> Result<(), InputError> {
-        let is = |node: &Node<'_, '_>, name: &str| node.tag_name().name() == name;
         for node in document.descendants() {
             let what = match node.tag_name().name() {
                 "Point" => "point",
@@ -32,25 +32,21 @@ impl Areas<'_> {
                 continue;
             }
             let placemark = node.ancestors().find(|outer| is(outer, "Placemark"));
-            let name = placemark.and_then(|outer| {
-                let mut inner = outer.children();
-                inner.find(|child| is(child, "name"))?.text()
-            });
+            let name = placemark.and_then(|outer| text(outer, "name"));
             self.like = NamedArea {
                 name: name.and_then(Self::name),
                 edges: EdgeLine::Geodesic,
                 ..NamedArea::default()
             };
-            let data = placemark.into_iter().flat_map(|outer| outer.descendants());
-            let data = data.filter(|inner| is(inner, "Data") || is(inner, "SimpleData"));
+            let data = placemark.into_iter();
+            let data = data.flat_map(|outer| all(outer, &["Data", "SimpleData"]));
             let data = data.filter_map(|inner| {
                 let value = inner.descendants().find(|value| is(value, "value"));
                 let value = value.unwrap_or(inner).text()?.trim();
                 Some((inner.attribute("name")?.to_owned(), Value::from(value)))
             });
             self.take_limits(&data.collect(), None);
-            let mode = node.children().find(|child| is(child, "altitudeMode"));
-            let mode = mode.and_then(|mode| mode.text()).unwrap_or_default().trim();
+            let mode = text(node, "altitudeMode").unwrap_or_default();
             let is_clamped = ["", "clampToGround", "clampToSeaFloor"].contains(&mode);
             let mut rings = Vec::new();
             for ring in node.descendants().filter(|inner| is(inner, "coordinates")) {

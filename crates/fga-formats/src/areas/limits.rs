@@ -28,7 +28,9 @@ pub(super) struct SaidLimit {
 impl SaidLimit {
     /// Takes words such as `2500 ft AMSL`, `FL 65`, `GND` or `UNL`.
     pub(super) fn take(&mut self, text: &str) {
-        let text = text.trim().to_ascii_uppercase().replace("WGS84", "HAE");
+        // AIXM writes W84.
+        let text = text.trim().to_ascii_uppercase().replace("WGS84", "W84");
+        let text = text.replace("W84", "HAE");
         self.said.push(text.clone());
         let mut words: Vec<String> = Vec::new();
         let mut kind = None;
@@ -111,31 +113,24 @@ impl SaidLimit {
 
     /// A unit by its name, or by its number at `OpenAIP`.
     pub(super) fn take_unit(&mut self, value: &Value) {
-        match value.as_u64() {
-            Some(0) => self.word("M"),
-            Some(1) => self.word("FT"),
-            Some(6) => self.word("FL"),
-            _ => self.take_word(value),
-        }
+        self.take_word(value, &[(0, "M"), (1, "FT"), (6, "FL")]);
     }
 
     pub(super) fn take_reference(&mut self, value: &Value) {
         // What a height counts from is no height.
         let height = self.height;
-        match value.as_u64() {
-            Some(0) => self.word("AGL"),
-            Some(1) => self.word("AMSL"),
-            Some(2) => self.word("STD"),
-            _ => self.take_word(value),
-        }
+        self.take_word(value, &[(0, "AGL"), (1, "AMSL"), (2, "STD")]);
         self.height = height;
     }
 
-    fn take_word(&mut self, value: &Value) {
-        match value {
-            Value::String(text) => self.take(text),
-            Value::Null => (),
-            other => self.unknown = Some(other.to_string()),
+    fn take_word(&mut self, value: &Value, numbered: &[(u64, &str)]) {
+        let number = value.as_u64();
+        let known = numbered.iter().find(|(code, _)| number == Some(*code));
+        match (known, value) {
+            (Some((_, word)), _) => self.word(word),
+            (None, Value::String(text)) => self.take(text),
+            (None, Value::Null) => (),
+            (None, other) => self.unknown = Some(other.to_string()),
         }
     }
 
@@ -293,10 +288,8 @@ impl Areas<'_> {
                 }
                 continue;
             };
-            if words
-                .iter()
-                .any(|word| ["desc", "description", "text", "name"].contains(&word.as_str()))
-            {
+            let are_words = ["desc", "description", "text", "name"];
+            if words.iter().any(|word| are_words.contains(&word.as_str())) {
                 continue;
             }
             match Role::of(&words) {
@@ -321,7 +314,9 @@ impl Areas<'_> {
                 }
             }
         }
-        for ((mut said, what), limit) in said.into_iter().zip(["lower", "upper"]).zip([0, 1]) {
+        let mut limits = self.like.limits;
+        let said = said.into_iter().zip(["lower", "upper"]);
+        for ((mut said, what), limit) in said.zip(&mut limits) {
             if !said.is_said() {
                 continue;
             }
@@ -329,10 +324,8 @@ impl Areas<'_> {
                 said.unknown = said.unknown.or(shared.unknown.clone());
                 said.unit_m = shared.unit_m.or(unit_m);
             }
-            let found = self.named(&said, what);
-            if let Some(limit) = self.like.limits.get_mut(limit) {
-                *limit = found;
-            }
+            *limit = self.named(&said, what);
         }
+        self.like.limits = limits;
     }
 }

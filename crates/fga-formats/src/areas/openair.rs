@@ -13,11 +13,8 @@ use crate::units::{FOOT_M, NAUTICAL_MILE_M};
 pub(super) fn is_openair(text: &str) -> bool {
     let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with(['*', '#']));
-    first.is_some_and(|first| {
-        ["AC ", "AN ", "AI ", "AY "]
-            .iter()
-            .any(|word| first.starts_with(word))
-    })
+    let word = first.and_then(|first| first.split_once([' ', '\t']));
+    word.is_some_and(|(word, _)| ["AC", "AN", "AI", "AY"].contains(&word))
 }
 
 impl Areas<'_> {
@@ -77,10 +74,8 @@ impl Areas<'_> {
 
     fn altitude(&mut self, said: &Altitude, what: &str) -> Option<AreaLimit> {
         let feet = |feet: f64, above| {
-            Some(AreaLimit {
-                height_m: feet * FOOT_M,
-                above,
-            })
+            let height_m = feet * FOOT_M;
+            Some(AreaLimit { height_m, above })
         };
         match said {
             Altitude::Gnd => feet(0.0, Reference::Ground),
@@ -102,6 +97,7 @@ fn blocks(text: &str) -> Vec<String> {
     let mut blocks: Vec<String> = Vec::new();
     let mut was_head = false;
     for line in text.trim_start_matches('\u{feff}').lines().map(str::trim) {
+        let line = line.replace('\t', " ");
         let letters = line.chars().filter(|letter| !letter.is_whitespace());
         let kind: String = letters.take(2).collect();
         let is_head = ["AC", "AN", "AL", "AH", "AA"].contains(&kind.as_str());
@@ -117,7 +113,10 @@ fn blocks(text: &str) -> Vec<String> {
                     .unwrap_or(word)
             })
             .collect();
-        let is_next = is_head && !was_head;
+        // An airspace without a place, too, ends where the next class stands.
+        let has_class = |block: &String| block.lines().any(|line| line.starts_with("AC"));
+        let is_again = kind == "AC" && blocks.last().is_some_and(has_class);
+        let is_next = is_head && (!was_head || is_again);
         was_head = is_head;
         match blocks.last_mut().filter(|_| !is_next) {
             Some(block) if kind == "AA" && block.contains("\nAA") => (),

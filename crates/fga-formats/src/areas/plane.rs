@@ -69,16 +69,16 @@ impl NamedArea {
                 rings.map(|ring| ring_m(ring, frame, &window)).collect()
             })
             .collect();
+        let as_it_is = |polygons| PlaneArea {
+            polygons,
+            grown_m: 0.0,
+        };
         let corners = |polygon: &Vec<Vec<Vec2>>| {
             let holes = 2 * polygon.len().saturating_sub(1);
             polygon.iter().map(Vec::len).sum::<usize>() + holes
         };
         if near.iter().all(|polygon| corners(polygon) <= MAX_CORNERS) {
-            let grown_m = 0.0;
-            return PlaneArea {
-                polygons: near,
-                grown_m,
-            };
+            return as_it_is(near);
         }
         let outwards = if keep_in { -1.0 } else { 1.0 };
         let mut whole = MultiPolygon::new(near.iter().map(|rings| polygon_of(rings)).collect());
@@ -111,10 +111,7 @@ impl NamedArea {
             }
             half_m *= 2.0;
         }
-        PlaneArea {
-            polygons: near,
-            grown_m: 0.0,
-        }
+        as_it_is(near)
     }
 
     /// A ring in degrees, x the longitude, whose edges are straight there; those that are far from an origin may be off.

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::area::{AreaFile, AreaOutline, LARGEST_M, NamedArea};
+use super::area::{AreaFile, AreaOutline, EdgeLine, LARGEST_M, NamedArea};
 use super::mended::mended;
-use crate::error::{InputError, json_sentence};
+use crate::error::InputError;
 use crate::words::counted;
 
 /// Places nearer than this are one corner, degrees: a centimetre.
@@ -17,6 +17,22 @@ const SAME_DEG: f64 = 1e-7;
 fn is_same(one: [f64; 2], other: [f64; 2]) -> bool {
     let (north_deg, east_deg) = (one[0] - other[0], one[1] - other[1]);
     north_deg.abs() < SAME_DEG && east_deg.abs() < SAME_DEG
+}
+
+/// Lets the longitudes of a ring go on beyond 180° where an edge is longer than half a turn, from near the longitude of a corner; whether
+/// there is such an edge. An edge of a whole turn is one round the earth.
+fn go_on(corners_deg: &mut [[f64; 2]], [_, mut before_deg]: [f64; 2]) -> bool {
+    let (mut is_over, mut turned_deg) = (false, 0.0);
+    for [_, longitude_deg] in corners_deg {
+        let apart_deg = before_deg - *longitude_deg;
+        before_deg = *longitude_deg;
+        if apart_deg.abs() > 180.0 && apart_deg.abs() < 360.0 {
+            turned_deg += 360.0_f64.copysign(apart_deg);
+            is_over = true;
+        }
+        *longitude_deg += turned_deg;
+    }
+    is_over
 }
 
 /// The areas of a file so far.
@@ -54,18 +70,20 @@ impl Areas<'_> {
 
     /// Counts what is no area.
     pub(super) fn leave_out(&mut self, what: &str) {
-        *self
-            .others
-            .entry(Self::name(what).unwrap_or_default())
-            .or_default() += 1;
+        let what = Self::name(what).unwrap_or_default();
+        *self.others.entry(what).or_default() += 1;
     }
 
     /// Notes something about the next area.
     pub(super) fn note(&mut self, message: &str) {
+        self.notes.push(self.about_next(message));
+    }
+
+    fn about_next(&self, message: impl Display) -> String {
         let number = self.all.len() + 1;
         let name = self.like.name.as_ref();
         let name = name.map_or_else(String::new, |name| format!(" ({name})"));
-        self.notes.push(format!("area {number}{name} {message}"));
+        format!("area {number}{name} {message}")
     }
 
     pub(super) fn json<T: DeserializeOwned>(
@@ -73,33 +91,17 @@ impl Areas<'_> {
         text: &str,
         kind: &str,
     ) -> Result<T, InputError> {
-        serde_json::from_str(text).map_err(|error| {
-            let line = u64::try_from(error.line()).unwrap_or_default();
-            self.unreadable(line, kind, Some(&json_sentence(&error)))
-        })
-    }
-
-    /// What is wrong with the text of a kind, as one line whatever it quotes.
-    pub(super) fn unreadable(&self, line: u64, kind: &str, told: Option<&str>) -> InputError {
-        let told = told.unwrap_or_default().replace(char::is_control, " ");
-        InputError {
-            line: Some(line).filter(|line| *line > 0),
-            ..InputError::in_file(self.path, format!("is no {kind}: {told}"))
-        }
+        serde_json::from_str(text).map_err(|error| InputError::json(self.path, kind, &error))
     }
 
     pub(super) fn refuse<T>(&self, message: impl Display) -> Result<T, InputError> {
-        let number = self.all.len() + 1;
-        let name = self.like.name.as_ref();
-        let name = name.map_or_else(String::new, |name| format!(" ({name})"));
-        let message = format!("area {number}{name} {message}");
-        Err(InputError::in_file(self.path, message))
+        Err(InputError::in_file(self.path, self.about_next(message)))
     }
 
     /// Takes a polygon by its rings, the first of which is its outline.
     pub(super) fn take(&mut self, rings: &[Vec<Vec<f64>>]) -> Result<(), InputError> {
-        let mut rings_deg = Vec::new();
-        let mut is_open = false;
+        let mut rings_deg: Vec<Vec<[f64; 2]>> = Vec::new();
+        let (mut is_open, mut is_over) = (false, false);
         for ring in rings {
             let corners = ring.iter().zip(1..);
             let corners =
@@ -107,6 +109,10 @@ impl Areas<'_> {
             let mut corners_deg = corners.collect::<Result<Vec<_>, _>>()?;
             if corners_deg.is_empty() {
                 return self.refuse("has no corners, expected a ring");
+            }
+            if self.like.edges == EdgeLine::Degrees {
+                let first = rings_deg.first().unwrap_or(&corners_deg).first().copied();
+                is_over |= go_on(&mut corners_deg, first.unwrap_or_default());
             }
             is_open |= corners_deg.len() == 1 || corners_deg.first() != corners_deg.last();
             // Published outlines repeat a corner, and an arc ends at the next one.
@@ -127,6 +133,9 @@ impl Areas<'_> {
         }
         if is_open {
             self.note("is not closed: its last corner is joined to its first one");
+        }
+        if is_over {
+            self.note("is not cut at the antimeridian: it is taken to lie on both sides of it");
         }
         let outlines = mended(&rings_deg);
         if let Some(outlines) = &outlines {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::units::FOOT_M;
+use crate::zones::surrounds;
 
 const RING: &str = "[[8.5,47.3],[8.6,47.3],[8.6,47.4],[8.5,47.3]]";
 
@@ -121,7 +122,7 @@ fn limits_in_properties_are_read_where_their_names_are_known() {
             (Ground, 200.0 * ft),
         ),
         (
-            r#""geometry":[{"uomDimensions":"M","lowerLimit":-5,"lowerVerticalReference":"WGS84","upperLimit":200,"upperVerticalReference":"AMSL"}]"#,
+            r#""geometry":[{"uomDimensions":"M","lowerLimit":-5,"lowerVerticalReference":"W84","upperLimit":200,"upperVerticalReference":"AMSL"}]"#,
             (Ellipsoid, -5.0),
             (Sea, 200.0),
         ),
@@ -1077,4 +1078,44 @@ fn one_airspace_that_cannot_be_read_is_named_beside_the_others() {
     let found = file(&wide).unwrap();
     assert_eq!(found.areas.len(), 1);
     assert!(found.notes[0].starts_with("1 airspace with an arc with a radius of"));
+}
+
+/// RFC 7946 cuts what crosses the antimeridian; many writers do not.
+#[test]
+fn an_outline_that_is_not_cut_at_the_antimeridian_lies_on_both_sides_of_it() {
+    let outline = "[[179.9,10],[-179.9,10],[-179.8,10.1],[-179.9,10.2],[179.9,10.2],[179.9,10]]";
+    let hole = "[[-179.95,10.05],[179.95,10.05],[179.95,10.1],[-179.95,10.05]]";
+    let text = format!(r#"{{"type":"Polygon","coordinates":[{outline},{hole}]}}"#);
+    let file = parse(&text, Path::new("a.geojson")).unwrap();
+    assert!(file.notes[0].contains("antimeridian"), "{:?}", file.notes);
+    let inside = |longitude_deg: f64, latitude_deg: f64| {
+        let plane = file.areas[0].on_plane(&frame(latitude_deg, longitude_deg), false);
+        let rings = plane.polygons.iter().flatten();
+        let around = rings.filter(|ring| surrounds(ring, fga::Vec2::ZERO));
+        around.count() % 2 == 1
+    };
+    assert!(inside(179.92, 10.02) && inside(-179.92, 10.15) && inside(-179.82, 10.1));
+    assert!(!inside(179.97, 10.06) && !inside(5.0, 10.1) && !inside(-179.7, 10.1));
+    // Round the earth.
+    let text =
+        r#"{"type":"Polygon","coordinates":[[[-180,10],[180,10],[180,20],[-180,20],[-180,10]]]}"#;
+    let file = parse(text, Path::new("a.geojson")).unwrap();
+    assert!(file.notes.is_empty());
+    let plane = file.areas[0].on_plane(&frame(15.0, 5.0), false);
+    assert!(surrounds(&plane.polygons[0][0], fga::Vec2::ZERO));
+}
+
+/// Tabs for blanks, and a class where the airspace before has no place.
+#[test]
+fn openair_with_tabs_and_without_places_is_told_apart() {
+    let text = "AC\tR\nAN\tNowhere\nAH 100 ft\nAC D\nAN Here\nAL GND\nAH FL65\nDP 45:00:00 N 005:00:00 E\nDP 45:00:00 N 005:06:00 E\nDP\t45:06:00 N 005:06:00 E\n";
+    assert!(is_areas(text));
+    let file = parse(text, Path::new("a.txt")).unwrap();
+    assert_eq!(file.areas.len(), 1);
+    assert_eq!(file.areas[0].name.as_deref(), Some("Here"));
+    assert!(
+        file.notes[0].contains("airspace Nowhere"),
+        "{:?}",
+        file.notes
+    );
 }

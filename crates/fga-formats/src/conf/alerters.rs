@@ -1,7 +1,7 @@
 //! Alerters, their levels and their detectors.
 
 use super::entries::{Allowed, Entries};
-use super::keys::CONFLICT_REGIONS;
+use super::keys::{CONFLICT_REGIONS, take_factors};
 use crate::error::{InputError, shown};
 use crate::units::Dimension::{self, Angle, Length, Speed, Time};
 use fga_alerts::volume::{
@@ -36,10 +36,7 @@ pub(super) fn read(entries: &mut Entries, settings: &mut AlertSettings) -> Resul
         let Some((line, text)) = entries.text("alerters") else {
             return Err(entries.missing("has no alerters, expected a key alerters"));
         };
-        let names = text
-            .split([',', ' ', '\t'])
-            .map(str::trim)
-            .filter(|name| !name.is_empty());
+        let names = text.split([',', ' ', '\t']).filter(|name| !name.is_empty());
         settings.alerters = names
             .map(|name| alerter(entries, name, &format!("{name}_"), &factors))
             .collect::<Result<_, _>>()?;
@@ -188,10 +185,11 @@ fn volume(
         "WCV_TAUMOD" | "WCV_TCPA" | "WCV_TEP" | "WCV_HZ" => {
             Ok(Volume::WellClear(thresholds(entries, &prefix, times)?))
         }
-        "WCV_TAUMOD_SUM" => Ok(Volume::Uncertain(UncertainWellClear {
-            volume: thresholds(entries, &prefix, times)?,
-            factors: own_factors(entries, &prefix, factors)?,
-        })),
+        "WCV_TAUMOD_SUM" => {
+            let (volume, mut factors) = (thresholds(entries, &prefix, times)?, *factors);
+            take_factors(entries, &prefix, &mut factors)?;
+            Ok(Volume::Uncertain(UncertainWellClear { volume, factors }))
+        }
         "CDCylinder" => {
             let default = Cylinder::CD3D;
             let radius_m = quantity(entries, &format!("{prefix}D"), Length)?;
@@ -234,30 +232,6 @@ fn thresholds(
         vertical_time,
         ..volume
     })
-}
-
-/// The factors of a detector: its own if the file has them, else those of the top level.
-fn own_factors(
-    entries: &mut Entries,
-    prefix: &str,
-    factors: &DeviationFactors,
-) -> Result<DeviationFactors, InputError> {
-    let mut own = *factors;
-    for (key, target) in [
-        ("h_pos_z_score", &mut own.horizontal_position),
-        ("h_vel_z_score_min", &mut own.horizontal_velocity_least),
-        ("h_vel_z_score_max", &mut own.horizontal_velocity_most),
-        ("v_pos_z_score", &mut own.vertical_position),
-        ("v_vel_z_score", &mut own.vertical_velocity),
-    ] {
-        let key = format!("{prefix}{key}");
-        if let Some(number) = entries.number(&key, None, Allowed::NotNegative)? {
-            *target = number.si;
-        }
-    }
-    let distance = quantity(entries, &format!("{prefix}h_vel_z_distance"), Length)?;
-    own.velocity_distance_m = distance.unwrap_or(own.velocity_distance_m);
-    Ok(own)
 }
 
 fn advisory(entries: &mut Entries, prefix: &str, line: u64) -> Result<Volume, InputError> {

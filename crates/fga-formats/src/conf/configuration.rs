@@ -12,7 +12,7 @@ pub struct ShownUnit {
 }
 
 impl ShownUnit {
-    pub(super) fn new(symbol: &str, factor: f64) -> Self {
+    pub(crate) fn new(symbol: &str, factor: f64) -> Self {
         Self {
             symbol: symbol.to_owned(),
             factor,

@@ -84,10 +84,8 @@ impl Entries {
             }
         }
         if left.is_empty() {
-            return Err(InputError::in_file(
-                path,
-                "is empty, expected lines key = value [unit]",
-            ));
+            let message = "is empty, expected lines key = value [unit]";
+            return Err(InputError::in_file(path, message));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -140,40 +138,26 @@ impl Entries {
         let Some((line, text)) = self.text(key) else {
             return Ok(None);
         };
-        let wrong = |message: String| Err(self.refused(line, format!("{key} {message}")));
+        let refused = |message| self.refused(line, format!("{key} {message}"));
+        let wrong = |message: String| Err(refused(message));
         let (digits, symbol) = split_unit(&text);
         let value: Option<f64> = digits.parse().ok();
         let Some(value) = value.filter(|value| value.is_finite()) else {
             return wrong(format!("is {}, expected a number", shown(&text)));
         };
-        let mut unit = None;
-        if !Unit::is_unspecified(symbol) {
-            let symbol_shown = shown(symbol);
-            let Some(dimension) = quantity else {
-                return wrong(format!(
-                    "has the unit {symbol_shown}, expected a plain number"
-                ));
-            };
-            let (expected, examples) = (dimension.with_article(), dimension.examples());
-            let found = match Unit::parse(symbol) {
-                Some(found) if found.dimension == dimension => {
-                    unit = Some(ShownUnit::new(symbol, found.factor));
-                    None
-                }
-                Some(other) => Some(("", format!(" of {}", other.dimension.with_article()))),
-                None => Some(("unknown ", String::new())),
-            };
-            if let Some((unknown, of)) = found {
-                return wrong(format!(
-                    "has the {unknown}unit {symbol_shown}{of}, expected {expected} unit such as {examples}"
-                ));
+        let unit = match quantity {
+            Some(dimension) => Unit::of(symbol, dimension).map_err(refused)?,
+            None if Unit::is_unspecified(symbol) => None,
+            None => {
+                let symbol = shown(symbol);
+                return wrong(format!("has the unit {symbol}, expected a plain number"));
             }
-        }
+        };
         if !allowed.contains(value) {
             return wrong(format!("is {}, expected {}", shown(&text), allowed.words()));
         }
-        let factor = unit.as_ref().map_or(1.0, |unit: &ShownUnit| unit.factor);
-        let si = value * factor;
+        let si = unit.map_or(value, |unit| unit.to_si(value));
+        let unit = unit.map(|unit| ShownUnit::new(symbol, unit.factor));
         Ok(Some(Number { si, unit }))
     }
 
@@ -241,10 +225,6 @@ fn split_unit(text: &str) -> (&str, &str) {
     let is_unit = |c: char| !(c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E'));
     let end = text.find(is_unit).unwrap_or(text.len());
     let (digits, unit) = text.split_at(end);
-    let unit = unit.trim();
-    let bare = unit
-        .strip_prefix('[')
-        .and_then(|inner| inner.strip_suffix(']'))
-        .unwrap_or(unit);
-    (digits.trim(), bare.trim())
+    let unit = unit.trim().trim_start_matches('[').trim_end_matches(']');
+    (digits.trim(), unit.trim())
 }

@@ -6,6 +6,7 @@ use crate::error::InputError;
 use crate::units::Dimension;
 use Allowed::{Any, NotNegative, Positive};
 use core::f64::consts::{PI, TAU};
+use fga_alerts::volume::DeviationFactors;
 use fga_alerts::{Region, SlowDirections, TerminalGuidance};
 
 /// Names of regions that bands paint.
@@ -100,12 +101,6 @@ pub(super) fn read(
         "persistence_preferred_hs" or "max_delta_resolution_hs": Speed NotNegative => resolution_persistence.horizontal_speed;
         "persistence_preferred_vs" or "max_delta_resolution_vs": Speed NotNegative => resolution_persistence.vertical_speed;
         "persistence_preferred_alt" or "max_delta_resolution_alt": Length NotNegative => resolution_persistence.altitude;
-        "h_pos_z_score": plain NotNegative => deviation_factors.horizontal_position;
-        "h_vel_z_score_min": plain NotNegative => deviation_factors.horizontal_velocity_least;
-        "h_vel_z_score_max": plain NotNegative => deviation_factors.horizontal_velocity_most;
-        "h_vel_z_distance": Length NotNegative => deviation_factors.velocity_distance_m;
-        "v_pos_z_score": plain NotNegative => deviation_factors.vertical_position;
-        "v_vel_z_score": plain NotNegative => deviation_factors.vertical_velocity;
         "contour_thr": Angle NotNegative => contour_rad;
         "dta_latitude": Angle Any => terminal.latitude_rad;
         "dta_longitude": Angle Any => terminal.longitude_rad;
@@ -124,8 +119,32 @@ pub(super) fn read(
         "ownship_centric_alerting" => ownship_centric;
         "bands_add_time_to_maneuver" => counts_maneuver_time;
     }
+    take_factors(entries, "", &mut configuration.settings.deviation_factors)?;
     words_and_counts(entries, configuration)?;
     check(entries, configuration)
+}
+
+/// Takes the factors behind a prefix, those of the top level or of a detector of its own.
+pub(super) fn take_factors(
+    entries: &mut Entries,
+    prefix: &str,
+    factors: &mut DeviationFactors,
+) -> Result<(), InputError> {
+    for (key, target) in [
+        ("h_pos_z_score", &mut factors.horizontal_position),
+        ("h_vel_z_score_min", &mut factors.horizontal_velocity_least),
+        ("h_vel_z_score_max", &mut factors.horizontal_velocity_most),
+        ("v_pos_z_score", &mut factors.vertical_position),
+        ("v_vel_z_score", &mut factors.vertical_velocity),
+    ] {
+        let number = entries.number(&format!("{prefix}{key}"), None, NotNegative)?;
+        *target = number.map_or(*target, |number| number.si);
+    }
+    let key = format!("{prefix}h_vel_z_distance");
+    if let Some(distance) = entries.number(&key, Some(Dimension::Length), NotNegative)? {
+        factors.velocity_distance_m = distance.si;
+    }
+    Ok(())
 }
 
 /// The keys that are words or whole numbers.

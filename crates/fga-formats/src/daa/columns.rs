@@ -49,25 +49,9 @@ impl DaaColumn {
 
     /// Takes the unit of a line of units.
     pub(super) fn take_unit(&mut self, units: &[&str]) -> Result<(), String> {
-        let text = self.field(units).unwrap_or_default();
-        if Unit::is_unspecified(text) {
-            return Ok(());
-        }
-        let (name, found) = (self.name, shown(text));
-        let expected = self.dimension.with_article();
-        let unit = Unit::parse(text).ok_or_else(|| {
-            let example = self.dimension.examples();
-            format!(
-                "column {name} has the unknown unit {found}, expected {expected} unit such as {example}"
-            )
-        })?;
-        if unit.dimension != self.dimension {
-            let other = unit.dimension.with_article();
-            return Err(format!(
-                "column {name} has the unit {found} of {other}, expected that of {expected}"
-            ));
-        }
-        self.unit = Some(unit);
+        let unit = Unit::of(self.field(units).unwrap_or_default(), self.dimension);
+        let unit = unit.map_err(|message| format!("column {} {message}", self.name))?;
+        self.unit = unit.or(self.unit);
         Ok(())
     }
 

@@ -68,17 +68,9 @@ impl Layout {
         let name = header.find(NAME)?.0;
         let is_geodetic = !kind(&[EAST, NORTH].concat(), &[LATITUDE, LONGITUDE].concat());
         let position = if is_geodetic {
-            [
-                header.column(LATITUDE, Unit::DEGREE)?,
-                header.column(LONGITUDE, Unit::DEGREE)?,
-                header.column(ALTITUDE, Unit::FOOT)?,
-            ]
+            header.columns([LATITUDE, LONGITUDE, ALTITUDE], Unit::DEGREE, Unit::FOOT)?
         } else {
-            [
-                header.column(EAST, Unit::NAUTICAL_MILE)?,
-                header.column(NORTH, Unit::NAUTICAL_MILE)?,
-                header.column(UP, Unit::FOOT)?,
-            ]
+            header.columns([EAST, NORTH, UP], Unit::NAUTICAL_MILE, Unit::FOOT)?
         };
         let is_track = !kind(&["vx", "vy", "vz"], &[TRACK, GROUND_SPEED].concat());
         let velocity = if is_track {
@@ -88,11 +80,8 @@ impl Layout {
                 header.column(VERTICAL_SPEED, Unit::FOOT_PER_MINUTE)?,
             ]
         } else {
-            [
-                header.column(&["vx"], Unit::KNOT)?,
-                header.column(&["vy"], Unit::KNOT)?,
-                header.column(&["vz"], Unit::FOOT_PER_MINUTE)?,
-            ]
+            let names: [&[&str]; 3] = [&["vx"], &["vy"], &["vz"]];
+            header.columns(names, Unit::KNOT, Unit::FOOT_PER_MINUTE)?
         };
         Ok(Self {
             width: names.len(),
@@ -282,6 +271,17 @@ impl Header<'_> {
     fn column(&self, names: &[&'static str], unit: Unit) -> Result<DaaColumn, String> {
         let (place, name) = self.find(names)?;
         Ok(DaaColumn::new(place, name, unit))
+    }
+
+    /// Three columns, the first two in one unit.
+    fn columns(
+        &self,
+        [first, second, third]: [&[&'static str]; 3],
+        unit: Unit,
+        last: Unit,
+    ) -> Result<[DaaColumn; 3], String> {
+        let first = self.column(first, unit)?;
+        Ok([first, self.column(second, unit)?, self.column(third, last)?])
     }
 }
 

@@ -152,17 +152,13 @@ impl DaaRows {
             if name.is_empty() {
                 return Err("the aircraft has no name, expected one".into());
             }
-            if let Some(index) = self.index_of.get(name) {
-                *index
-            } else {
-                self.aircraft.push(Track {
-                    name: name.to_owned(),
-                    samples: Vec::new(),
-                });
-                let index = self.aircraft.len() - 1;
-                self.index_of.insert(name.to_owned(), index);
-                index
+            let (name, next) = (name.to_owned(), self.aircraft.len());
+            let index = *self.index_of.entry(name.clone()).or_insert(next);
+            if index == next {
+                let samples = Vec::new();
+                self.aircraft.push(Track { name, samples });
             }
+            index
         };
         self.last = Some(index);
         Ok(index)

@@ -23,7 +23,11 @@ fn text(value: f64) -> String {
 
 /// A value in SI units with its unit.
 fn with_unit(value_si: f64, unit: &ShownUnit) -> String {
-    format!("{} [{}]", text(unit.of_si(value_si)), unit.symbol)
+    format!("{} [{}]", in_unit(value_si, unit), unit.symbol)
+}
+
+fn in_unit(value_si: f64, unit: &ShownUnit) -> String {
+    text(unit.of_si(value_si))
 }
 
 fn seconds(value_s: f64) -> String {
@@ -201,7 +205,6 @@ impl DaaTables<'_> {
         };
         let units = &self.configuration.units;
         let within_s = self.configuration.settings.lookahead_s;
-        let in_unit = |value: f64, unit: &ShownUnit| text(unit.of_si(value));
         let far = &units.horizontal_distance;
         let high = &units.vertical_distance;
         let distance_at_closest = pair.distance_at_closest_m().unwrap_or(f64::NAN);
@@ -250,7 +253,7 @@ impl DaaTables<'_> {
                     LastTime::Passed => f64::NEG_INFINITY,
                     LastTime::In(time_s) => time_s,
                 };
-                let title = words(quantity).title;
+                let [title, ..] = words(quantity);
                 let _ = writeln!(out, "  Last Time to {title} Maneuver: {}", seconds(time));
             }
         }
@@ -288,14 +291,10 @@ impl DaaTables<'_> {
         let symbol = &self.configuration.units.horizontal_speed.symbol;
         // The reference's table of compatible speeds lacks km/h.
         let is_metric = matches!(symbol.as_str(), "kph" | "km/h" | "kilometer_per_hour");
-        let (symbol, factor) = if is_metric {
-            ("m", 1.0)
+        if is_metric {
+            ShownUnit::new("m", 1.0)
         } else {
-            ("nmi", NAUTICAL_MILE_M)
-        };
-        ShownUnit {
-            symbol: symbol.to_owned(),
-            factor,
+            ShownUnit::new("nmi", NAUTICAL_MILE_M)
         }
     }
 
@@ -303,7 +302,6 @@ impl DaaTables<'_> {
         use crate::units::DEGREE_RAD;
         let units = &self.configuration.units;
         let plane = self.plane_unit();
-        let in_unit = |value: f64, unit: &ShownUnit| text(unit.of_si(value));
         let degrees = |angle_rad: f64| text(angle_rad / DEGREE_RAD);
         let (alt, gs, vs) = (
             &units.altitude,
@@ -380,8 +378,7 @@ impl DaaTables<'_> {
 
     fn bands_of(&self, quantity: Quantity, monitor: &Monitor, scene: &DaaScene, out: &mut String) {
         let units = &self.configuration.units;
-        let words = words(quantity);
-        let title = words.title;
+        let [title, high, low] = words(quantity);
         let (unit, value) = match quantity {
             Quantity::Direction => (&units.direction, compass(scene.ownship.air.track_rad)),
             Quantity::HorizontalSpeed => (&units.horizontal_speed, scene.ownship.air.speed_mps),
@@ -405,10 +402,7 @@ impl DaaTables<'_> {
                 "Peripheral {title} Bands Aircraft ({name}): {aircraft}"
             );
         }
-        for (way, side) in [
-            (ManeuverSide::High, words.high),
-            (ManeuverSide::Low, words.low),
-        ] {
+        for (way, side) in [(ManeuverSide::High, high), (ManeuverSide::Low, low)] {
             let value = match (bands.resolution(way), way) {
                 (Resolution::Unneeded, _) => f64::NAN,
                 (Resolution::Unavailable, ManeuverSide::High) => f64::INFINITY,
@@ -419,8 +413,8 @@ impl DaaTables<'_> {
             let _ = writeln!(out, "{title} Resolution ({side}): {value}");
         }
         let preferred = match bands.preferred() {
-            ManeuverSide::High => words.high,
-            ManeuverSide::Low => words.low,
+            ManeuverSide::High => high,
+            ManeuverSide::Low => low,
         };
         let _ = writeln!(out, "Preferred {title}: {preferred}");
         let recovery = bands.recovery();
@@ -446,21 +440,14 @@ impl DaaTables<'_> {
     }
 }
 
-/// The names of a quantity and its sides in tables.
-struct Words {
-    title: &'static str,
-    high: &'static str,
-    low: &'static str,
-}
-
-const fn words(quantity: Quantity) -> Words {
-    let (title, high, low) = match quantity {
-        Quantity::Direction => ("Horizontal Direction", "right", "left"),
-        Quantity::HorizontalSpeed => ("Horizontal Speed", "up", "down"),
-        Quantity::VerticalSpeed => ("Vertical Speed", "up", "down"),
-        Quantity::Altitude => ("Altitude", "up", "down"),
-    };
-    Words { title, high, low }
+/// The names of a quantity, of its high side and of its low side in tables.
+const fn words(quantity: Quantity) -> [&'static str; 3] {
+    match quantity {
+        Quantity::Direction => ["Horizontal Direction", "right", "left"],
+        Quantity::HorizontalSpeed => ["Horizontal Speed", "up", "down"],
+        Quantity::VerticalSpeed => ["Vertical Speed", "up", "down"],
+        Quantity::Altitude => ["Altitude", "up", "down"],
+    }
 }
 
 /// A level in a table: −1 without an alerter.

@@ -1,7 +1,7 @@
 //! Flights drawn from a model: positions and velocities, second by second.
 
 use super::{EncounterModel, ModelState};
-use crate::geodesy::course_from_compass_rad;
+use crate::geodesy::{course_from_compass_rad, velocity_from_compass};
 use crate::units::{DEGREE_RAD, FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS, NAUTICAL_MILE_M};
 use core::f64::consts::PI;
 use glam::DVec3;
@@ -80,12 +80,10 @@ impl FlyingAircraft {
         let climb_mps = value(variables.climb) * FOOT_PER_MINUTE_MPS;
         let climb_mps = climb_mps.clamp(-speed_mps, speed_mps);
         let level_mps = libm::sqrt((speed_mps * speed_mps - climb_mps * climb_mps).max(0.0));
-        let course_rad = course_from_compass_rad(self.compass_deg);
-        let (sin, cos) = libm::sincos(course_rad);
         let row = ModelRow {
             time_s,
             position_m: self.position_m,
-            velocity_mps: DVec3::new(level_mps * cos, level_mps * sin, climb_mps),
+            velocity_mps: velocity_from_compass(self.compass_deg, level_mps, climb_mps),
         };
         // A second of flight is an arc: its chord has half the turn and is shorter by the sine of that
         // half over the half.
@@ -96,7 +94,7 @@ impl FlyingAircraft {
         } else {
             1.0
         };
-        let (sin, cos) = libm::sincos(course_rad - half_rad);
+        let (sin, cos) = libm::sincos(course_from_compass_rad(self.compass_deg) - half_rad);
         self.position_m += DVec3::new(level_mps * cos * chord, level_mps * sin * chord, climb_mps);
         self.compass_deg = libm::fmod(self.compass_deg + turn_rad * 180.0 / PI, 360.0);
         let next_kn = (speed_kn + value(variables.acceleration))

@@ -118,11 +118,8 @@ impl<'a> File<'a> {
     }
 
     fn error(&self, section: &str, message: &str) -> InputError {
-        let message = format!("section {section} {message}");
-        match self.sections.get(section) {
-            Some((line, _)) => InputError::at_line(self.path, *line, message),
-            None => InputError::in_file(self.path, message),
-        }
+        let line = self.sections.get(section).map(|(line, _)| *line);
+        InputError::at(self.path, line, format!("section {section} {message}"))
     }
 
     fn lines(&self, section: &str) -> Result<&[&'a str], InputError> {

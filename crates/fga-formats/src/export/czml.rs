@@ -29,8 +29,8 @@ pub fn text(flight: &Flight) -> String {
     })];
     packets.push(aircraft(flight, &interval));
     packets.extend(state_lines(flight));
+    let frame = flight.frame();
     if !flight.mission.is_empty() {
-        let frame = flight.frame();
         packets.push(json!({
             "id": "mission",
             "name": "Mission",
@@ -38,7 +38,6 @@ pub fn text(flight: &Flight) -> String {
         }));
     }
     for (index, [ground, path]) in curtain(flight).into_iter().enumerate() {
-        let frame = flight.frame();
         let lowest_m: Vec<f64> = ground.iter().map(|at| degrees(&frame, *at)[2]).collect();
         let places: Vec<f64> = path.iter().flat_map(|at| degrees(&frame, *at)).collect();
         packets.push(json!({
@@ -57,16 +56,13 @@ pub fn text(flight: &Flight) -> String {
     for (index, zone) in flight.zones.iter().enumerate() {
         packets.push(self::zone(flight, index, zone));
     }
-    for (index, event) in flight.events.iter().enumerate() {
-        let Some(position_m) = flight.position_at(event.time_s) else {
-            continue;
-        };
+    for (index, (event, position_m)) in flight.placed_events().enumerate() {
         packets.push(json!({
             "id": format!("event/{index}"),
             "name": event.kind,
             "description": html(&event.text),
             "availability": self::interval(flight, event.time_s, to_s.max(event.time_s)),
-            "position": { "cartographicDegrees": degrees(&flight.frame(), position_m) },
+            "position": { "cartographicDegrees": degrees(&frame, position_m) },
             "point": { "pixelSize": 6, "color": rgba(state_color("avoiding"), 255) },
         }));
     }

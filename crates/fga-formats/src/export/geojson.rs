@@ -76,20 +76,18 @@ pub fn text(flight: &Flight) -> String {
             }),
         ));
     }
-    for event in &flight.events {
-        if let Some(position_m) = flight.position_at(event.time_s) {
-            features.push(feature(
-                GeometryValue::new_point(place(&frame, position_m)),
-                json!({
-                    "kind": "event",
-                    "event": event.kind,
-                    "time_s": event.time_s,
-                    "time": iso(flight.unix_s(event.time_s)),
-                    "text": event.text,
-                    "detail": event.detail,
-                }),
-            ));
-        }
+    for (event, position_m) in flight.placed_events() {
+        features.push(feature(
+            GeometryValue::new_point(place(&frame, position_m)),
+            json!({
+                "kind": "event",
+                "event": event.kind,
+                "time_s": event.time_s,
+                "time": iso(flight.unix_s(event.time_s)),
+                "text": event.text,
+                "detail": event.detail,
+            }),
+        ));
     }
     let mut foreign = Map::new();
     foreign.insert("name".into(), flight.name.clone().into());

@@ -39,14 +39,14 @@ pub fn text(flight: &Flight) -> String {
     out.aircraft(flight);
     out.mission(flight);
     for [ground, path] in curtain(flight) {
-        out.placemark("Height above the ground", |out| {
+        out.named("Placemark", "Height above the ground", |out| {
             out.style("ground");
             out.polygons(wall(&ground, &path));
         });
     }
     let moving = flight.obstacles.iter().filter(|o| !o.is_static()).count();
     let volumes = (VOLUMES_ALL / moving.max(1)).clamp(1, VOLUMES_EACH);
-    out.folder("Obstacles", |out| {
+    out.named("Folder", "Obstacles", |out| {
         for obstacle in &flight.obstacles {
             out.obstacle(flight, obstacle, volumes);
         }
@@ -87,14 +87,6 @@ impl Kml {
         self.element("name", name);
         fill(self);
         let _ = writeln!(self.text, "</{tag}>");
-    }
-
-    fn folder(&mut self, name: &str, fill: impl FnOnce(&mut Self)) {
-        self.named("Folder", name, fill);
-    }
-
-    fn placemark(&mut self, name: &str, fill: impl FnOnce(&mut Self)) {
-        self.named("Placemark", name, fill);
     }
 
     fn style(&mut self, style: &str) {
@@ -188,10 +180,12 @@ impl Kml {
             .iter()
             .map(|sample| (sample.time_s, sample.position_m));
         let headings_deg = samples.iter().map(|sample| sample.compass_deg());
-        self.placemark("Aircraft", |out| out.track(flight, rows, headings_deg));
-        self.folder("Flown track by state", |out| {
+        self.named("Placemark", "Aircraft", |out| {
+            out.track(flight, rows, headings_deg);
+        });
+        self.named("Folder", "Flown track by state", |out| {
             for (state, piece) in pieces(flight, STEP_S) {
-                out.placemark(state, |out| {
+                out.named("Placemark", state, |out| {
                     let known = state_color(state) != state_color("");
                     out.style(if known { state } else { "other" });
                     out.line(piece.iter().map(|sample: &&FlightSample| sample.position_m));
@@ -211,7 +205,7 @@ impl Kml {
         if flight.mission.is_empty() {
             return;
         }
-        self.placemark("Mission", |out| {
+        self.named("Placemark", "Mission", |out| {
             out.style("mission");
             out.line(flight.mission.iter().copied());
         });
@@ -219,7 +213,7 @@ impl Kml {
 
     fn volume(&mut self, obstacle: &FlightObstacle, position_m: Vec3, span: Option<(f64, f64)>) {
         let name = format!("{}: protected volume", obstacle.name);
-        self.placemark(&name, |out| {
+        self.named("Placemark", &name, |out| {
             if let Some((from_s, to_s)) = span {
                 let (begin, end) = (iso(from_s), iso(to_s));
                 let _ = write!(
@@ -250,9 +244,9 @@ impl Kml {
         if flight.zones.is_empty() {
             return;
         }
-        self.folder("Zones", |out| {
+        self.named("Folder", "Zones", |out| {
             for zone in &flight.zones {
-                out.placemark(&zone.name, |out| {
+                out.named("Placemark", &zone.name, |out| {
                     out.element("description", zone.kind());
                     out.style("zone");
                     out.polygons(zone_surface(flight, zone));
@@ -262,7 +256,7 @@ impl Kml {
     }
 
     fn obstacle(&mut self, flight: &Flight, obstacle: &FlightObstacle, volumes: usize) {
-        self.folder(&obstacle.name, |out| {
+        self.named("Folder", &obstacle.name, |out| {
             if let ([only], true) = (&obstacle.track[..], obstacle.is_static()) {
                 return out.volume(obstacle, only.position_m, None);
             }
@@ -270,7 +264,7 @@ impl Kml {
                 .track
                 .iter()
                 .map(|row| (row.time_s, row.position_m));
-            out.placemark(&obstacle.name, |out| {
+            out.named("Placemark", &obstacle.name, |out| {
                 out.track(flight, rows, core::iter::empty());
             });
             // The volume at a series of times within the flight.
@@ -295,12 +289,9 @@ impl Kml {
     }
 
     fn events(&mut self, flight: &Flight) {
-        self.folder("Events", |out| {
-            for event in &flight.events {
-                let Some(position_m) = flight.position_at(event.time_s) else {
-                    continue;
-                };
-                out.placemark(&event.kind, |out| {
+        self.named("Folder", "Events", |out| {
+            for (event, position_m) in flight.placed_events() {
+                out.named("Placemark", &event.kind, |out| {
                     out.element("description", &event.text);
                     let when = iso(flight.unix_s(event.time_s));
                     let _ = write!(

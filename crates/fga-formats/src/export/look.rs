@@ -1,6 +1,6 @@
 //! Colours and pieces of a drawn flight.
 
-use crate::flight::Flight;
+use crate::flight::{Flight, FlightSample};
 
 /// Red, green, blue of a state: the palette of Okabe and Ito, which people with any colour vision can
 /// distinguish.
@@ -27,11 +27,8 @@ pub(super) const GROUND_COLOR: [u8; 3] = [0x00, 0x9E, 0x73];
 pub const MISSION_COLOR: [u8; 3] = [0x56, 0xB4, 0xE9];
 
 /// The flown track in pieces of one state: each piece begins at the end of the previous one.
-pub(super) fn pieces(
-    flight: &Flight,
-    step_s: f64,
-) -> Vec<(&str, Vec<&crate::flight::FlightSample>)> {
-    let mut pieces: Vec<(&str, Vec<&crate::flight::FlightSample>)> = Vec::new();
+pub(super) fn pieces(flight: &Flight, step_s: f64) -> Vec<(&str, Vec<&FlightSample>)> {
+    let mut pieces: Vec<(&str, Vec<&FlightSample>)> = Vec::new();
     for sample in flight.thinned(step_s) {
         match pieces.last_mut() {
             Some((state, piece)) if *state == sample.state => piece.push(sample),

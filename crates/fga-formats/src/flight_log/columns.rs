@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::series::Signals;
-use crate::encounters::place_of;
+use crate::encounters::places_of;
 use crate::error::{InputError, shown};
 use crate::number::finite;
 use crate::tally::Tally;
@@ -22,31 +22,19 @@ const FEWEST_ROWS: usize = 50;
 
 /// The signals of a text.
 pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> {
-    let expected = format!("expected the columns {}", COLUMNS.join(","));
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(InputError::in_file(path, format!("is empty, {expected}")));
+        let message = format!("is empty, expected the columns {}", COLUMNS.join(","));
+        return Err(InputError::in_file(path, message));
     }
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .flexible(true)
         .from_reader(bytes);
-    let unreadable = |error: csv::Error| {
-        let line = error.position().map(csv::Position::line);
-        let message = format!("is no log: {error}");
-        line.map_or_else(
-            || InputError::in_file(path, &message),
-            |line| InputError::at_line(path, line, &message),
-        )
-    };
+    let unreadable = |error| InputError::csv(path, "log", &error);
     let head = reader.headers().map_err(unreadable)?.clone();
-    let mut places = [0; 6];
-    for (place, name) in places.iter_mut().zip(COLUMNS) {
-        let missing = || format!("the column {name} is missing, {expected}");
-        let found =
-            place_of(head.as_byte_record(), name).and_then(|found| found.ok_or_else(missing));
-        *place = found.map_err(|message| InputError::at_line(path, 1, message))?;
-    }
+    let places = places_of(head.as_byte_record(), COLUMNS)
+        .map_err(|message| InputError::at_line(path, 1, message))?;
     let mut columns: [Vec<f64>; 6] = Default::default();
     for record in reader.records() {
         let record = record.map_err(unreadable)?;

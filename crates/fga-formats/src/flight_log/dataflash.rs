@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use super::phases::{Limits, Phases, Word};
 use super::series::{Series, Signals};
+use crate::number::count;
 use crate::tally::{LeftOut, Tally};
 
 const HEAD: [u8; 2] = [0xa3, 0x95];
@@ -34,12 +35,10 @@ pub(crate) struct MessageFormat {
     pub(super) fields: Vec<(String, u8, usize)>,
 }
 
-fn text(bytes: &[u8]) -> String {
-    let end = bytes
-        .iter()
-        .position(|byte| *byte == 0)
-        .unwrap_or(bytes.len());
-    String::from_utf8_lossy(bytes.get(..end).unwrap_or(bytes)).into_owned()
+/// The text up to the first byte that is 0.
+pub(super) fn text(bytes: &[u8]) -> String {
+    let part = bytes.split(|byte| *byte == 0).next();
+    String::from_utf8_lossy(part.unwrap_or_default()).into_owned()
 }
 
 /// Bytes that a field of a type takes.
@@ -137,15 +136,9 @@ struct Choices {
 /// Commands within this time of one another are a listing of the mission, seconds.
 const LISTING_S: f64 = 0.2;
 
-/// A whole number that a field holds.
+/// A mode or a command that a field holds; they are small, others name nothing.
 fn whole(value: f64) -> u32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "modes and commands are small; others name nothing"
-    )]
-    let whole = value as u32;
-    whole
+    u32::try_from(count(value)).unwrap_or(u32::MAX)
 }
 
 impl Choices {
@@ -237,37 +230,20 @@ fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, MessageFormat>) -> Optio
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut formats: HashMap<u8, MessageFormat> = HashMap::new();
     let mut choices = Choices::default();
-    let mut tally = Tally::default();
-    let mut is_damaged = false;
-    let mut at = 0;
-    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
-        let taken = message_of(rest, &formats).map(|(kind, message)| {
-            at += message.len();
-            if kind == FORMAT_KIND {
-                let (described, format) =
-                    MessageFormat::of(message).ok_or(LeftOut::UnreadableField)?;
-                formats.insert(described, format);
-                return Ok(());
-            }
-            let format = formats.get(&kind).ok_or(LeftOut::UnknownKind)?;
-            choices
-                .take(format, message)
-                .unwrap_or(Err(LeftOut::UnreadableField))
-        });
-        if let Some(result) = taken {
-            // The bytes up to the next message were one part.
-            if core::mem::take(&mut is_damaged) {
-                tally.leave_out(LeftOut::UnknownKind);
-            }
-            tally.take(&result);
+    let tally = Tally::walk(bytes, LeftOut::UnknownKind, |rest| {
+        let (kind, message) = message_of(rest, &formats)?;
+        let taken = if kind == FORMAT_KIND {
+            let described = MessageFormat::of(message);
+            formats.extend(described);
+            Some(Ok(()))
         } else {
-            is_damaged = true;
-            at += 1;
-        }
-    }
-    if is_damaged {
-        tally.leave_out(LeftOut::CutShort);
-    }
+            choices.take(formats.get(&kind)?, message)
+        };
+        Some((
+            message.len(),
+            taken.unwrap_or(Err(LeftOut::UnreadableField)),
+        ))
+    });
     let first = |choices: [Series; 2]| {
         let [first, second] = choices;
         if first.is_empty() { second } else { first }

@@ -228,8 +228,6 @@ impl Signals {
                 return Err(format!("has no {name}, expected {source}"));
             };
             span_s = (span_s.0.max(first), span_s.1.min(last));
-        }
-        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
             let is_bank = name.ends_with("bank");
             let slowest_s = if is_bank {
                 SLOWEST_BANK_S

@@ -9,7 +9,7 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
-use super::dataflash::climb_rad;
+use super::dataflash::{climb_rad, text};
 use super::phases::Word;
 use super::series::{Series, Signals};
 use crate::clock::Elapsed;
@@ -183,12 +183,8 @@ impl SystemSignals {
                 }
             }
             PARAM_VALUE => {
-                let name: Vec<u8> = (8..24)
-                    .map(|at| frame.byte(at))
-                    .take_while(|byte| *byte != 0)
-                    .collect();
-                let name = String::from_utf8_lossy(&name);
-                signals.limits.take(&name, frame.number(0));
+                let name: Vec<u8> = (8..24).map(|at| frame.byte(at)).collect();
+                signals.limits.take(&text(&name), frame.number(0));
             }
             _ => {}
         }
@@ -206,21 +202,10 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     // What others command to a system, and the commands of its mission.
     let mut commanded: HashMap<u8, Series> = HashMap::new();
     let mut commands: HashMap<u16, u16> = HashMap::new();
-    let mut tally = Tally::default();
-    let mut is_damaged = false;
     let mut elapsed = Elapsed::with_gaps(SET_S);
     let mut begin_s = None;
-    let mut at = 0;
-    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
-        let Some(frame) = LogFrame::of(rest) else {
-            is_damaged = true;
-            at += 1;
-            continue;
-        };
-        // The bytes up to the next whole frame were one part.
-        if core::mem::take(&mut is_damaged) {
-            tally.leave_out(LeftOut::WrongChecksum);
-        }
+    let tally = Tally::walk(bytes, LeftOut::WrongChecksum, |rest| {
+        let frame = LogFrame::of(rest)?;
         let stamp = rest.get(..STAMP).and_then(|stamp| stamp.try_into().ok());
         let stamp_us = u64::from_be_bytes(stamp.unwrap_or_default());
         #[expect(
@@ -229,11 +214,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         )]
         let begin_s = *begin_s.get_or_insert(stamp_us as f64 * 1e-6);
         let time_s = begin_s + elapsed.at_s(stamp_us);
-        if seed(frame.message).is_none() {
-            tally.leave_out(LeftOut::NotNeeded);
-        } else {
-            tally.used += 1;
-        }
+        let result = seed(frame.message).map(|_| ()).ok_or(LeftOut::NotNeeded);
         match frame.message {
             SET_ATTITUDE_TARGET => {
                 let series = commanded.entry(frame.byte(36)).or_default();
@@ -242,17 +223,14 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             MISSION_ITEM_INT => {
                 commands.insert(frame.short(28), frame.short(30));
             }
-            message if seed(message).is_some() => {
+            _ if result.is_ok() => {
                 let heard = systems.entry((frame.system, frame.component)).or_default();
                 heard.take(&frame, time_s, &commands);
             }
             _ => {}
         }
-        at += frame.length;
-    }
-    if is_damaged {
-        tally.leave_out(LeftOut::CutShort);
-    }
+        Some((frame.length, result))
+    });
     let most = systems
         .into_iter()
         .max_by_key(|(address, heard)| (heard.attitudes, core::cmp::Reverse(*address)));

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use fga::situation::Passing;
 
-use super::{FenceOutline, MissionFence, MissionFile, Waypoint};
+use super::{MissionFence, MissionFile, Waypoint};
+use crate::areas::{AreaOutline, LARGEST_M};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 use crate::number;
@@ -26,7 +27,7 @@ const DEGREE_M: f64 = 111_320.0;
 const MOST_AWAY_KM: f64 = 500.0;
 
 /// An item as a file gives it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Item {
     /// Its number in the file.
     pub number: u64,
@@ -73,17 +74,14 @@ impl ItemReader {
     /// An error about an item.
     pub(super) fn error(&self, item: &Item, message: &str) -> InputError {
         let message = format!("item {} {message}", item.number);
-        match item.line {
-            Some(line) => InputError::at_line(&self.path, line, message),
-            None => InputError::in_file(&self.path, message),
-        }
+        InputError::at(&self.path, item.line, message)
     }
 
     /// Takes home; latitude and longitude are 0 where the station knew none.
     pub(super) fn take_home(&mut self, item: &Item) -> Result<(), InputError> {
         let [latitude, longitude, _] = item.at;
         if (latitude, longitude) != (Some(0.0), Some(0.0)) {
-            self.file.home = Some(self.place(item)?);
+            self.file.home = Some(self.waypoint(item)?.place);
         }
         Ok(())
     }
@@ -254,11 +252,6 @@ impl ItemReader {
         self.file.waypoints.push(waypoint);
     }
 
-    /// A place of an item that is not above the ground.
-    fn place(&mut self, item: &Item) -> Result<Geodetic, InputError> {
-        Ok(self.waypoint(item)?.place)
-    }
-
     /// Where an item leads, flown by.
     fn waypoint(&mut self, item: &Item) -> Result<Waypoint, InputError> {
         let [Some(latitude_deg), Some(longitude_deg), given_m] = item.at else {
@@ -367,14 +360,14 @@ impl ItemReader {
                     self.corners = Some((corners_deg, count, keep_in));
                     return Ok(());
                 }
-                let outline = FenceOutline::Polygon { corners_deg };
+                let outline = AreaOutline::Polygon(vec![corners_deg]);
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             // The last one is a circle around home, wherever that is.
             5003..=5005 if item.command != 5005 || self.file.home.is_some() => {
                 let home_deg = |home: Geodetic| [home.latitude_deg, home.longitude_deg];
                 let home = self.file.home.filter(|_| item.command == 5005);
-                let outline = FenceOutline::Circle {
+                let outline = AreaOutline::Circle {
                     center_deg: home.map_or(at_deg, home_deg),
                     radius_m: item.first_parameter.unwrap_or(0.0),
                 };
@@ -382,7 +375,7 @@ impl ItemReader {
                 self.add_fence(item, MissionFence { outline, keep_in })
             }
             5100 if !matches!(item.frame, 10 | 11) => {
-                let place = self.place(item)?;
+                let place = self.waypoint(item)?.place;
                 self.file.rally.push(place);
                 Ok(())
             }
@@ -403,15 +396,16 @@ impl ItemReader {
     /// Adds a fence that can be one.
     pub(super) fn add_fence(&mut self, item: &Item, fence: MissionFence) -> Result<(), InputError> {
         let (places, usable) = match &fence.outline {
-            FenceOutline::Circle {
+            AreaOutline::Circle {
                 center_deg,
                 radius_m,
             } => (
                 core::slice::from_ref(center_deg),
-                radius_m.is_finite() && *radius_m > 0.0,
+                *radius_m > 0.0 && *radius_m <= LARGEST_M,
             ),
-            FenceOutline::Polygon { corners_deg } => {
-                (corners_deg.as_slice(), corners_deg.len() >= 3)
+            AreaOutline::Polygon(rings) => {
+                let corners = rings.first().map(Vec::as_slice).unwrap_or_default();
+                (corners, corners.len() >= 3)
             }
         };
         for [latitude_deg, longitude_deg] in places {

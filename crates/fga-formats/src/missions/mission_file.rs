@@ -2,6 +2,7 @@
 
 use fga::situation::Passing;
 
+use crate::areas::AreaOutline;
 use crate::geodesy::Geodetic;
 
 /// A place of a mission.
@@ -15,28 +16,11 @@ pub struct Waypoint {
     pub above_ground: bool,
 }
 
-/// The outline of a fence; latitudes and longitudes in degrees.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FenceOutline {
-    /// A circle.
-    Circle {
-        /// Its centre: latitude and longitude, degrees.
-        center_deg: [f64; 2],
-        /// Its radius, metres.
-        radius_m: f64,
-    },
-    /// A polygon of at least three corners.
-    Polygon {
-        /// Latitude and longitude of each corner, degrees.
-        corners_deg: Vec<[f64; 2]>,
-    },
-}
-
 /// A fence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MissionFence {
-    /// Its outline.
-    pub outline: FenceOutline,
+    /// Its outline, without holes.
+    pub outline: AreaOutline,
     /// Whether the aircraft must stay inside, not outside.
     pub keep_in: bool,
 }

@@ -10,7 +10,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::items::{Item, ItemReader};
-use super::{FenceOutline, MissionFence, MissionFile};
+use super::{MissionFence, MissionFile};
+use crate::areas::AreaOutline;
 use crate::error::{InputError, json_sentence};
 use crate::geodesy::Geodetic;
 
@@ -115,11 +116,8 @@ struct Transects {
 }
 
 pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
-    let plan: Plan = serde_json::from_str(text).map_err(|error| {
-        let line = u64::try_from(error.line()).unwrap_or(1);
-        let told = json_sentence(&error);
-        InputError::at_line(path, line, format!("is no plan of QGroundControl: {told}"))
-    })?;
+    let wrong = |error| InputError::json(path, "plan of QGroundControl", &error);
+    let plan: Plan = serde_json::from_str(text).map_err(wrong)?;
     if plan.file_type != "Plan" {
         let message = format!(
             "is of type {}, expected a Plan of QGroundControl",
@@ -160,21 +158,20 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         take(value, &mut count, &mut reader, true)?;
     }
     // Fences have numbers of their own in messages.
-    let mut item = blank(0);
+    let mut item = Item::default();
     let circles = plan.geo_fence.circles.into_iter().map(|circle| {
-        let outline = FenceOutline::Circle {
+        let outline = AreaOutline::Circle {
             center_deg: circle.circle.center,
             radius_m: circle.circle.radius,
         };
         (outline, circle.inclusion)
     });
     let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
+    let polygon = |corners_deg: Vec<[f64; 2]>| AreaOutline::Polygon(vec![corners_deg]);
     let polygons = plan.geo_fence.polygons.into_iter();
-    let polygons = polygons.map(|polygon| (polygon.polygon, polygon.inclusion));
-    let polygons = polygons.chain(old.map(|corners_deg| (corners_deg, true)));
-    let polygons =
-        polygons.map(|(corners_deg, keep_in)| (FenceOutline::Polygon { corners_deg }, keep_in));
-    for (outline, keep_in) in circles.chain(polygons) {
+    let polygons = polygons.map(|each| (polygon(each.polygon), each.inclusion));
+    let old = old.map(|corners_deg| (polygon(corners_deg), true));
+    for (outline, keep_in) in circles.chain(polygons).chain(old) {
         item.number += 1;
         reader.add_fence(&item, MissionFence { outline, keep_in })?;
     }
@@ -186,26 +183,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
             ..item
         })?;
     }
-    reader.file().cruise_mps = plan
-        .mission
-        .cruise_speed
-        .filter(|speed| speed.is_finite() && *speed > 0.0);
+    let cruise_mps = plan.mission.cruise_speed;
+    reader.file().cruise_mps = cruise_mps.filter(|mps| mps.is_finite() && *mps > 0.0);
     reader.finish()
 }
 
 const HOME: &str = "has an unusable plannedHomePosition, expected [latitude, longitude, altitude]";
-
-const fn blank(number: u64) -> Item {
-    Item {
-        number,
-        line: None,
-        command: 0,
-        frame: 0,
-        first_parameter: None,
-        group: None,
-        at: [None; 3],
-    }
-}
 
 /// The items taken so far.
 #[derive(Debug, Default)]
@@ -223,7 +206,10 @@ fn take(
     complex: bool,
 ) -> Result<(), InputError> {
     count.items += 1;
-    let item = blank(count.items);
+    let item = Item {
+        number: count.items,
+        ..Item::default()
+    };
     if let Some(id) = value.get("doJumpId") {
         let number = id.as_u64();
         if number.is_none() || number <= count.jump_id {

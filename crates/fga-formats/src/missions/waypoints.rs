@@ -23,14 +23,9 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     let (number, first) = lines.next().unwrap_or((1, ""));
     let version = first.strip_prefix(LIST).unwrap_or(first).trim();
     if version != "110" {
-        return Err(InputError::at_line(
-            path,
-            number,
-            format!(
-                "is version {}, expected QGC WPL 110",
-                crate::error::shown(version)
-            ),
-        ));
+        let version = crate::error::shown(version);
+        let message = format!("is version {version}, expected QGC WPL 110");
+        return Err(InputError::at_line(path, number, message));
     }
     let items = lines
         .filter(|(_, line)| !line.starts_with('#'))

@@ -27,14 +27,9 @@ pub(super) fn is_degas(text: &str) -> bool {
 /// Reads the encounter.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
     let head = text.trim_start().lines().next().unwrap_or_default();
-    let names: Vec<&str> = head
-        .trim_start_matches(['#', ' '])
-        .split('[')
-        .next()
-        .unwrap_or_default()
-        .split(',')
-        .map(str::trim)
-        .collect();
+    let names = head.trim_start_matches(['#', ' ']).split('[').next();
+    let names = names.unwrap_or_default().split(',').map(str::trim);
+    let names: Vec<&str> = names.collect();
     let wrong = |found: String| {
         let expected = COLUMNS.join(",");
         let message = format!("{found}, expected {expected} [ft, ft/s], 1 Hz");
@@ -75,10 +70,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         }
     }
     if samples.iter().any(Vec::is_empty) {
-        return Err(InputError::in_file(
-            path,
-            "holds no rows, expected at least one below the column names",
-        ));
+        let message = "holds no rows, expected at least one below the column names";
+        return Err(InputError::in_file(path, message));
     }
     let rows = samples.first().map_or(0, Vec::len);
     let tally = Tally::all_used(rows as u64);

@@ -69,13 +69,11 @@ pub(super) fn close_pairs(
         let left_out = tally
             .words(parts)
             .map_or_else(String::new, |words| format!("; left out: {words}"));
-        return Err(InputError::in_file(
-            path,
-            format!(
-                "has {} aircraft with positions, of which no two come within {CLOSE_M} m and {CLOSE_HEIGHT_M} m of each other, expected at least one pair{left_out}",
-                tracks.len()
-            ),
-        ));
+        let message = format!(
+            "has {} aircraft with positions, of which no two come within {CLOSE_M} m and {CLOSE_HEIGHT_M} m of each other, expected at least one pair{left_out}",
+            tracks.len()
+        );
+        return Err(InputError::in_file(path, message));
     }
     Ok(Encounters {
         named: found,
@@ -103,16 +101,13 @@ fn unbroken(track: &ReceivedTrack, tally: &mut Tally) -> Vec<ReceivedTrack> {
 
 /// A pair as a recording, if it comes close.
 fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
-    let begin_s = first
-        .heard
-        .first()?
-        .time_s
-        .max(second.heard.first()?.time_s);
-    let end_s = first.heard.last()?.time_s.min(second.heard.last()?.time_s);
+    let (one, other) = (&first.heard, &second.heard);
+    let begin_s = one.first()?.time_s.max(other.first()?.time_s);
+    let end_s = one.last()?.time_s.min(other.last()?.time_s);
     if end_s - begin_s < SHORTEST_S {
         return None;
     }
-    let frame = LocalFrame::new(first.heard.first()?.place, Earth::Daidalus);
+    let frame = LocalFrame::new(one.first()?.place, Earth::Daidalus);
     let tracks = [first, second].map(|track| local(track, &frame));
     let looks = libm::ceil((end_s - begin_s) / LOOK_S);
     let mut closest: Option<(f64, f64)> = None;

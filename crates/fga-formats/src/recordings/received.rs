@@ -115,20 +115,14 @@ impl Collector {
     /// goes. The tally counts all of them as used.
     pub(super) fn finish(self, mut tally: Tally) -> Received {
         let tracks = self.tracks.into_values().map(|mut track| {
-            let count = track.heard.len();
-            track.heard.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-            track
-                .heard
-                .dedup_by(|later, earlier| later.time_s <= earlier.time_s);
-            for _ in track.heard.len()..count {
-                tally.refuse(LeftOut::SameTime);
-            }
-            let heard = core::mem::take(&mut track.heard);
-            let count = heard.len();
+            let mut heard = core::mem::take(&mut track.heard);
+            let all = heard.len();
+            heard.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+            heard.dedup_by(|later, earlier| later.time_s <= earlier.time_s);
+            let apart = heard.len();
             track.heard = in_reach(heard);
-            for _ in track.heard.len()..count {
-                tally.refuse(LeftOut::Jump);
-            }
+            (apart..all).for_each(|_| tally.refuse(LeftOut::SameTime));
+            (track.heard.len()..apart).for_each(|_| tally.refuse(LeftOut::Jump));
             track
         });
         Received {
@@ -160,9 +154,8 @@ fn in_reach(heard: Vec<Heard>) -> Vec<Heard> {
         rows.push(vec![this]);
     }
     let longest = rows.into_iter().max_by_key(Vec::len);
-    longest
-        .filter(|row| 2 * row.len() > count)
-        .unwrap_or_default()
+    let most = longest.filter(|row| 2 * row.len() > count);
+    most.unwrap_or_default()
 }
 
 impl Received {

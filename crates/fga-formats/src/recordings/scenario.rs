@@ -102,10 +102,10 @@ pub(super) fn parse(text: &str) -> Received {
         let later = begin.straight(end_s - begin.time_s);
         later.for_each(|heard| collector.push(who, heard));
     }
-    let unread: Vec<String> = unread
+    let unread = unread
         .iter()
-        .map(|(word, count)| format!("{word} ({count})"))
-        .collect();
+        .map(|(word, count)| format!("{word} ({count})"));
+    let unread: Vec<String> = unread.collect();
     let mut received = collector.finish(tally);
     if !unread.is_empty() {
         let notes = format!(

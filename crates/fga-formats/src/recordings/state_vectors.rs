@@ -1,11 +1,6 @@
 //! State vectors in JSON: of recordings, of readsb, and of the OpenSky network.
 //!
-//! | document | units | time |
-//! |---|---|---|
-//! | a list of objects, or an object of columns, with `icao24`, `timestamp`, `latitude`, … | ft, kt, ft/min | `timestamp` |
-//! | `{"now": …, "aircraft": [{"hex": …, "lat": …}]}` of readsb, dump1090 and tar1090 | ft, kt, ft/min | `now` less `seen_pos` |
-//! | `{"icao": …, "timestamp": …, "trace": [[…]]}` of readsb and tar1090, one aircraft | ft, kt, ft/min | `timestamp` and the first of each row |
-//! | `{"time": …, "states": [["icao24", …]]}` of the OpenSky network | m, m/s | `time_position` |
+//! Which documents, names and units there are: `docs/formats.md`, Recorded encounters. Units are ft, kt and ft/min; OpenSky's are m and m/s.
 //!
 //! A file may hold several documents one after the other, or a list of them. Times are seconds or milliseconds since
 //! 1970.
@@ -20,7 +15,7 @@ use crate::error::{InputError, shown};
 use crate::geodesy::{Geodetic, velocity_from_compass};
 use crate::number::finite;
 use crate::tally::{LeftOut, Tally};
-use crate::traffic::NON_ICAO;
+use crate::traffic::address_of;
 use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// A position that was older when the list was written is too old, seconds.
@@ -77,10 +72,8 @@ impl StateVector<'_> {
 pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
     let mut reader = StateVectorReader::new(path);
     for document in serde_json::Deserializer::from_str(text).into_iter::<Value>() {
-        let document = document.map_err(|error| {
-            let message = format!("is no JSON that can be read: {error}");
-            InputError::in_file(path, message)
-        })?;
+        let document =
+            document.map_err(|error| InputError::json(path, "JSON that can be read", &error))?;
         reader.document(&document)?;
     }
     Ok(reader.collector.finish(reader.tally))
@@ -90,7 +83,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
 pub(super) fn is_history(text: &str) -> bool {
     let head = text.lines().next().unwrap_or_default().to_ascii_lowercase();
     let columns: Vec<&str> = head
-        .split(',')
+        .split([',', ';', '\t'])
         .map(|name| name.trim().trim_matches('"'))
         .collect();
     ["time", "icao24", "lat", "lon", "velocity"]
@@ -104,15 +97,13 @@ pub(super) fn is_history(text: &str) -> bool {
 /// A table that is none.
 pub(super) fn parse_history(text: &str, path: &Path) -> Result<Received, InputError> {
     let mut reader = StateVectorReader::new(path);
+    let separator = text.bytes().find(|byte| b",;\t".contains(byte));
     let mut table = csv::ReaderBuilder::new()
+        .delimiter(separator.unwrap_or(b','))
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let wrong = |error: csv::Error| {
-        let message =
-            format!("is no table that can be read: {error}").replace(char::is_control, " ");
-        InputError::in_file(path, message)
-    };
+    let wrong = |error| InputError::csv(path, "table that can be read", &error);
     let columns = table.headers().map_err(wrong)?.clone();
     for row in table.records() {
         reader.history(&columns, &row.map_err(wrong)?);
@@ -187,10 +178,8 @@ impl<'a> StateVectorReader<'a> {
     fn row(&mut self, row: &Value) -> Result<(), InputError> {
         let index = self.tally.read();
         let wrong = |message: String| {
-            Err(InputError::in_file(
-                self.path,
-                format!("state vector {index} {message}"),
-            ))
+            let message = format!("state vector {index} {message}");
+            Err(InputError::in_file(self.path, message))
         };
         let words = |key: &str| row.get(key).and_then(Value::as_str);
         let keys = ["flight_id", "icao24", "callsign"];
@@ -242,7 +231,7 @@ impl<'a> StateVectorReader<'a> {
         let grounded = ["alt_baro", "altitude"].map(|key| row.get(key).and_then(Value::as_str));
         self.take(&StateVector {
             name,
-            address: text(&["icao24", "hex"]).and_then(address_of),
+            address: text(&["icao24", "hex"]).and_then(|text| address_of(text.trim())),
             callsign: text(&["callsign", "flight"]),
             time_s,
             age_s: first(&["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
@@ -349,7 +338,7 @@ impl<'a> StateVectorReader<'a> {
             name, callsign, null, heard, null, lon, lat, low, on_ground, speed, track, climb, null,
             high
         ]);
-        self.opensky(&state, time_s);
+        self.opensky(&state, seconds(Some(&json!(time_s))));
     }
 
     fn take(&mut self, state: &StateVector<'_>) {
@@ -373,20 +362,6 @@ fn name_of(value: &Value) -> Option<&str> {
         .as_str()
         .map(str::trim)
         .filter(|name| !name.is_empty())
-}
-
-/// A 24-bit address in hexadecimal digits; a sign before them marks an address that ICAO has not assigned.
-fn address_of(text: &str) -> Option<u32> {
-    let text = text.trim();
-    let digits = text.trim_start_matches('~');
-    let address = u32::from_str_radix(digits, 16)
-        .ok()
-        .filter(|address| *address < NON_ICAO)?;
-    Some(if digits.len() < text.len() {
-        address | NON_ICAO
-    } else {
-        address
-    })
 }
 
 fn number(value: Option<&Value>) -> Option<f64> {

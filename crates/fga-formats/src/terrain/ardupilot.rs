@@ -6,7 +6,7 @@
 
 use std::io::Read;
 
-use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, SRTM_ERROR};
 use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
@@ -145,7 +145,7 @@ fn block(block: &[u8], file_name: &str) -> Result<Option<HeightField>, String> {
             let piece = row / PIECE * (COLUMNS / PIECE) + column / PIECE;
             let height = i16::from_le_bytes(read(22 + 2 * (row * COLUMNS + column)));
             let known = filled >> piece & 1 == 1 && height != i16::MAX;
-            heights.push(whole(if known { height } else { HOLE }));
+            heights.push(if known { height } else { HOLE });
         }
     }
     HeightField::new(grid, heights).map(Some)

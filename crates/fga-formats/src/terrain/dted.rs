@@ -3,7 +3,7 @@
 
 use std::io::Read;
 
-use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::field::{HOLE, HeightField, HeightGrid};
 use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
 
@@ -84,7 +84,6 @@ pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<TerrainFile
             source: "the header of the file, 90 %",
         })
     });
-    let heights = heights.into_iter().map(whole).collect();
     let field = HeightField::new(grid, heights)?;
     name::agrees(file_name, &field.grid().area())?;
     Ok(TerrainFile::new("DTED", vec![field], datum, error))

@@ -10,12 +10,57 @@ pub(super) const ON_LINE: f64 = 1e-6;
 /// A hole in whole metres, as SRTM writes it.
 pub(super) const HOLE: i16 = i16::MIN;
 
-/// A height in whole metres, in which a hole is not a number.
-pub(super) fn whole(height: i16) -> f32 {
-    if height == HOLE {
-        f32::NAN
-    } else {
-        f32::from(height)
+/// Heights, metres: whole ones, with [`HOLE`], in half the memory of those that are not, in which a hole is not a number.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Heights {
+    Whole(Vec<i16>),
+    Single(Vec<f32>),
+}
+
+impl From<Vec<i16>> for Heights {
+    fn from(heights: Vec<i16>) -> Self {
+        Self::Whole(heights)
+    }
+}
+
+impl From<Vec<f32>> for Heights {
+    fn from(heights: Vec<f32>) -> Self {
+        let is_whole =
+            |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
+        if !heights.iter().all(is_whole) {
+            return Self::Single(heights);
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
+        let whole = |height: f32| if height.is_nan() { HOLE } else { height as i16 };
+        Self::Whole(heights.into_iter().map(whole).collect())
+    }
+}
+
+impl Heights {
+    const fn len(&self) -> usize {
+        match self {
+            Self::Whole(heights) => heights.len(),
+            Self::Single(heights) => heights.len(),
+        }
+    }
+
+    /// The height at an index; `None` for a hole.
+    fn get(&self, index: usize) -> Option<f64> {
+        match self {
+            Self::Whole(heights) => {
+                let height = heights.get(index).filter(|height| **height != HOLE);
+                height.copied().map(f64::from)
+            }
+            Self::Single(heights) => {
+                let height = heights.get(index).filter(|height| !height.is_nan());
+                height.copied().map(f64::from)
+            }
+        }
+    }
+
+    /// All that are no holes.
+    pub(super) fn known(&self) -> impl Iterator<Item = f64> + Clone {
+        (0..self.len()).filter_map(|index| self.get(index))
     }
 }
 
@@ -85,16 +130,8 @@ impl HeightGrid {
 
     fn check(&self) -> Result<(), String> {
         let area = self.area();
-        let numbers = [
-            self.south_deg,
-            self.west_deg,
-            self.step_north_deg,
-            self.step_east_deg,
-        ];
-        if !numbers.iter().all(|number| number.is_finite())
-            || self.step_north_deg <= 0.0
-            || self.step_east_deg <= 0.0
-        {
+        let is_finite = area.north_deg.is_finite() && area.east_deg.is_finite();
+        if !(is_finite && self.step_north_deg > 0.0 && self.step_east_deg > 0.0) {
             return Err(format!(
                 "has the corner {}, {} and the spacing {} x {} degrees, expected a corner and a spacing above 0",
                 self.south_deg, self.west_deg, self.step_north_deg, self.step_east_deg
@@ -126,14 +163,15 @@ impl HeightGrid {
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightField {
     grid: HeightGrid,
-    /// Row by row from the north, in each row from the west, metres; not a number is a hole.
-    heights: Vec<f32>,
+    /// Row by row from the north, in each row from the west.
+    heights: Heights,
 }
 
 impl HeightField {
-    /// A field of this grid; heights are in rows from the north, metres, not a number for a hole. The message of an error lacks the file.
-    pub(super) fn new(grid: HeightGrid, heights: Vec<f32>) -> Result<Self, String> {
+    /// A field of this grid; heights are in rows from the north. The message of an error lacks the file.
+    pub(super) fn new(grid: HeightGrid, heights: impl Into<Heights>) -> Result<Self, String> {
         grid.check()?;
+        let heights = heights.into();
         let count = heights.len();
         if count != grid.rows * grid.columns {
             return Err(format!(
@@ -142,12 +180,12 @@ impl HeightField {
             ));
         }
         let field = Self { grid, heights };
-        let is_wrong = |height: &f32| f64::from(height.abs()) > MOST_M;
-        if let Some(index) = field.heights.iter().position(is_wrong) {
+        let height_m = |index: usize| field.heights.get(index).unwrap_or_default();
+        if let Some(index) = (0..count).find(|index| height_m(*index).abs() > MOST_M) {
             let (row, column) = (index / grid.columns, index % grid.columns);
             return Err(format!(
                 "has the height {} m at latitude {:.4}, longitude {:.4}, expected {} to {MOST_M} m; is its byte order another?",
-                field.post_m(row, column).unwrap_or(f64::NAN),
+                height_m(index),
                 grid.latitude_deg(row),
                 grid.longitude_deg(column),
                 -MOST_M
@@ -163,11 +201,10 @@ impl HeightField {
 
     /// Whether all heights are multiples of 256 m, as low ground in the other byte order is.
     fn is_swapped(&self) -> bool {
-        let known = self.heights.iter().filter(|height| !height.is_nan());
-        let mut land = known.clone().filter(|height| **height != 0.0);
+        let mut land = self.heights.known().filter(|height_m| *height_m != 0.0);
         let first = land.next();
-        first.is_some_and(|first| land.any(|height| height != first))
-            && known.into_iter().all(|height| height % 256.0 == 0.0)
+        first.is_some_and(|first| land.any(|height_m| height_m != first))
+            && self.heights.known().all(|height_m| height_m % 256.0 == 0.0)
     }
 
     /// Where its posts are.
@@ -180,11 +217,7 @@ impl HeightField {
         if row >= self.grid.rows || column >= self.grid.columns {
             return None;
         }
-        let height = self.heights.get(row * self.grid.columns + column);
-        height
-            .filter(|height| !height.is_nan())
-            .copied()
-            .map(f64::from)
+        self.heights.get(row * self.grid.columns + column)
     }
 
     /// The bilinear height at a place, metres; `None` outside and beside a hole.
@@ -227,17 +260,16 @@ impl HeightField {
 
     /// The least and the largest height, if any is known, metres, and the number of holes.
     pub fn summary(&self) -> (Option<[f64; 2]>, usize) {
-        let known = self.heights.iter().filter(|height| !height.is_nan());
+        let known = self.heights.known();
         let holes = self.heights.len() - known.clone().count();
-        let range = known.fold([f32::INFINITY, f32::NEG_INFINITY], |range, height| {
-            [range[0].min(*height), range[1].max(*height)]
+        let range_m = known.fold([f64::INFINITY, f64::NEG_INFINITY], |range_m, height_m| {
+            [range_m[0].min(height_m), range_m[1].max(height_m)]
         });
-        let range = range.map(f64::from);
-        ((range[0] <= range[1]).then_some(range), holes)
+        ((range_m[0] <= range_m[1]).then_some(range_m), holes)
     }
 
     /// The heights as they are stored.
-    pub(super) fn heights(&self) -> &[f32] {
+    pub(super) const fn heights(&self) -> &Heights {
         &self.heights
     }
 }

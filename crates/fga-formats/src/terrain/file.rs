@@ -107,9 +107,10 @@ impl TerrainFile {
         datum: Stated<Datum>,
         error: Option<Stated<f64>>,
     ) -> Self {
+        let source = "assumed, as of SRTM: the file does not say";
         let assumed = Stated {
-            value: SRTM_ERROR.value,
-            source: "assumed, as of SRTM: the file does not say",
+            source,
+            ..SRTM_ERROR
         };
         Self {
             path: PathBuf::new(),

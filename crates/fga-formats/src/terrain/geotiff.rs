@@ -4,15 +4,15 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 
 use roxmltree::{Document, Node};
 
+use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
 
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
-use super::tags::{numbers, sentence};
-use super::{lerc, name, projected};
+use super::tags::{content, numbers, sentence, set};
+use super::{chunks, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
 use crate::units::{Dimension, Unit};
@@ -36,12 +36,13 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .seek(SeekFrom::End(0))
         .map_err(|error| unread(&error))?;
     input.rewind().map_err(|error| unread(&error))?;
-    let failed = |error: TiffError| sentence(&error);
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BYTES;
-    let mut decoder = Decoder::new(input).map_err(failed)?.with_limits(limits);
-    let (columns, rows) = decoder.dimensions().map_err(failed)?;
-    let color = decoder.colortype().map_err(failed)?;
+    let mut decoder = Decoder::new(input)
+        .map_err(sentence)?
+        .with_limits(limits.clone());
+    let (columns, rows) = decoder.dimensions().map_err(sentence)?;
+    let color = decoder.colortype().map_err(sentence)?;
     let ColorType::Gray(bits @ (16 | 32 | 64)) = color else {
         return Err(format!(
             "has pixels of the kind {color:?}, expected one band of heights with 16 or 32 bits"
@@ -58,7 +59,7 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     }
     let directory = decoder
         .find_tag_unsigned_vec::<u16>(Tag::GeoKeyDirectoryTag)
-        .map_err(failed)?
+        .map_err(sentence)?
         .ok_or("is a TIFF without a place (no GeoKeys), expected a GeoTIFF")?;
     let keys = geokeys::read(&directory)?;
     let size = [rows, columns].map(|count| count as usize);
@@ -67,9 +68,9 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     let matrix = numbers(&mut decoder, Tag::ModelTransformationTag)?;
     let corner = corner(&scale, &tie, &matrix, &keys)?;
     let mut text = |tag| -> Result<Option<String>, String> {
-        let value = decoder.find_tag(tag).map_err(failed)?;
+        let value = decoder.find_tag(tag).map_err(sentence)?;
         value
-            .map(|value| value.into_string().map_err(failed))
+            .map(|value| value.into_string().map_err(sentence))
             .transpose()
     };
     let unknown = text(Tag::GdalNodata)?
@@ -84,9 +85,9 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
         .map_or_else(|| line(&scale, &tie, &keys), Ok)?;
     let line = line.map(|number| number * unit_m);
     let heights_of = |image| heights(image, unknown, line);
-    let mut heights = match lerc::heights(&mut decoder, size, heights_of)? {
+    let mut heights = match chunks::heights(&mut decoder, size, limits, heights_of)? {
         Some(heights) => heights,
-        None => heights_of(decoder.read_image().map_err(failed)?)?,
+        None => heights_of(decoder.read_image().map_err(sentence)?)?,
     };
     if let Some(known) = mask(decoder, [columns, rows])? {
         let masked = heights.iter_mut().zip(known).filter(|(_, known)| !known);
@@ -110,14 +111,13 @@ fn mask<R: Read + Seek>(
     mut decoder: Decoder<R>,
     size: [u32; 2],
 ) -> Result<Option<Vec<bool>>, String> {
-    let failed = |error: TiffError| sentence(&error);
     while decoder.more_images() {
-        decoder.next_image().map_err(failed)?;
-        let (width, height) = decoder.dimensions().map_err(failed)?;
+        decoder.next_image().map_err(sentence)?;
+        let (width, height) = decoder.dimensions().map_err(sentence)?;
         let kind = decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType);
-        let kind = kind.map_err(failed)?.unwrap_or(0);
+        let kind = kind.map_err(sentence)?.unwrap_or(0);
         let color = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
-        let is_mask = kind & 4 != 0 || color.map_err(failed)? == Some(TRANSPARENCY_MASK);
+        let is_mask = kind & 4 != 0 || color.map_err(sentence)? == Some(TRANSPARENCY_MASK);
         if kind & 1 != 0 || (!is_mask && (width < size[0] || height < size[1])) {
             continue;
         }
@@ -129,13 +129,9 @@ fn mask<R: Read + Seek>(
             ));
         }
         let directory = decoder.ifd_pointer().map_or(0, |at| at.0);
-        let mut bytes = Vec::new();
-        let input = decoder.inner();
-        input.rewind().map_err(|error| unread(&error))?;
-        let read = input.take(MOST_BYTES as u64).read_to_end(&mut bytes);
-        read.map_err(|error| unread(&error))?;
-        as_gray(&mut bytes, directory)
-            .ok_or("has a mask without its interpretation, expected a whole TIFF")?;
+        let mut bytes = content(&mut decoder)?;
+        // Gray, for the decoder reads no image that calls itself a mask.
+        set(&mut bytes, directory, Tag::PhotometricInterpretation, 1)?;
         return gray_mask(bytes, directory, size).map(Some);
     }
     Ok(None)
@@ -144,45 +140,19 @@ fn mask<R: Read + Seek>(
 /// A mask as its photometric interpretation names it.
 const TRANSPARENCY_MASK: u16 = 4;
 
-/// Calls the image of a directory gray: the decoder reads no image that calls itself a mask.
-fn as_gray(bytes: &mut [u8], directory: u64) -> Option<()> {
-    const INTERPRETATION: u16 = 262;
-    let is_little = bytes.starts_with(b"II");
-    let (count_bytes, entry_bytes) = match bytes.get(2..4)? {
-        [43, 0] | [0, 43] => (8, 20),
-        _ => (2, 12),
-    };
-    let of = |pair: &[u8]| -> Option<u16> {
-        let pair = pair.first_chunk::<2>()?;
-        Some(if is_little {
-            u16::from_le_bytes(*pair)
-        } else {
-            u16::from_be_bytes(*pair)
-        })
-    };
-    let entries = bytes.get_mut(usize::try_from(directory).ok()?.checked_add(count_bytes)?..)?;
-    let mut entries = entries.chunks_exact_mut(entry_bytes);
-    let entry = entries.find(|entry| of(entry) == Some(INTERPRETATION))?;
-    let value = entry.get_mut(if entry_bytes == 20 { 12.. } else { 8.. })?;
-    let gray = if is_little { [1, 0] } else { [0, 1] };
-    value.get_mut(..2)?.copy_from_slice(&gray);
-    Some(())
-}
-
 /// Whether each pixel is known, by the gray image of a directory: what is black is a hole.
 fn gray_mask(
     bytes: Vec<u8>,
     directory: u64,
     [columns, rows]: [u32; 2],
 ) -> Result<Vec<bool>, String> {
-    let failed = |error: TiffError| sentence(&error);
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(failed)?;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(sentence)?;
     while decoder.ifd_pointer().map(|at| at.0) != Some(directory) {
-        decoder.next_image().map_err(failed)?;
+        decoder.next_image().map_err(sentence)?;
     }
-    let (columns, rows) = (columns as usize, rows as usize);
-    let color = decoder.colortype().map_err(failed)?;
-    let image = decoder.read_image().map_err(failed)?;
+    let [columns, rows] = [columns, rows].map(|count| count as usize);
+    let color = decoder.colortype().map_err(sentence)?;
+    let image = decoder.read_image().map_err(sentence)?;
     let known: Vec<bool> = match (color, image) {
         (ColorType::Gray(1), DecodingResult::U8(bits)) => {
             let lines = bits.chunks(columns.div_ceil(8)).flat_map(|line| {
@@ -274,12 +244,9 @@ fn grid([west, north, east_step, north_step]: [f64; 4], [rows, columns]: [usize;
 /// The height that stands for a hole.
 fn nodata(text: &str) -> Result<f64, String> {
     let text = text.trim_matches(|c: char| c == '\0' || c.is_whitespace());
-    text.parse().map_err(|_| {
-        format!(
-            "has {} as the value of a hole, expected a number",
-            crate::error::shown(text)
-        )
-    })
+    let found = crate::error::shown(text);
+    let wrong = |_| format!("has {found} as the value of a hole, expected a number");
+    text.parse().map_err(wrong)
 }
 
 /// What GDAL's metadata say of the only band.
@@ -308,11 +275,8 @@ impl Metadata {
                 ))
             };
             let of_first = item.attribute("sample").is_none_or(|sample| sample == "0");
-            match item
-                .attribute("role")
-                .map(str::to_ascii_lowercase)
-                .as_deref()
-            {
+            let role = item.attribute("role").map(str::to_ascii_lowercase);
+            match role.as_deref() {
                 Some("scale") if of_first => found.line.get_or_insert(AS_THEY_ARE)[0] = number()?,
                 Some("offset") if of_first => found.line.get_or_insert(AS_THEY_ARE)[1] = number()?,
                 Some("unittype") if of_first && !value.is_empty() => {

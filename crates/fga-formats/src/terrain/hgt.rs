@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::field::{HeightField, HeightGrid, whole};
+use super::field::{HeightField, HeightGrid};
 use super::file::SRTM_ERROR;
 use super::{Datum, Stated, TerrainFile, name};
 use crate::gzip::fill;
@@ -27,7 +27,7 @@ pub(super) fn parse(mut input: impl Read, file_name: &str) -> Result<TerrainFile
         }
         size += part.len();
         let (pairs, _) = part.as_chunks::<2>();
-        heights.extend(pairs.iter().map(|pair| whole(i16::from_be_bytes(*pair))));
+        heights.extend(pairs.iter().copied().map(i16::from_be_bytes));
     }
     let Some(side) = SIDES.into_iter().find(|side| 2 * side * side == size) else {
         return Err(format!(

@@ -29,8 +29,8 @@ const LOOK_M: f64 = 0.25;
 /// The height above it is looked up with code of its own: it shares nothing with the certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocalGround {
-    corner_m: Vec2,
-    spacing_m: Vec2,
+    /// The south-west post, and how far posts are apart.
+    place_m: (Vec2, Vec2),
     columns: usize,
     heights_m: Vec<f32>,
     peaks_m: Vec<f32>,
@@ -45,7 +45,7 @@ impl LocalGround {
     /// # Errors
     /// As [`Ground::new`].
     pub fn new(
-        (corner_m, spacing_m): (Vec2, Vec2),
+        place_m: (Vec2, Vec2),
         columns: usize,
         heights_m: Vec<f32>,
         (error_m, clearance_m): (f64, f64),
@@ -54,10 +54,9 @@ impl LocalGround {
         Ground::fill_peaks(columns, &heights_m, &mut peaks_m);
         let slices = (heights_m.as_slice(), peaks_m.as_slice());
         let asked_m = (error_m, clearance_m);
-        Ground::new((corner_m, spacing_m), columns, slices, asked_m)?;
+        Ground::new(place_m, columns, slices, asked_m)?;
         Ok(Self {
-            corner_m,
-            spacing_m,
+            place_m,
             columns,
             heights_m,
             peaks_m,
@@ -132,16 +131,14 @@ impl LocalGround {
 
     /// The ground for an aircraft whose own height is uncertain by so much more, metres.
     pub fn raised(&self, by_m: f64) -> Option<Ground<'_>> {
-        let place = (self.corner_m, self.spacing_m);
         let slices = (self.heights_m.as_slice(), self.peaks_m.as_slice());
         let errors = (self.error_m + by_m, self.clearance_m);
-        Ground::new(place, self.columns, slices, errors).ok()
+        Ground::new(self.place_m, self.columns, slices, errors).ok()
     }
 
     /// Its south-west post and the spacing, metres; posts a row; and the heights, metres, as [`LocalGround::new`] takes them.
     pub fn posts(&self) -> ((Vec2, Vec2), usize, &[f32]) {
-        let place = (self.corner_m, self.spacing_m);
-        (place, self.columns, &self.heights_m)
+        (self.place_m, self.columns, &self.heights_m)
     }
 
     /// A copy of what a situation lends; all that it takes to clear it counts as clearance.
@@ -162,8 +159,7 @@ impl LocalGround {
 
     /// The height of the ground at a place, metres; `None` where it is not known.
     pub fn height_m(&self, at: Vec2) -> Option<f64> {
-        let place = (self.corner_m, self.spacing_m);
-        bilinear(place, self.columns, &self.heights_m, at)
+        bilinear(self.place_m, self.columns, &self.heights_m, at)
     }
 
     /// The height of a place above the ground, metres; `None` where that is not known.

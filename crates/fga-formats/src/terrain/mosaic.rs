@@ -209,44 +209,43 @@ pub(super) fn same_spacing(a: &HeightGrid, b: &HeightGrid) -> bool {
 
 /// The strips between neighbours one spacing apart: each to the east of another, or to the north.
 fn seams(fields: &[&HeightField], east: bool) -> Vec<HeightField> {
-    let mut seams = Vec::new();
-    for first in fields {
-        for second in fields {
-            let (a, b) = (first.grid(), second.grid());
-            let next = if east {
-                whole_steps(a.area().east_deg, b.west_deg, a.step_east_deg)
-            } else {
-                whole_steps(a.area().north_deg, b.south_deg, a.step_north_deg)
-            };
-            if next == Some(1) && same_spacing(a, b) {
-                seams.extend(seam(first, second, east));
-            }
-        }
-    }
-    seams
+    let pairs = fields
+        .iter()
+        .flat_map(|first| fields.iter().map(move |second| (first, second)));
+    pairs
+        .filter_map(|(first, second)| seam(first, second, east))
+        .collect()
 }
 
 fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightField> {
-    let (a, b) = (first.grid(), second.grid());
-    // Posts lie on one lattice along the seam, from the first that both have to the last.
-    let count =
-        |from: f64, to: f64, step: f64| usize::try_from(whole_steps(from, to, step)? + 1).ok();
-    let mut grid = *a;
-    if east {
-        whole_steps(a.south_deg, b.south_deg, a.step_north_deg)?;
-        grid.south_deg = a.south_deg.max(b.south_deg);
-        grid.west_deg = a.area().east_deg;
-        let north_deg = a.area().north_deg.min(b.area().north_deg);
-        grid.rows = count(grid.south_deg, north_deg, a.step_north_deg)?;
-        grid.columns = 2;
+    let lattice = first.grid();
+    let (a, b) = (lattice.area(), second.grid().area());
+    let north_steps = |from: f64, to: f64| whole_steps(from, to, lattice.step_north_deg);
+    let east_steps = |from: f64, to: f64| whole_steps(from, to, lattice.step_east_deg);
+    // Along the seam from the first post that both have to the last; across it from one to the other.
+    let (mut south_deg, mut north_deg) =
+        (a.south_deg.max(b.south_deg), a.north_deg.min(b.north_deg));
+    let (mut west_deg, mut east_deg) = (a.west_deg.max(b.west_deg), a.east_deg.min(b.east_deg));
+    let across = if east {
+        (west_deg, east_deg) = (a.east_deg, b.west_deg);
+        east_steps(west_deg, east_deg)
     } else {
-        whole_steps(a.west_deg, b.west_deg, a.step_east_deg)?;
-        grid.south_deg = a.area().north_deg;
-        grid.west_deg = a.west_deg.max(b.west_deg);
-        let east_deg = a.area().east_deg.min(b.area().east_deg);
-        grid.columns = count(grid.west_deg, east_deg, a.step_east_deg)?;
-        grid.rows = 2;
+        (south_deg, north_deg) = (a.north_deg, b.south_deg);
+        north_steps(south_deg, north_deg)
+    };
+    // Posts lie on one lattice.
+    north_steps(a.south_deg, b.south_deg)?;
+    east_steps(a.west_deg, b.west_deg)?;
+    if across != Some(1) || !same_spacing(lattice, second.grid()) {
+        return None;
     }
+    let grid = HeightGrid {
+        south_deg,
+        west_deg,
+        rows: usize::try_from(north_steps(south_deg, north_deg)? + 1).ok()?,
+        columns: usize::try_from(east_steps(west_deg, east_deg)? + 1).ok()?,
+        ..*lattice
+    };
     let posts = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (row, column)));
     let height_m = |(row, column): (usize, usize)| {
         // A post has the height of the nearest one of its field.
@@ -255,9 +254,8 @@ fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightF
         let of = field.grid();
         let north = (grid.latitude_deg(row) - of.south_deg) / of.step_north_deg;
         let east = (grid.longitude_deg(column) - of.west_deg) / of.step_east_deg;
-        let cell = field.cell([libm::rint(north), libm::rint(east)]);
-        let height_m = cell.height_m([libm::rint(north), libm::rint(east)]);
-        height_m.map_or(f32::NAN, single)
+        let steps = [libm::rint(north), libm::rint(east)];
+        field.cell(steps).height_m(steps).map_or(f32::NAN, single)
     };
-    HeightField::new(grid, posts.map(height_m).collect()).ok()
+    HeightField::new(grid, posts.map(height_m).collect::<Vec<f32>>()).ok()
 }

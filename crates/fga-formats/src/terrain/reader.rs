@@ -56,7 +56,7 @@ pub fn parse(bytes: &[u8], path: &Path, given: &Given) -> Result<TerrainFile, In
 fn file_of(input: impl Read + Seek, path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut file = parsed(input, &name).map_err(|message| InputError::in_file(path, message))?;
-    let is_hole = |field: &HeightField| field.heights().iter().all(|height| height.is_nan());
+    let is_hole = |field: &HeightField| field.heights().known().next().is_none();
     if file.fields.iter().all(is_hole) {
         let message = "has only holes, expected at least one height";
         return Err(InputError::in_file(path, message));

@@ -1,7 +1,7 @@
 //! Ground asked for over MAVLink: a block of ArduPilot's grid, filled piece by piece by `TERRAIN_DATA`.
 
 use super::ardupilot::{COLUMNS, DEGREE_M, PIECE, ROWS, TO_NEXT, grid, scale};
-use super::field::{HOLE, HeightField, HeightGrid, whole};
+use super::field::{HOLE, HeightField, HeightGrid};
 
 /// All 56 pieces of a block.
 const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
@@ -120,14 +120,9 @@ impl RequestedBlock {
         heights_m: &[i16; PIECE * PIECE],
     ) -> Taken {
         // A sender may have rounded the corner otherwise: two centimetres.
-        let is_corner = self
-            .corner_e7
-            .iter()
-            .zip(corner_e7)
-            .all(|(own, other)| own.abs_diff(other) <= 2);
-        let is_ground = heights_m
-            .iter()
-            .all(|height| height.unsigned_abs() <= 9_000);
+        let mut sides = self.corner_e7.iter().zip(corner_e7);
+        let is_corner = sides.all(|(own, other)| own.abs_diff(other) <= 2);
+        let is_ground = heights_m.iter().all(|m| m.unsigned_abs() <= 9_000);
         let piece = usize::from(piece);
         if !is_corner || spacing_m != self.spacing_m {
             return Taken::Other;
@@ -158,8 +153,7 @@ impl RequestedBlock {
     /// What is known so far; pieces that were never known are holes. `None` before the first piece, or if the heights cannot be ground.
     pub fn field(&self) -> Option<HeightField> {
         let is_known = self.heights.iter().any(|height| *height != HOLE);
-        let heights = self.heights.iter().copied().map(whole).collect();
-        let field = HeightField::new(self.grid, heights).ok();
+        let field = HeightField::new(self.grid, self.heights.clone()).ok();
         field.filter(|_| is_known)
     }
 }

@@ -11,7 +11,7 @@ use tiff::encoder::{Compression, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 use tiff::{TiffError, TiffResult};
 
-use super::field::{HOLE, HeightField, HeightGrid};
+use super::field::{HOLE, HeightField, HeightGrid, Heights};
 use super::file::MOST_BYTES;
 use super::geokeys::{self, codes};
 use super::geotiff::{ERROR_ITEM, GDAL_METADATA};
@@ -145,22 +145,10 @@ impl Cut {
 
     /// The bytes of the file, in whole metres where all heights are.
     fn bytes(&self) -> TiffResult<Vec<u8>> {
-        let heights = self.field.heights();
-        let is_whole =
-            |height: &f32| height.is_nan() || (height.fract() == 0.0 && height.abs() < 32_767.0);
-        if !heights.iter().all(is_whole) {
-            return self.encode::<Gray32Float>(heights, "nan");
+        match self.field.heights() {
+            Heights::Whole(heights) => self.encode::<GrayI16>(heights, &HOLE.to_string()),
+            Heights::Single(heights) => self.encode::<Gray32Float>(heights, "nan"),
         }
-        #[expect(clippy::cast_possible_truncation, reason = "whole and in range")]
-        let whole = |height: &f32| {
-            if height.is_nan() {
-                HOLE
-            } else {
-                *height as i16
-            }
-        };
-        let heights: Vec<i16> = heights.iter().map(whole).collect();
-        self.encode::<GrayI16>(&heights, &format!("{HOLE}"))
     }
 
     fn encode<C: ColorType>(&self, heights: &[C::Inner], hole: &str) -> TiffResult<Vec<u8>>

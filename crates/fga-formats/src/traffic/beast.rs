@@ -44,11 +44,6 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// At the start of a connection.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `take` for each frame in them.
     pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(BeastFrame<'_>)) {
         for byte in bytes {
@@ -132,36 +127,22 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes received at `time_s` and calls `report` for each report in them.
     ///
     /// Times need not grow, but positions need two messages within ten seconds.
     pub fn push(&mut self, bytes: &[u8], time_s: f64, mut report: impl FnMut(TrafficReport)) {
-        let Self {
-            frames,
-            surveillance,
-            tally,
-        } = self;
-        frames.push(bytes, |frame| {
-            let taken = surveillance.take(frame.message, time_s);
-            tally.take(&taken);
-            if let Ok(found) = taken {
-                report(found);
-            }
+        self.frames.push(bytes, |frame| {
+            let taken = self.surveillance.take(frame.message, time_s);
+            self.tally.take(&taken);
+            taken.into_iter().for_each(&mut report);
         });
     }
 
     /// A new connection begins: a frame under way will not be finished.
     pub fn reconnect(&mut self) {
-        let Frames {
-            expected, tally, ..
-        } = core::mem::take(&mut self.frames);
-        self.tally += tally;
-        if expected != 0 {
+        let before = core::mem::take(&mut self.frames);
+        self.tally += before.tally;
+        if before.expected != 0 {
             self.tally.leave_out(LeftOut::CutShort);
         }
     }

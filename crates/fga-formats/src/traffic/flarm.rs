@@ -1,17 +1,13 @@
 //! Sentences of FLARM, as its units and bridges send them over TCP (FLARM Data Port Interface Control Document, FTD-012).
 //!
-//! | sentence | meaning here |
-//! |---|---|
-//! | `PFLAA`, another aircraft | a report: its place is the unit's own and the distances north and east; altitude, course, speed, climb; without a distance east the direction is unknown, and it is no place |
-//! | `GGA` of any system | the unit's own place and height; forgotten after three `PFLAU` without another one |
-//! | `PGRMZ` | the unit's own pressure altitude, which comes before a height by satellites |
-//! | `PFLAU`, other sentences of NMEA | without use: `PFLAU` has the nearest aircraft of `PFLAA` once more |
+//! What becomes of each sentence and field: `docs/formats.md`, FLARM. The unit's own place is forgotten after three `PFLAU` without
+//! another one; a pressure altitude comes before a height by satellites.
 
-use super::lines::LineBuffer;
+use super::lines::{LineParser, Lines};
 use super::{Altitude, NON_ICAO, TrafficReport};
 use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
 use crate::number::finite;
-use crate::tally::{LeftOut, Tally};
+use crate::tally::LeftOut;
 use crate::units::FOOT_M;
 use glam::DVec3;
 
@@ -20,45 +16,17 @@ const KNOWN_FOR: u32 = 3;
 /// FLARM reaches no farther, metres.
 const FARTHEST_M: f64 = 100_000.0;
 
-/// Takes the bytes of a connection as they come and gives reports.
-#[derive(Debug, Clone, Default)]
-pub struct Sentences {
-    lines: LineBuffer,
-    own: OwnPlace,
-}
+/// A connection with such sentences.
+pub type Sentences = Lines<OwnPlace>;
 
 /// Where the unit is.
 #[derive(Debug, Clone, Copy, Default)]
-struct OwnPlace {
+pub struct OwnPlace {
     /// Its place, and its height above the ellipsoid, metres.
     place: Option<(Geodetic, Option<f64>)>,
     pressure_m: Option<f64>,
     /// `PFLAU` since its place and since its pressure altitude.
     ages: [u32; 2],
-}
-
-impl Sentences {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Takes bytes and calls `report` for each report in them.
-    pub fn push(&mut self, bytes: &[u8], report: impl FnMut(TrafficReport)) {
-        let Self { lines, own } = self;
-        lines.push(bytes, |line| own.take(line), report);
-    }
-
-    /// Begins a new connection: forgets the sentence under way and the own place.
-    pub fn reconnect(&mut self) {
-        self.lines.reconnect();
-        self.own = OwnPlace::default();
-    }
-
-    /// Counts of the sentences so far.
-    pub const fn tally(&self) -> Tally {
-        self.lines.tally()
-    }
 }
 
 /// The fields of a sentence with the right checksum.
@@ -97,7 +65,7 @@ fn degrees(text: &str, half: &str) -> Result<f64, LeftOut> {
     }
 }
 
-impl OwnPlace {
+impl LineParser for OwnPlace {
     fn take(&mut self, line: &[u8]) -> Result<TrafficReport, LeftOut> {
         let fields = fields(line)?;
         match &fields[..] {
@@ -121,7 +89,9 @@ impl OwnPlace {
             _ => Err(LeftOut::NotNeeded),
         }
     }
+}
 
+impl OwnPlace {
     /// The place in a `GGA`, and its height above the ellipsoid, metres; `None` without a fix.
     fn of_satellites(fields: &[&str]) -> Result<Option<(Geodetic, Option<f64>)>, LeftOut> {
         let [_, north, half, east, side, quality, _, _, heights @ ..] = fields else {

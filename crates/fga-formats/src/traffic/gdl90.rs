@@ -3,11 +3,7 @@
 //! A message lies between two bytes `0x7E`; inside, `0x7D` stands before a `0x7E` or `0x7D` that is changed by `0x20`. It ends with a
 //! checksum of two bytes.
 //!
-//! | message | meaning here |
-//! |---|---|
-//! | 20, traffic report | a report: address, place, pressure altitude, velocity over ground where its direction is a true track, climb, call sign, NIC and NACp; latitude, longitude and NIC of 0 are no place |
-//! | 0 heartbeat, 10 ownship report, 11 ownship geometric altitude, uplinks, those of ForeFlight and Stratux | without use: the vehicle says where it is |
-//! | another | of an unknown kind |
+//! What becomes of each message and field: `docs/formats.md`, GDL 90.
 
 use super::{Altitude, Callsign, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::course_from_compass_rad;
@@ -35,11 +31,6 @@ pub struct Datagrams {
 }
 
 impl Datagrams {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Takes bytes and calls `report` for each report in them.
     pub fn push(&mut self, bytes: &[u8], mut report: impl FnMut(TrafficReport)) {
         for byte in bytes {
@@ -71,9 +62,7 @@ impl Datagrams {
                 parse(&self.body)
             };
             self.tally.take(&parsed);
-            if let Ok(found) = parsed {
-                report(found);
-            }
+            parsed.into_iter().for_each(report);
         }
         self.body.clear();
     }
@@ -181,20 +170,20 @@ fn traffic(bytes: &[u8; TRAFFIC]) -> Result<TrafficReport, LeftOut> {
 }
 
 /// Radius of containment of a navigation integrity category, metres.
-const fn containment_m(category: u8) -> Option<f64> {
-    Some(match category {
-        0 => f64::INFINITY,
-        1 => 37_040.0,
-        2 => 14_816.0,
-        3 => 7_408.0,
-        4 => 3_704.0,
-        5 => 1_852.0,
-        6 => 1_111.2,
-        7 => 370.4,
-        8 => 185.2,
-        9 => 75.0,
-        10 => 25.0,
-        11 => 7.5,
-        _ => return None,
-    })
+fn containment_m(category: u8) -> Option<f64> {
+    let radii_m = [
+        f64::INFINITY,
+        37_040.0,
+        14_816.0,
+        7_408.0,
+        3_704.0,
+        1_852.0,
+        1_111.2,
+        370.4,
+        185.2,
+        75.0,
+        25.0,
+        7.5,
+    ];
+    radii_m.get(usize::from(category)).copied()
 }

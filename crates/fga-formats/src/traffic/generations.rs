@@ -2,29 +2,19 @@
 
 use std::collections::HashMap;
 
-/// A memory for a bounded number of addresses.
+/// A memory for at most `MOST` addresses.
 ///
 /// It has two generations: a used entry moves to the young one; when that is full it becomes the old
 /// one, and the previous old one is forgotten. Each call is a few look-ups, however many addresses the
 /// network invents. An address in use is forgotten only when as many others as half the bound come
 /// between two of its messages.
 #[derive(Debug, Clone, Default)]
-pub struct Generations<T> {
-    half: usize,
+pub struct Generations<T, const MOST: usize> {
     young: HashMap<u32, T>,
     old: HashMap<u32, T>,
 }
 
-impl<T: Default> Generations<T> {
-    /// Empty, for at most `most` addresses.
-    pub fn new(most: usize) -> Self {
-        Self {
-            half: (most / 2).max(1),
-            young: HashMap::new(),
-            old: HashMap::new(),
-        }
-    }
-
+impl<T: Default, const MOST: usize> Generations<T, MOST> {
     /// Addresses held.
     pub fn len(&self) -> usize {
         self.young.len() + self.old.len()
@@ -37,7 +27,7 @@ impl<T: Default> Generations<T> {
 
     /// The entry of an address; the default for an unknown one.
     pub fn entry(&mut self, address: u32) -> &mut T {
-        if !self.young.contains_key(&address) && self.young.len() >= self.half {
+        if !self.young.contains_key(&address) && self.young.len() >= (MOST / 2).max(1) {
             self.old = core::mem::take(&mut self.young);
         }
         let Self { young, old, .. } = self;
@@ -53,7 +43,7 @@ mod tests {
 
     #[test]
     fn an_address_in_use_survives_a_flood() {
-        let mut memory: Generations<u32> = Generations::new(100);
+        let mut memory = Generations::<u32, 100>::default();
         *memory.entry(7) = 1;
         for address in 1000..2000 {
             *memory.entry(address) = 2;

@@ -5,16 +5,7 @@
 //! track,latitude,longitude,vertical rate,squawk,alert,emergency,identification,on ground`.
 //! Units: feet, knots, degrees from true north, degrees, feet per minute. What programs write besides:
 //!
-//! | what | who | meaning here |
-//! |---|---|---|
-//! | `H` after an altitude or a vertical rate | dump1090 and readsb with `--gnss` | height above the ellipsoid |
-//! | `~` before an address | readsb, tar1090 | no address of the ICAO: [`NON_ICAO`](super::NON_ICAO) |
-//! | more fields at the end | readsb (signal, category), mlat-client (stations, error) | ignored; after `MLAT` the error is read |
-//! | `MLAT` or another word than `MSG` | mlat-client, Virtual Radar Server | read all the same |
-//! | a field in quotes | mlat-client | its content |
-//! | a first date and time before the second | mlat-client, readsb | the age of the message |
-//! | a number before the first word | Stratux | the recorder's time, nanoseconds |
-//! | `STA`, `AIR`, `ID`, `SEL`, `CLK`, `START`, blank lines | `BaseStation`, recorders, heartbeats | without use |
+//! `docs/formats.md`, What BaseStation lines may look like.
 //!
 //! A line with fewer fields is cut short; its last number may be cut too.
 
@@ -22,94 +13,82 @@ mod log;
 mod message;
 mod time;
 
-use super::lines::LineBuffer;
+use std::io::Write as _;
+
+use super::lines::{LineParser, Lines};
 use super::{Altitude, TrafficReport, address_in_words};
 use crate::geodesy::compass_from_course_deg;
-use crate::number::push_fixed;
-use crate::tally::Tally;
+use crate::number::fixed;
+use crate::tally::LeftOut;
 use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 pub use log::{Log, LoggedLine};
 pub(crate) use message::is_message;
 pub use message::parse_line;
 
-use message::FIELDS;
+/// A connection with such lines.
+pub type LineStream = Lines<BaseStation>;
 
-/// Takes the bytes of a connection as they come and gives reports.
-#[derive(Debug, Clone, Default)]
-pub struct LineStream(LineBuffer);
+/// BaseStation lines, each of which stands for itself.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BaseStation;
 
-impl LineStream {
-    /// A stream at its beginning.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Takes bytes and calls `report` for each report in them.
-    pub fn push(&mut self, bytes: &[u8], report: impl FnMut(TrafficReport)) {
-        self.0.push(bytes, parse_line, report);
-    }
-
-    /// A new connection begins: a line under way will not be finished.
-    pub fn reconnect(&mut self) {
-        self.0.reconnect();
-    }
-
-    /// Counts of the lines so far.
-    pub const fn tally(&self) -> Tally {
-        self.0.tally()
+impl LineParser for BaseStation {
+    fn take(&mut self, line: &[u8]) -> Result<TrafficReport, LeftOut> {
+        parse_line(line)
     }
 }
 
 /// Appends a report as BaseStation lines: identification, position and velocity, if the
 /// report has them.
 pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
-    let mut line = |kind: u8, fill: &dyn Fn(&mut [Vec<u8>; FIELDS])| {
-        let mut fields: [Vec<u8>; FIELDS] = core::array::from_fn(|_| Vec::new());
-        fields[0].extend(b"MSG");
-        fields[1].push(kind);
-        fields[2].push(b'1');
-        fields[3].push(b'1');
-        fields[4].extend(address_in_words(report.address).bytes());
-        fields[5].push(b'1');
-        if let Some(on_ground) = report.on_ground {
-            fields[21].extend(if on_ground { &b"-1"[..] } else { b"0" });
-        }
-        fill(&mut fields);
-        out.extend(fields.join(&b','));
-        out.extend(b"\r\n");
+    let address = address_in_words(report.address);
+    let ground = report
+        .on_ground
+        .map_or("", |on_ground| if on_ground { "-1" } else { "0" });
+    // The fields from the call sign to the vertical rate; memory takes all.
+    let mut line = |kind: u8, fields: &str| {
+        let _ = write!(
+            out,
+            "MSG,{kind},1,1,{address},1,,,,,{fields},,,,,{ground}\r\n"
+        );
     };
-    let altitude_ft = report.altitude.map(|a| a.metres() / FOOT_M);
+    let shown = |value: Option<f64>, decimals| {
+        value.map_or_else(String::new, |value| fixed(value, decimals))
+    };
     if let Some(callsign) = report.callsign {
-        line(b'1', &|fields| {
-            fields[10].extend(callsign.as_str().bytes());
-        });
+        line(1, &format!("{callsign},,,,,,"));
     }
-    if report.place_deg.is_some() || altitude_ft.is_some() {
-        line(b'3', &|fields| {
-            if let Some(feet) = altitude_ft {
-                push_fixed(&mut fields[11], feet, 0);
-                if let Some(Altitude::Ellipsoid(_)) = report.altitude {
-                    fields[11].push(b'H');
-                }
-            }
-            if let Some([latitude_deg, longitude_deg]) = report.place_deg {
-                push_fixed(&mut fields[14], latitude_deg, 6);
-                push_fixed(&mut fields[15], longitude_deg, 6);
-            }
-        });
+    if report.place_deg.is_some() || report.altitude.is_some() {
+        let altitude = shown(
+            report.altitude.map(|altitude| altitude.metres() / FOOT_M),
+            0,
+        );
+        let above = if let Some(Altitude::Ellipsoid(_)) = report.altitude {
+            "H"
+        } else {
+            ""
+        };
+        let (latitude_deg, longitude_deg) = report.place_deg.map(<(f64, f64)>::from).unzip();
+        let place = [latitude_deg, longitude_deg]
+            .map(|degrees| shown(degrees, 6))
+            .join(",");
+        line(3, &format!(",{altitude}{above},,,{place},"));
     }
     if report.ground_speed_mps.is_some() || report.climb_mps.is_some() {
-        line(b'4', &|fields| {
-            if let Some(speed_mps) = report.ground_speed_mps {
-                push_fixed(&mut fields[12], speed_mps / KNOT_MPS, 1);
-            }
-            if let Some(course_rad) = report.course_rad {
-                push_fixed(&mut fields[13], compass_from_course_deg(course_rad), 1);
-            }
-            if let Some(climb_mps) = report.climb_mps {
-                push_fixed(&mut fields[16], climb_mps / FOOT_PER_MINUTE_MPS, 0);
-            }
-        });
+        let speed = shown(
+            report
+                .ground_speed_mps
+                .map(|speed_mps| speed_mps / KNOT_MPS),
+            1,
+        );
+        let track = shown(report.course_rad.map(compass_from_course_deg), 1);
+        let climb = shown(
+            report
+                .climb_mps
+                .map(|climb_mps| climb_mps / FOOT_PER_MINUTE_MPS),
+            0,
+        );
+        line(4, &format!(",,{speed},{track},,,{climb}"));
     }
 }

@@ -20,17 +20,9 @@ const PAIR_AGE_S: f64 = 10.0;
 const FASTEST_MPS: f64 = 1000.0;
 
 /// The memory of an aircraft.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct SurveillanceMessage {
-    aircraft: Generations<HeardAircraft>,
-}
-
-impl Default for SurveillanceMessage {
-    fn default() -> Self {
-        Self {
-            aircraft: Generations::new(MOST_AIRCRAFT),
-        }
-    }
+    aircraft: Generations<HeardAircraft, MOST_AIRCRAFT>,
 }
 
 #[derive(Debug, Clone, Default)]

@@ -20,7 +20,7 @@ fn bytes(hex: &str) -> Vec<u8> {
 
 /// The reports of messages that come one second apart.
 fn reports(messages: &[&str]) -> Vec<TrafficReport> {
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     let mut reports = Vec::new();
     for (message, second) in messages.iter().zip(0_u32..) {
         let mut frame = Vec::new();
@@ -65,7 +65,7 @@ fn damaged_messages_and_old_halves_give_no_position() {
         message[bit / 8] ^= 1 << (bit % 8);
         let mut frame = Vec::new();
         push_frame(&mut frame, 0, 0, &message);
-        Stream::new().push(&frame, 0.0, |report| panic!("bit {bit}: {report:?}"));
+        Stream::default().push(&frame, 0.0, |report| panic!("bit {bit}: {report:?}"));
     }
     let push = |stream: &mut Stream, message: &str, time_s: f64| {
         let mut frame = Vec::new();
@@ -78,7 +78,7 @@ fn damaged_messages_and_old_halves_give_no_position() {
         "8D40621D58C386435CC412692AD6",
         "8D40621D58C382D690C8AC2863A7",
     ];
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     assert!(push(&mut stream, odd, 0.0).is_none());
     assert!(push(&mut stream, even, 10.5).is_none());
     assert!(push(&mut stream, odd, 11.0).is_some());
@@ -91,7 +91,7 @@ fn a_recorded_file_is_cut_into_its_frames() {
         return;
     };
     let recorded = std::fs::read(path).unwrap();
-    let mut frames = Frames::new();
+    let mut frames = Frames::default();
     let mut lengths = [0; 15];
     let mut again = Vec::new();
     frames.push(&recorded, |frame| {
@@ -101,7 +101,7 @@ fn a_recorded_file_is_cut_into_its_frames() {
     assert_eq!(lengths.iter().sum::<u32>(), 239);
     assert_eq!(again, recorded);
     // Any cuts give the same frames.
-    let mut bytewise = Frames::new();
+    let mut bytewise = Frames::default();
     let mut count = 0;
     for byte in &recorded {
         bytewise.push(&[*byte], |_| count += 1);
@@ -132,7 +132,7 @@ fn with_parity(mut message: Vec<u8>) -> Vec<u8> {
 
 #[test]
 fn t1_another_wire_on_this_port_is_counted() {
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     let text = "MSG,3,1,1,AA0001,1,,,,,,1000,,,45.0,5.0,,,0,0,0,0\r\n".repeat(100);
     stream.push(text.as_bytes(), 0.0, |report| panic!("{report:?}"));
     let tally = stream.tally();
@@ -141,7 +141,7 @@ fn t1_another_wire_on_this_port_is_counted() {
         (0, text.len().div_ceil(64) as u64)
     );
     // The noise after a frame of a type without use does not belong to the frame.
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     stream.push(&[0x1A, b'4'], 0.0, |report| panic!("{report:?}"));
     stream.push(&[7; 1000], 0.0, |report| panic!("{report:?}"));
     assert_eq!(stream.tally().lost(), 1000_u64.div_ceil(64) - 1);
@@ -152,7 +152,7 @@ fn t1_another_wire_on_this_port_is_counted() {
     frames.extend([0x1A, b'4', 1, 2, 3]);
     push_frame(&mut frames, 0, 0, &bytes("8D4840D6202CC371C32CE0576098"));
     frames.extend([0x1A, b'3', 1, 2, 3]);
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     stream.push(&frames, 0.0, |_| {});
     stream.reconnect();
     let tally = stream.tally();
@@ -175,7 +175,7 @@ fn t1_addresses_of_others_than_the_icao_are_read() {
         let mut frame = Vec::new();
         push_frame(&mut frame, 0, 0, &with_parity(message));
         let mut found = None;
-        Stream::new().push(&frame, 0.0, |report| found = Some(report.address));
+        Stream::default().push(&frame, 0.0, |report| found = Some(report.address));
         assert_eq!(found, expected, "{control}");
     }
 }
@@ -185,7 +185,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_taken(bytes in proptest::collection::vec(prop_oneof![Just(0x1A_u8), b'1'..=b'4', any::<u8>()], 0..400)) {
-        let mut stream = Stream::new();
+        let mut stream = Stream::default();
         let mut used = 0;
         stream.push(&bytes, 0.0, |_| used += 1);
         stream.reconnect();
@@ -207,7 +207,7 @@ proptest! {
     fn any_whole_message_gives_finite_numbers(
         content: [u8; 7], other: [u8; 7], format in 17..19_u8, address in 1..5_u8, step in -20.0..20.0_f64,
     ) {
-        let mut stream = Stream::new();
+        let mut stream = Stream::default();
         for (content, time_s) in [(content, 0.0), (other, step)] {
             let mut frame = Vec::new();
             push_frame(&mut frame, 0, 0, &squitter(format, [0xA0, 0, address], content));
@@ -223,7 +223,7 @@ proptest! {
 
 #[test]
 fn memory_is_bounded_however_many_aircraft_there_are() {
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     let content = [0x58, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
     for number in 0..60_000_u16 {
         let [high, low] = number.to_be_bytes();
@@ -255,14 +255,14 @@ fn a_recorded_file_means_what_another_decoder_says() {
     };
     let recorded = std::fs::read(path).unwrap();
     let mut timed = Vec::new();
-    Frames::new().push(&recorded, |frame| {
+    Frames::default().push(&recorded, |frame| {
         let mut again = Vec::new();
         push_frame(&mut again, frame.ticks, frame.signal, frame.message);
         #[expect(clippy::cast_precision_loss, reason = "some minutes of a 12 MHz clock")]
         timed.push((frame.ticks as f64 / 12e6, again));
     });
     let start_s = timed[0].0;
-    let mut stream = Stream::new();
+    let mut stream = Stream::default();
     let mut found = Vec::new();
     for (time_s, frame) in &timed {
         stream.push(frame, *time_s, |report| {
@@ -341,7 +341,7 @@ fn reports_of(messages: &[[u8; 14]]) -> Vec<TrafficReport> {
         push_frame(&mut bytes, 0, 0, message);
     }
     let mut found = Vec::new();
-    Stream::new().push(&bytes, 0.0, |report| found.push(report));
+    Stream::default().push(&bytes, 0.0, |report| found.push(report));
     found
 }
 

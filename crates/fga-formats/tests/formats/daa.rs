@@ -288,7 +288,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             format!("{NAMES}[none] [deg] [deg] [knot] [deg] [knot] [fpm] [s]\n{ROWS}"),
-            "a.daa, line 2: column alt has the unit \"[knot]\" of a speed, expected that of a length",
+            "a.daa, line 2: column alt has the unit \"[knot]\" of a speed, expected a length unit such as",
         ),
         (
             format!("{NAMES}[none] [deg] [deg] [ft] [deg] [knot] [fpm]\n{ROWS}"),

@@ -105,7 +105,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             format!("{HEADER}1,0,NaN,2,3,4,5,6,30\n"),
-            "e.csv, line 2: column x_m holds \"NaN\", expected a finite number of metres",
+            "e.csv, line 2: column x_m holds \"NaN\", expected a finite number of at most 1e8 metres",
         ),
         (
             format!("{HEADER}1,0,1,2,3,inf,5,6,30\n"),
@@ -113,7 +113,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             format!("{HEADER}1,0,1,2,3,,5,6,30\n"),
-            "e.csv, line 2: column vx_mps holds \"\", expected a number of metres per second",
+            "e.csv, line 2: column vx_mps holds \"\", expected a finite number of at most 1e5 metres per second",
         ),
         (
             format!("{HEADER}1,-1,1,2,3,4,5,6,30\n"),
@@ -125,7 +125,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             format!("{HEADER}1,1,1e300,2,3,4,5,6,30\n"),
-            "e.csv, line 2: column x_m holds \"1e300\", expected at most 1e8 metres either way",
+            "e.csv, line 2: column x_m holds \"1e300\", expected a finite number of at most 1e8 metres either way",
         ),
         (
             format!("{HEADER}{good}2,0,1,2,3\n"),

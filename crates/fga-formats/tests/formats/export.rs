@@ -539,7 +539,7 @@ fn a_flight_is_kept_as_a_file() {
         Flight::read(&path).unwrap_err().to_string()
     };
     assert!(refused("{}").ends_with("holds no samples, expected at least one"));
-    assert!(refused("{\"samples\": 3}").contains("line 1: is not a recorded flight"));
+    assert!(refused("{\"samples\": 3}").contains("line 1: is no recorded flight"));
     let back = flight();
     let mut text = serde_json::to_string(&back).unwrap();
     text = text.replacen("\"time_s\":0.1,", "\"time_s\":-1,", 1);
@@ -549,10 +549,7 @@ fn a_flight_is_kept_as_a_file() {
 #[test]
 fn formats_have_names() {
     for format in Format::ALL {
-        assert_eq!(
-            format.to_string().to_uppercase().parse::<Format>(),
-            Ok(format)
-        );
+        assert_eq!(format.name().to_uppercase().parse::<Format>(), Ok(format));
     }
     let error = "kmz".parse::<Format>().unwrap_err();
     assert_eq!(

@@ -23,7 +23,7 @@ fn reports(sentences: &mut Sentences, contents: &[&str]) -> Vec<TrafficReport> {
 
 #[test]
 fn an_aircraft_is_where_its_distances_from_the_own_place_put_it() {
-    let mut sentences = Sentences::new();
+    let mut sentences = Sentences::default();
     let found = reports(
         &mut sentences,
         &[
@@ -94,7 +94,7 @@ fn what_cannot_be_placed_is_counted_by_its_reason() {
             LeftOut::UnreadableField,
         ),
     ] {
-        let mut sentences = Sentences::new();
+        let mut sentences = Sentences::default();
         assert!(reports(&mut sentences, contents).is_empty(), "{contents:?}");
         let tally = sentences.tally();
         assert_eq!(
@@ -103,7 +103,7 @@ fn what_cannot_be_placed_is_counted_by_its_reason() {
             "{contents:?}"
         );
     }
-    let mut sentences = Sentences::new();
+    let mut sentences = Sentences::default();
     sentences.push(
         b"$PFLAA,0,1*00\r\n$PFLAA,0\r\nnoise\r\n\r\n$PFLAA,0",
         |_| (),
@@ -123,7 +123,7 @@ proptest! {
         cut in 1_usize..9,
     ) {
         let text = lines.concat() + &lines.join("\n") + &sentence(&lines.concat());
-        let mut sentences = Sentences::new();
+        let mut sentences = Sentences::default();
         for part in text.as_bytes().chunks(cut) {
             sentences.push(part, |report| {
                 assert!(report.place_deg.unwrap().iter().all(|degrees| degrees.is_finite()));

@@ -45,7 +45,7 @@ fn sent(message: &[u8]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> (Vec<TrafficReport>, Tally) {
-    let mut stream = Datagrams::new();
+    let mut stream = Datagrams::default();
     let mut reports = Vec::new();
     stream.push(bytes, |report| reports.push(report));
     stream.reconnect();
@@ -164,7 +164,7 @@ proptest! {
         size in 1_usize..40,
     ) {
         let bytes = [bytes, sent(&TRAFFIC)].concat();
-        let mut stream = Datagrams::new();
+        let mut stream = Datagrams::default();
         let mut reports = Vec::new();
         for part in bytes.chunks(size) {
             stream.push(part, |report| reports.push(report));

@@ -16,6 +16,7 @@ mod export;
 mod flarm;
 mod flight_log;
 mod gdl90;
+mod independent;
 mod missions;
 mod mutated;
 mod recordings;

@@ -13,8 +13,9 @@
 use core::fmt::Write as _;
 
 use fga::situation::Passing;
+use fga_formats::areas::AreaOutline;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_formats::missions::{FenceOutline, MissionFence, MissionFile, Waypoint, is_mission, parse};
+use fga_formats::missions::{MissionFence, MissionFile, Waypoint, is_mission, parse};
 use fga_formats::terrain::{self, Given, Terrain};
 use proptest::prelude::*;
 use std::path::Path;
@@ -110,7 +111,7 @@ fn n8_a_plan_of_qgroundcontrol_is_read() {
     assert!(!file.fences[0].keep_in && file.fences[1].keep_in);
     assert_eq!(
         file.fences[0].outline,
-        FenceOutline::Circle {
+        AreaOutline::Circle {
             center_deg: [47.5, 8.6],
             radius_m: 120.5
         }
@@ -235,7 +236,7 @@ fn n8_fences_and_rally_points_of_mission_planner_are_read() {
     let around = text.replace("4\t0\t3\t5004\t80", "4\t0\t3\t5005\t80");
     let file = parse(&around, Path::new("fence.waypoints")).unwrap();
     let center_deg = [45.0, 5.0];
-    let outline = FenceOutline::Circle {
+    let outline = AreaOutline::Circle {
         center_deg,
         radius_m: 80.0,
     };

@@ -7,6 +7,7 @@
 )]
 
 use core::time::Duration;
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 use std::time::Instant;
 
@@ -100,9 +101,13 @@ fn changed(seed: &[u8], draws: &mut Draws) -> Vec<u8> {
 /// Longer than this a reader takes for no input of some kilobytes.
 const LONGEST: Duration = Duration::from_secs(10);
 
+fn mutations() -> usize {
+    std::env::var("FGA_MUTATIONS").map_or(1000, |count| count.parse().unwrap())
+}
+
 /// Gives a reader changed inputs: as many as asked for, in turn from each seed.
 fn mutate(seeds: &[&[u8]], take: impl Fn(&[u8])) {
-    let count: usize = std::env::var("FGA_MUTATIONS").map_or(1000, |count| count.parse().unwrap());
+    let count = mutations();
     let mut draws = Draws(7);
     for seed in seeds {
         take(seed);
@@ -271,7 +276,7 @@ fn lines_of_base_station() {
     let lines = "MSG,3,1,1,4CA2D6,1,2026/01/01,10:00:00.000,2026/01/01,10:00:00.100,,3700,,,45.0,5.0,,,0,0,0,0\r\nMSG,4,1,1,4CA2D6,1,2026/01/01,10:00:01.000,2026/01/01,10:00:01.100,,,100,90,,,-64,,0,0,0,0\r\n12345,MLAT,3,1,1,~4CA2D7,1,2026/01/01,10:00:02.000,,,\"A,1\",3700H,,,45.0,5.01,,,0,0,0,0,,,30\r\n";
     mutate(&[lines.as_bytes()], |bytes| {
         recording_of(bytes);
-        sbs::LineStream::new().push(bytes, |report| is_sane(&report));
+        sbs::LineStream::default().push(bytes, |report| is_sane(&report));
     });
 }
 
@@ -280,10 +285,10 @@ fn sentences_and_datagrams() {
     let feed = b"$GPGGA,120000,4530.0,N,00515.0,E,1,8,1,9,M,8,M,,*54\n$PGRMZ,3000,F,2*06\n$PFLAA,0,1200,-3400,150,1,4B5C6D,90,,40,-1.5,1*23\n";
     let traffic = b"\x7e\x14\x00\xab\x45\x49\x1f\xef\x15\xa8\x89\x78\x0f\x09\xa9\x07\xb0\x01\x20\x01\x4e\x38\x32\x35\x56\x20\x20\x20\x00\x57\xd6\x7e";
     mutate(&[feed.as_slice(), traffic], |bytes| {
-        Sentences::new().push(bytes, |report| is_sane(&report));
-        Datagrams::new().push(bytes, |report| is_sane(&report));
+        Sentences::default().push(bytes, |report| is_sane(&report));
+        Datagrams::default().push(bytes, |report| is_sane(&report));
         #[cfg(feature = "beast")]
-        fga_formats::traffic::beast::Stream::new().push(bytes, 0.0, |report| is_sane(&report));
+        fga_formats::traffic::beast::Stream::default().push(bytes, 0.0, |report| is_sane(&report));
     });
 }
 
@@ -294,20 +299,104 @@ fn flight_logs() {
     mutate(&seeds, log_of);
 }
 
+fn heights_of(bytes: &[u8], name: &str) {
+    let read = one_line(terrain::parse(bytes, Path::new(name), &Given::default()));
+    for field in read.iter().flat_map(|file| &file.fields) {
+        let (range_m, holes) = field.summary();
+        let grid = field.grid();
+        assert!(range_m.is_some() || holes == grid.rows * grid.columns);
+        assert!(range_m.is_none_or(|range_m| range_m.iter().all(|m| m.abs() <= 9_000.0)));
+    }
+}
+
 #[test]
 fn heights() {
-    let files: [(&str, &[u8]); 5] = [
+    let files: [(&str, &[u8]); 6] = [
         ("a.tif", include_bytes!("terrain/masked.tif")),
         ("a.tif", include_bytes!("terrain/strips.tif")),
         ("a.tif", include_bytes!("terrain/utm.tif")),
         ("a.tif", include_bytes!("terrain/scaled.tif")),
+        ("a.tif", include_bytes!("terrain/tiles.tif")),
         ("N46E009.DAT", include_bytes!("terrain/old.dat")),
     ];
     for (name, seed) in files {
-        mutate(&[seed], |bytes| {
-            one_line(terrain::parse(bytes, Path::new(name), &Given::default()));
-        });
+        mutate(&[seed], |bytes| heights_of(bytes, name));
     }
+}
+
+/// DTED of lines of 5 heights with the right checksum of each.
+fn with_checksums(mut bytes: Vec<u8>) -> Vec<u8> {
+    let records = bytes.get_mut(3428..).unwrap_or_default();
+    for record in records.chunks_exact_mut(8 + 2 * 5 + 4) {
+        let (content, sum) = record.split_at_mut(8 + 2 * 5);
+        let total: u32 = content.iter().map(|byte| u32::from(*byte)).sum();
+        sum.copy_from_slice(&total.to_be_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn dted() {
+    let whole = super::terrain::unpacked(include_bytes!("terrain/s30_w178.dt0.gz"));
+    let mut small = whole[..3428].to_vec();
+    small[47..55].copy_from_slice(b"00030005");
+    for line in 0..3_u8 {
+        small.extend([0xAA, 0, 0, line, 0, line, 0, 0]);
+        small.extend([0, 90, 0x80, 20, 3, line, 0xFF, 0xFF, 0, 7, 0, 0, 0, 0]);
+    }
+    let small = with_checksums(small);
+    let read = terrain::parse(&small, Path::new("a.dt0"), &Given::default()).unwrap();
+    assert_eq!(read.fields[0].post_m(3, 0), Some(-20.0));
+    mutate(&[&small], |bytes| {
+        heights_of(bytes, "a.dt0");
+        heights_of(&with_checksums(bytes.to_vec()), "s30_w178.dt0");
+    });
+}
+
+const SRTM: &[u8] = include_bytes!("terrain/S34W071.hgt.gz");
+
+#[test]
+fn packed_srtm() {
+    mutate(&[SRTM], |bytes| heights_of(bytes, "S34W071.hgt.gz"));
+}
+
+/// A file is large and has no structure, so a hundredth of the changes does.
+#[test]
+fn srtm() {
+    let plain = super::terrain::unpacked(SRTM);
+    let mut draws = Draws(9);
+    let mut bytes = plain.clone();
+    for _ in 0..mutations() / 100 {
+        let at = draws.next(bytes.len());
+        bytes[at] = draws.next(256) as u8;
+        heights_of(&bytes, "S34W071.hgt");
+        bytes[at] = plain[at];
+    }
+    heights_of(&bytes[..bytes.len() - draws.next(4)], "S34W071.hgt");
+}
+
+#[test]
+fn archives() {
+    let kml = "<kml><Placemark><name>a</name><Polygon><outerBoundaryIs><LinearRing><coordinates>5,45,9 5.1,45,9 5.1,45.1,9 5,45,9</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>";
+    let archive = |method| {
+        let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default().compression_method(method);
+        for name in ["files/a.kml", "doc.kml"] {
+            archive.start_file(name, options).unwrap();
+            archive.write_all(kml.as_bytes()).unwrap();
+        }
+        archive.finish().unwrap().into_inner()
+    };
+    let seeds = [
+        archive(zip::CompressionMethod::Stored),
+        archive(zip::CompressionMethod::Deflated),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.kmz");
+    mutate(&[&seeds[0], &seeds[1]], |bytes| {
+        std::fs::write(&path, bytes).unwrap();
+        one_line(areas::read(&path));
+    });
 }
 
 #[test]

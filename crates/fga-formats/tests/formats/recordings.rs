@@ -151,7 +151,11 @@ fn files_without_an_encounter_are_refused() {
             "name lat lon alt trk gs vs time\nA 1 2 3 4 5 6 7\n",
             "a.daa: holds one aircraft only, expected the ownship and at least one more",
         ),
-        ("j.json", "[1", "j.json: is no JSON that can be read"),
+        (
+            "j.json",
+            "[1",
+            "j.json, line 1: is no JSON that can be read",
+        ),
         (
             "j.json",
             "{\"a\":1}",

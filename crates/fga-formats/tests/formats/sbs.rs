@@ -66,7 +66,7 @@ fn a_stream_is_the_same_however_it_is_cut() {
         .read_to_end(&mut bytes)
         .unwrap();
     let collect = |size: usize| {
-        let mut stream = LineStream::new();
+        let mut stream = LineStream::default();
         let mut reports = Vec::new();
         for part in bytes.chunks(size) {
             stream.push(part, |report| reports.push(report));
@@ -146,14 +146,14 @@ fn what_cannot_be_used_is_counted_by_its_reason() {
             LeftOut::TooOld,
         ),
     ] {
-        let mut stream = LineStream::new();
+        let mut stream = LineStream::default();
         stream.push(line.as_bytes(), |report| panic!("{line}: {report:?}"));
         stream.push(b"\n", |report| panic!("{line}: {report:?}"));
         assert_eq!(stream.tally().left_out(reason), 1, "{line}");
         assert_eq!(stream.tally().read(), 1, "{line}");
     }
     // A line without end takes no more memory and spoils only itself.
-    let mut stream = LineStream::new();
+    let mut stream = LineStream::default();
     let mut reports = 0;
     stream.push(&vec![b'x'; 1 << 20], |_| reports += 1);
     // It counts before its end, which may never come.
@@ -296,7 +296,7 @@ proptest! {
         bytes.extend(garbage);
         bytes.push(b'\n');
         let lines = bytes.split(|byte| *byte == b'\n').count() as u64 - 1;
-        let mut stream = LineStream::new();
+        let mut stream = LineStream::default();
         let mut reports = 0;
         stream.push(&bytes, |_| reports += 1);
         let tally = stream.tally();
@@ -327,7 +327,7 @@ proptest! {
         let mut lines = Vec::new();
         sbs::push_lines(&mut lines, &sent);
         let mut found = Vec::new();
-        LineStream::new().push(&lines, |report| found.push(report));
+        LineStream::default().push(&lines, |report| found.push(report));
         prop_assert_eq!(found.len(), 3);
         prop_assert!(found.iter().all(|report| report.address == address && report.on_ground == Some(false)));
         prop_assert_eq!(found[0].callsign, sent.callsign);

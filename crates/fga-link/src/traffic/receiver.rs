@@ -135,7 +135,7 @@ impl KnownParts {
 #[derive(Debug)]
 pub struct Joiner {
     sender: ReportSender,
-    aircraft: Generations<KnownParts>,
+    aircraft: Generations<KnownParts, MOST_AIRCRAFT>,
 }
 
 impl Joiner {
@@ -148,7 +148,7 @@ impl Joiner {
     pub fn of(sender: ReportSender) -> Self {
         Self {
             sender,
-            aircraft: Generations::new(MOST_AIRCRAFT),
+            aircraft: Generations::default(),
         }
     }
 
@@ -256,11 +256,11 @@ struct Wire {
 impl Wire {
     fn new(source: ReportSource) -> Self {
         Self {
-            lines: sbs::LineStream::new(),
-            messages: gdl90::Datagrams::new(),
-            sentences: flarm::Sentences::new(),
+            lines: sbs::LineStream::default(),
+            messages: gdl90::Datagrams::default(),
+            sentences: flarm::Sentences::default(),
             #[cfg(feature = "beast")]
-            frames: beast::Stream::new(),
+            frames: beast::Stream::default(),
             source,
         }
     }

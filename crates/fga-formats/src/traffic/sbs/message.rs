@@ -6,7 +6,7 @@ use super::time;
 use crate::geodesy::course_from_compass_rad;
 use crate::tally::LeftOut;
 use crate::traffic::lines::LONGEST_LINE;
-use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport};
+use crate::traffic::{Altitude, Callsign, TrafficReport, address_of};
 use crate::units::{FOOT_M, FOOT_PER_MINUTE_MPS, KNOT_MPS};
 
 /// Fields of a message.
@@ -104,7 +104,7 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
     if kind.len() > 1 || kind.bytes().any(|byte| !byte.is_ascii_digit()) {
         return Err(LeftOut::UnreadableField);
     }
-    let address = address_of(field(4))?;
+    let address = address_of(field(4)).ok_or(LeftOut::NoAddress)?;
     let latitude_deg = number(field(14), 90.0)?;
     let longitude_deg = number(field(15), 180.0)?;
     let place_deg = match (latitude_deg, longitude_deg) {
@@ -147,21 +147,6 @@ pub(super) fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
         OLDEST_S..=CLOCKS_S => Err(LeftOut::TooOld),
         _ => Ok(report),
     }
-}
-
-/// An address, with [`NON_ICAO`] if a sign before it says so.
-pub(super) fn address_of(text: &str) -> Result<u32, LeftOut> {
-    let digits = text.trim_start_matches(|letter: char| !letter.is_ascii_alphanumeric());
-    let is_short = digits.len() <= 6 && text.len() - digits.len() <= 1;
-    let address = u32::from_str_radix(digits, 16)
-        .ok()
-        .filter(|address| is_short && *address != 0)
-        .ok_or(LeftOut::NoAddress)?;
-    Ok(if digits.len() < text.len() {
-        address | NON_ICAO
-    } else {
-        address
-    })
 }
 
 /// An altitude in feet; `H` behind it says that satellites measured it.

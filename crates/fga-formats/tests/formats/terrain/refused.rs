@@ -76,6 +76,9 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
     };
     let mut blocks = bytes("N46E009.DAT").to_vec();
     blocks[100] ^= 1;
+    // The bytes of the first tile.
+    let mut sparse = bytes("tiles.tif").to_vec();
+    sparse[218..220].fill(0);
     for (bytes, name, part) in [
         (&dted[..], "n30_w178.dt0", "is a hemisphere wrong?"),
         (
@@ -132,6 +135,7 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (bytes("strips.tif"), "S46E009.tif", "is a hemisphere wrong?"),
         (&bytes("strips.tif")[..600], "a.tif", "is no usable TIFF"),
         (&bytes("tiles.tif")[..4000], "a.tif", "is no usable TIFF"),
+        (&sparse[..], "a.tif", "lacks a part (sparse)"),
     ] {
         let error = refusal(bytes, name);
         assert!(error.contains(part), "{name}, {part}: {error}");
