@@ -28,7 +28,7 @@ pub const EXTRA_PATH: f64 = 2.0;
 pub const SECOND_M: f64 = 10.0;
 
 /// A manoeuvre that begins, metres, where a loss is not likely, or where it is away from the mission still.
-pub const START_M: f64 = 2000.0;
+pub const START_M: f64 = 2500.0;
 
 /// Another manoeuvre than the present one, or the way back, metres.
 pub const CHANGE_M: f64 = 300.0;
