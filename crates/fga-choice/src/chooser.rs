@@ -198,7 +198,7 @@ impl Chooser {
         }
         let flown = present.way_at(scene.time_s);
         let is_away = flown.is_some() || away_s > 0.0;
-        let back_m = flown.map_or(0.0, |_| here.off_m + price::CHANGE_M);
+        let back_m = flown.map_or(0.0, |_| here.off_m);
         self.rank(Plan::Mission, &hold, (price::loss_m(&hold) + back_m, 0.0));
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);

@@ -30,7 +30,7 @@ pub const SECOND_M: f64 = 10.0;
 /// A manoeuvre that begins, metres, where a loss is not likely, or where it is away from the mission still.
 pub const START_M: f64 = 2500.0;
 
-/// Another manoeuvre than the present one, or the way back, metres.
+/// Another manoeuvre than the present one, or a way back that may be left again, metres.
 pub const CHANGE_M: f64 = 300.0;
 
 /// Another manoeuvre must save this share of what the present one costs, at most of half a loss, because costs are estimates. In the recorded

@@ -60,6 +60,8 @@ impl Chooser {
             _ => None,
         });
         let ways = ways.take(WAYS);
+        // A way back that may be left again is a change.
+        let change_m = if is_away { price::CHANGE_M } else { 0.0 };
         let mut ways_m = [f64::INFINITY; WAYS];
         for later_s in LATER_S {
             let then_s = scene.time_s + later_s;
@@ -90,7 +92,7 @@ impl Chooser {
             let cheapest_m = always_m.into_iter().fold(f64::INFINITY, f64::min);
             for ((way, now), always_m) in ways.clone().zip(always_m) {
                 let cost_m = cost_m + always_m - cheapest_m;
-                self.rank(Plan::Off(way, then_s), &now.chance, (cost_m, 0.0));
+                self.rank(Plan::Off(way, then_s), &now.chance, (cost_m, change_m));
             }
         }
         for ((_, now), way_m) in ways.zip(ways_m) {
