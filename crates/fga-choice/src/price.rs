@@ -13,7 +13,7 @@
 use crate::chance::Chance;
 
 /// A loss of the protected volume, metres.
-pub const LOSS_M: f64 = 60_000.0;
+pub const LOSS_M: f64 = 20_000.0;
 
 /// The inner part of the volume, as a multiple of a loss.
 pub const INNER: f64 = 0.5;
@@ -22,16 +22,16 @@ pub const INNER: f64 = 0.5;
 pub const COLLISION: f64 = 5.0;
 
 /// A metre of extra path, metres.
-pub const EXTRA_PATH: f64 = 2.0;
+pub const EXTRA_PATH: f64 = 0.7;
 
 /// A second away from the mission, metres.
-pub const SECOND_M: f64 = 10.0;
+pub const SECOND_M: f64 = 3.5;
 
 /// A manoeuvre that begins, metres, where a loss is not likely, or where it is away from the mission still.
-pub const START_M: f64 = 2500.0;
+pub const START_M: f64 = 850.0;
 
 /// Another manoeuvre than the present one, or a way back that may be left again, metres.
-pub const CHANGE_M: f64 = 300.0;
+pub const CHANGE_M: f64 = 100.0;
 
 /// Another manoeuvre must save this share of what the present one costs, at most of half a loss, because costs are estimates. In the recorded
 /// flights, as above, a tenth left 6 of 164 losses, 720 m aside, when it was chosen; three tenths left 7, 825 m aside. Without it, and with
