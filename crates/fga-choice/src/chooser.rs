@@ -76,14 +76,14 @@ pub(crate) enum Other<'a> {
 
 /// One of the others, and what it costs on the mission, metres.
 #[derive(Clone, Copy)]
-pub(crate) struct Near<'a> {
+pub(crate) struct Nearby<'a> {
     other: Option<Other<'a>>,
     /// How near it may come by its closing speed, metres.
     away_m: f64,
     pub(crate) loss_m: f64,
 }
 
-impl Near<'_> {
+impl Nearby<'_> {
     pub(crate) const NOTHING: Self = Self {
         other: None,
         away_m: f64::INFINITY,
@@ -118,7 +118,7 @@ impl Near<'_> {
 }
 
 /// All that is near.
-pub(crate) type Others<'a> = List<Near<'a>, MOST_WEIGHED>;
+pub(crate) type Others<'a> = List<Nearby<'a>, MOST_WEIGHED>;
 
 /// Weighs plans. It holds its scratch space.
 #[derive(Debug, Clone)]
@@ -260,7 +260,7 @@ impl Chooser {
     }
 
     /// Adds the chances of the plans with one of the others.
-    fn look_at(&mut self, scene: &Scene<'_>, near: &Near<'_>, flight: &mut FlightPath) {
+    fn look_at(&mut self, scene: &Scene<'_>, near: &Nearby<'_>, flight: &mut FlightPath) {
         near.ahead(scene, 0.0, &mut self.ahead);
         for place in 0..self.looked.len() {
             self.meet(scene, place, near.is_threat(), flight);
@@ -320,11 +320,11 @@ fn others<'a>(
     let route = scene.route;
     let own_m = scene.now.position_m;
     let own_mps = route.flyer.velocity_mps(&scene.now) + route.wind_mps;
-    let (mut nearest, mut all) = (List::new(Near::NOTHING), 0_u32);
+    let (mut nearest, mut all) = (List::new(Nearby::NOTHING), 0_u32);
     let mut keep = |[at_m, v_mps]: [Vec3; 2], margin_m: f64, other| {
         let off_m = at_m - own_m;
         let closing_mps = (own_mps - v_mps).dot(off_m) / off_m.length().max(1.0);
-        let near = Near {
+        let near = Nearby {
             other: Some(other),
             away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),
             loss_m: 0.0,

@@ -11,7 +11,7 @@ use fga_proof::prediction::FlightPath;
 
 use crate::candidate::{Plan, Scene};
 use crate::chance::{Chance, Looks, SECONDS};
-use crate::chooser::{Aside, Chooser, Near, Others};
+use crate::chooser::{Aside, Chooser, Nearby, Others};
 use crate::price;
 
 /// When more is known, seconds.
@@ -25,7 +25,7 @@ type Each = [f64; FUTURES];
 
 /// What a weighing with recourse is about: the aircraft whose future becomes known, the other aircraft, and the place beside the leg.
 struct Studied<'a> {
-    threat: Near<'a>,
+    threat: Nearby<'a>,
     rest: Others<'a>,
     here: Aside,
     /// What the way back costs, metres.
@@ -34,7 +34,7 @@ struct Studied<'a> {
 }
 
 /// What is learned by some later moment.
-struct Learned {
+struct Outlook {
     looks: Looks,
     /// The price of a start by each look, metres.
     starts_m: Each,
@@ -74,21 +74,21 @@ impl Chooser {
             };
             let plans = ways.clone().flat_map(three);
             self.begin([Plan::Mission].into_iter().chain(plans));
-            let (learned, mut least_m) = self.learn(scene, &studied, later_s, flight);
+            let (outlook, mut least_m) = self.learn(scene, &studied, later_s, flight);
             let mut always_m = [f64::INFINITY; WAYS];
             let places = (1..self.looked.len()).step_by(3);
             for ((way_m, always_m), place) in ways_m.iter_mut().zip(&mut always_m).zip(places) {
-                let on_m = self.by_looks(scene, &studied, &learned, place, flight);
-                let back_m = self.by_looks(scene, &studied, &learned, place + 1, flight);
-                *way_m = way_m.min(learned.mean_m(&least(&on_m, &back_m)));
-                let mut off_m = self.by_looks(scene, &studied, &learned, place + 2, flight);
-                for (off_m, starts_m) in off_m.iter_mut().zip(&learned.starts_m) {
+                let on_m = self.by_looks(scene, &studied, &outlook, place, flight);
+                let back_m = self.by_looks(scene, &studied, &outlook, place + 1, flight);
+                *way_m = way_m.min(outlook.mean_m(&least(&on_m, &back_m)));
+                let mut off_m = self.by_looks(scene, &studied, &outlook, place + 2, flight);
+                for (off_m, starts_m) in off_m.iter_mut().zip(&outlook.starts_m) {
                     *off_m += starts_m;
                 }
                 least_m = least(&least_m, &off_m);
-                *always_m = learned.mean_m(&off_m);
+                *always_m = outlook.mean_m(&off_m);
             }
-            let cost_m = studied.back_m + learned.mean_m(&least_m);
+            let cost_m = studied.back_m + outlook.mean_m(&least_m);
             let cheapest_m = always_m.into_iter().fold(f64::INFINITY, f64::min);
             for ((way, now), always_m) in ways.clone().zip(always_m) {
                 let cost_m = cost_m + always_m - cheapest_m;
@@ -108,25 +108,25 @@ impl Chooser {
         studied: &Studied<'_>,
         after_s: f64,
         flight: &mut FlightPath,
-    ) -> (Learned, Each) {
+    ) -> (Outlook, Each) {
         self.look(scene, &studied.rest, flight);
         let known_s = (after_s - studied.threat.age_s(scene)).max(0.0);
         (studied.threat).ahead(scene, known_s as f32, &mut self.ahead);
-        let mut learned = Learned {
+        let mut outlook = Outlook {
             looks: self.ahead.looks_after(whole(known_s, SECONDS - 1)),
             starts_m: [0.0; FUTURES],
         };
         let (each, rest_m) = self.met(scene, studied, 0, flight);
         let mut costs_m = [0.0; FUTURES];
         for ((cost_m, starts_m), looks) in (costs_m.iter_mut())
-            .zip(&mut learned.starts_m)
-            .zip(&learned.looks.futures)
+            .zip(&mut outlook.starts_m)
+            .zip(&outlook.looks.futures)
         {
             let expected = Chance::mean(&each, looks);
             *starts_m = price::starts_m(&expected, studied.is_away);
             *cost_m = rest_m + price::loss_m(&expected);
         }
-        (learned, costs_m)
+        (outlook, costs_m)
     }
 
     /// What a plan costs by each look, metres.
@@ -134,12 +134,12 @@ impl Chooser {
         &mut self,
         scene: &Scene<'_>,
         studied: &Studied<'_>,
-        learned: &Learned,
+        outlook: &Outlook,
         place: usize,
         flight: &mut FlightPath,
     ) -> Each {
         let (each, rest_m) = self.met(scene, studied, place, flight);
-        (learned.looks.futures).map(|looks| rest_m + price::loss_m(&Chance::mean(&each, &looks)))
+        (outlook.looks.futures).map(|looks| rest_m + price::loss_m(&Chance::mean(&each, &looks)))
     }
 
     /// The chances of a plan with the aircraft that is studied, for each of its futures, and what it costs beside that, metres.
@@ -166,7 +166,7 @@ impl<'a> Studied<'a> {
     fn of(others: &Others<'a>, here: &Aside, back_m: f64, is_away: bool) -> Option<Self> {
         let mut rest = *others;
         let threat = (rest.iter_mut()).max_by(|a, b| a.loss_m.total_cmp(&b.loss_m))?;
-        let threat = core::mem::replace(threat, Near::NOTHING);
+        let threat = core::mem::replace(threat, Nearby::NOTHING);
         Some(Self {
             threat,
             rest,
@@ -177,7 +177,7 @@ impl<'a> Studied<'a> {
     }
 }
 
-impl Learned {
+impl Outlook {
     /// The mean of a number over the looks that there may be.
     fn mean_m(&self, each_m: &Each) -> f64 {
         let all = each_m.iter().zip(&self.looks.chances);

@@ -20,6 +20,9 @@
 //! fence that an oracle keeps (13 before), and 4 fly back for more than 30 s (19).
 //!
 //! What a pilot believes of the others, for whoever shows it, raised `fga` by 15 lines.
+//!
+//! Aircraft that are no longer reported are proven against while they are believed to be there, beliefs keep the clock of decisions, and a
+//! waypoint is given up among aircraft too: 25 lines of `fga`.
 #![cfg(target_pointer_width = "64")]
 
 extern crate alloc;
