@@ -17,7 +17,7 @@ const STANDARD_HPA: f64 = 1013.25;
 /// The standard atmosphere below 11 km: 288.15 K / 6.5 K/km, metres, and R·L/(g·M).
 const SCALE_M: f64 = 44_330.77;
 const EXPONENT: f64 = 0.190_263;
-/// Possible pressures at sea level, hectopascals: `docs/how-to-arduplane.md` states them.
+/// Possible pressures at sea level, hectopascals: `docs/fly-inputs.md` states them.
 const QNH_HPA: [f64; 2] = [950.0, 1050.0];
 /// Possible difference of two altimeters at one place, metres: a transponder's 75 ft, with rounding.
 const ALTIMETERS_M: f64 = 25.0;

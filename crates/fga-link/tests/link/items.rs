@@ -1,5 +1,5 @@
 //! Missions of more than waypoints, with a manoeuvre at the critical place: each row of the table of missions in
-//! `docs/how-to-arduplane.md`. Head-on traffic comes 1,500 m north of the start.
+//! `docs/fly-inputs.md`. Head-on traffic comes 1,500 m north of the start.
 
 use crate::common::{GOOD, Intruder, World};
 use fga_emulator::{MissionItem, PlaneMode};
