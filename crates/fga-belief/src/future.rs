@@ -42,12 +42,12 @@ impl Leg {
 
     /// A later moment of it.
     fn later(&self, from_s: f32) -> Self {
-        let (chord, _) = turned(self.turn_radps, from_s - self.from_s);
+        let [x, y, altitude_m] = self.position_m(from_s);
         Self {
             from_s,
-            at: self.at + chord * self.velocity,
+            at: Complex::new(x, y),
             velocity: self.velocity * Complex::unit(self.turn_radps * (from_s - self.from_s)),
-            altitude_m: self.altitude_m + self.climb_mps * (from_s - self.from_s),
+            altitude_m,
             ..*self
         }
     }

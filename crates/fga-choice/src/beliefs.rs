@@ -19,6 +19,14 @@ pub(crate) struct Known {
     pub(crate) belief: Belief,
 }
 
+impl Known {
+    /// Whether a situation has it.
+    fn is_in(&self, situation: &Situation<'_>) -> bool {
+        let mut obstacles = situation.obstacles.iter();
+        obstacles.any(|obstacle| obstacle.id == self.id)
+    }
+}
+
 /// The errors of a report with this uncertainty: its own σ in the place of one that is only assumed.
 fn errors_of(uncertainty: Uncertainty, errors: &Errors) -> Errors {
     let sigma = |own: f64, known: Sigma| {
@@ -66,12 +74,7 @@ impl Beliefs {
 
     /// Forgets the aircraft that a situation does not have.
     pub fn forget_absent(&mut self, situation: &Situation<'_>) {
-        self.retain(|known| {
-            situation
-                .obstacles
-                .iter()
-                .any(|obstacle| obstacle.id == known.id)
-        });
+        self.retain(|known| known.is_in(situation));
     }
 
     fn retain(&mut self, is_kept: impl Fn(&Known) -> bool) {
@@ -107,11 +110,7 @@ impl Beliefs {
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
         self.left_out = 0;
-        self.retain(|known| {
-            let mut reported = situation.obstacles.iter();
-            !known.belief.has_ended(situation.time_s)
-                || reported.any(|obstacle| obstacle.id == known.id)
-        });
+        self.retain(|known| !known.belief.has_ended(situation.time_s) || known.is_in(situation));
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
                 continue;
@@ -169,8 +168,7 @@ impl Beliefs {
 
     /// The aircraft that a situation does not have, as they are expected to be now.
     pub fn absent(&self, situation: &Situation<'_>) -> impl Iterator<Item = Obstacle> {
-        let reported = |known: &&Known| situation.obstacles.iter().any(|one| one.id == known.id);
-        let absent = self.iter().filter(move |known| !reported(known));
+        let absent = self.iter().filter(|known| !known.is_in(situation));
         absent.map(|known| {
             let now = known.belief.at(situation.time_s);
             let (at_m, v_mps) = (now.position_m, now.velocity_mps);

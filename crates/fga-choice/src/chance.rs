@@ -31,7 +31,7 @@ const OTHER_SIGMAS: f32 = 3.0;
 const SAME: [[f32; 2]; 2] = [[10.0, 2.0], [5.0, 1.0]];
 
 /// Chances of a path.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chance {
     /// To enter the protected volume of an aircraft.
     pub loss: f64,
@@ -246,7 +246,7 @@ impl Ahead {
             }
         }
         let [nearest, later] = nearest;
-        let mut each = [Chance::default(); FUTURES];
+        let mut each = [Chance::NONE; FUTURES];
         let all = nearest.iter().zip(&later).zip(&mut each);
         for (future, (((_, at), (_, later)), chance)) in all.enumerate() {
             let passing = self.passing(path, *at, future);

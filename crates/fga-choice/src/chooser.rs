@@ -208,15 +208,14 @@ impl Chooser {
                 break;
             };
             let cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
-            let change_m = match (one.plan, flown) {
-                (Plan::Mission | Plan::Back(..), _) => continue,
-                (Plan::Off(..), None) => price::starts_m(&hold, is_away),
-                // The present way is the first one off the mission.
-                (Plan::Off(way, _), Some(flown)) if way == flown => {
+            let change_m = match (flown, one.plan.way_at(scene.time_s)) {
+                // The present way is the first one.
+                (Some(flown), Some(way)) if way == flown => {
                     changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
                     0.0
                 }
-                (Plan::Off(way, _), Some(flown)) => changes_m + way.change_m(&flown),
+                (Some(flown), Some(way)) => changes_m + way.change_m(&flown),
+                _ => price::starts_m(&hold, is_away),
             };
             self.rank(one.plan, &one.chance, (cost_m, change_m));
         }
@@ -277,7 +276,7 @@ impl Chooser {
         flight: &mut FlightPath,
     ) -> [Chance; FUTURES] {
         let Some(looked) = self.looked.get_mut(place) else {
-            return [Chance::default(); FUTURES];
+            return [Chance::NONE; FUTURES];
         };
         let mut command = Maneuver::hold();
         scene.set(&looked.plan, &mut command);

@@ -6,7 +6,7 @@
 //!
 //! | loss, extra path, second, start, change | losses left | acted needlessly | departure | recorded flights |
 //! |---|---|---|---|---|
-//! | 60,000 m, 2, 10 m, 2,000 m, 300 m | 15 | 115 | 433 m | 4, 42 of 164, 68; 655 m |
+//! | 60,000 m, 2, 10 m, 2,000 m, 300 m | 15 | 115 | 433 m | two draws: 2 of 82, 21 of 34; 655 m |
 //! | 60,000 m, 2, 10 m, 2,600 m, 300 m | 18 | 105 | 435 m | – |
 //! | 20,000 m, 0.7, 3.5 m, 850 m, 100 m | 19 | 108 | 335 m | 6, 40; 466 m |
 //! | 20,000 m, 0.7, 3.5 m, 1,000 m, 300 m | 22 | 100 | 393 m | 4, 40; 597 m |
@@ -29,7 +29,7 @@ pub const EXTRA_PATH: f64 = 0.7;
 /// A second away from the mission, metres.
 pub const SECOND_M: f64 = 3.5;
 
-/// A manoeuvre that begins, metres, where a loss is not likely, or where it is away from the mission still.
+/// The start of a manoeuvre, metres, less the chance of a loss on the mission; the whole price while the aircraft is away from the mission.
 pub const START_M: f64 = 1000.0;
 
 /// Another manoeuvre than the present one, or a way back that may be left again, metres.

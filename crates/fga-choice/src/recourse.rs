@@ -41,7 +41,7 @@ struct Outlook {
 }
 
 impl Chooser {
-    /// Ranks the mission and the cheapest ways anew, each with what is learned after its first step.
+    /// Weighs the mission and the cheapest ways again: after its first step each may be left for another one, by what reports show then.
     pub(crate) fn weigh_recourse(
         &mut self,
         scene: &Scene<'_>,
@@ -150,13 +150,16 @@ impl Chooser {
         place: usize,
         flight: &mut FlightPath,
     ) -> ([Chance; FUTURES], f64) {
-        let rest = self.looked.get(place).map(|one| one.chance);
+        let rest = self
+            .looked
+            .get(place)
+            .map_or(Chance::NONE, |one| one.chance);
         let each = self.meet(scene, place, studied.threat.is_threat(), flight);
         let departs_m = self
             .looked
             .get(place)
             .map(|one| one.departs_m(scene, &studied.here));
-        let rest_m = price::loss_m(&rest.unwrap_or_default()) + departs_m.unwrap_or(0.0);
+        let rest_m = price::loss_m(&rest) + departs_m.unwrap_or(0.0);
         (each, rest_m)
     }
 }

@@ -137,7 +137,7 @@ impl Unit {
         Some(Self::new(dimension, factor))
     }
 
-    /// The unit of a quantity with this name; `None` for a name that says that there is none.
+    /// The unit with this name, of a quantity; `None` if the name stands for no unit.
     ///
     /// # Errors
     /// An unknown unit, one of another quantity; a sentence without its subject.

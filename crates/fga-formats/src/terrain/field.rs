@@ -10,7 +10,7 @@ pub(super) const ON_LINE: f64 = 1e-6;
 /// A hole in whole metres, as SRTM writes it.
 pub(super) const HOLE: i16 = i16::MIN;
 
-/// Heights, metres: whole ones, with [`HOLE`], in half the memory of those that are not, in which a hole is not a number.
+/// Heights, metres. Whole heights take two bytes each, and a hole is [`HOLE`]; other heights take four, and a hole is not a number.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Heights {
     Whole(Vec<i16>),

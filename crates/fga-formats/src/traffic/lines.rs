@@ -18,7 +18,7 @@ pub trait LineParser: Default {
 /// Takes the bytes of a connection as they come and gives the reports in its lines.
 #[derive(Debug, Clone, Default)]
 pub struct Lines<P> {
-    /// The line under way, and what became of those before it.
+    /// The line whose end has not come yet.
     line: Vec<u8>,
     tally: Tally,
     parser: P,
