@@ -23,7 +23,7 @@ impl Known {
     /// Whether a situation has it.
     fn is_in(&self, situation: &Situation<'_>) -> bool {
         let mut obstacles = situation.obstacles.iter();
-        obstacles.any(|obstacle| obstacle.id == self.id)
+        obstacles.any(|obstacle| obstacle.id == self.id && obstacle.is_valid())
     }
 }
 
@@ -38,8 +38,11 @@ fn errors_of(uncertainty: Uncertainty, errors: &Errors) -> Errors {
     };
     Errors {
         position_m: sigma(uncertainty.position_m, errors.position_m),
+        altitude_m: sigma(uncertainty.position_m, errors.altitude_m),
         velocity_mps: sigma(uncertainty.velocity_mps, errors.velocity_mps),
         climb_mps: sigma(uncertainty.velocity_mps, errors.climb_mps),
+        // Errors of satellite positions last for about a minute: who says one σ says it of both.
+        lasting_position_m: sigma(uncertainty.position_m, errors.lasting_position_m),
         ..*errors
     }
 }
@@ -113,6 +116,7 @@ impl Beliefs {
         self.retain(|known| !known.belief.has_ended(situation.time_s) || known.is_in(situation));
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
+                self.retain(|known| known.id != obstacle.id);
                 continue;
             };
             let age_s = obstacle.age_s.max(0.0);
@@ -127,7 +131,8 @@ impl Beliefs {
             if let Some(known) = known.find(|known| known.id == obstacle.id) {
                 known.volume = obstacle.volume;
                 if report.time_s > known.belief.time_s() + LATER_S {
-                    known.belief.update(&report);
+                    let before = Some(known.belief).filter(|belief| *belief.bounds() == bounds);
+                    known.belief = Belief::after(before, &report, &bounds);
                     has_news = true;
                 }
                 continue;

@@ -132,6 +132,57 @@ fn a_report_that_says_its_own_errors_is_believed_by_them() {
 }
 
 /// Two minutes away nothing is lost yet, and it waits.
+/// The last reports of a near aircraft are not finite: it is kept clear of all the same, as one that is not reported.
+#[test]
+fn an_aircraft_whose_reports_are_not_finite_is_kept_clear_of() {
+    let near = aircraft(Vec3::new(2600.0, 0.0, 300.0), TOWARDS_MPS);
+    let mut pilot = pilot();
+    decided_by(&mut pilot, Mission::new(&WAYPOINTS_M), &near);
+    let broken = Obstacle {
+        velocity_mps: Vec3::new(f64::NAN, 0.0, 0.0),
+        ..near
+    };
+    let last = |obstacles: &[Obstacle]| {
+        let mut pilot = pilot.clone();
+        let mut decision = Decision::default();
+        for second in 11..=16 {
+            let time_s = f64::from(second);
+            decision = pilot.step(&Situation {
+                time_s,
+                ownship: ownship(Vec3::new(30.0 * time_s, 0.0, 300.0)),
+                obstacles: Obstacles::Rows(obstacles),
+                mission: Mission::new(&WAYPOINTS_M),
+                wind_mps: Vec3::ZERO,
+            });
+        }
+        let threat = decision.record.threat.map(|threat| threat.id);
+        (
+            decision.state,
+            threat,
+            decision.record.proven_share.is_some(),
+        )
+    };
+    assert_eq!(last(&[broken]), (State::Avoiding, Some(7), true));
+    assert_eq!(last(&[]), (State::Avoiding, Some(7), true));
+}
+
+/// An aircraft that is reported at rest is no aircraft any more: nothing is believed of it.
+#[test]
+fn what_comes_to_rest_is_where_it_is() {
+    let near = aircraft(Vec3::new(2600.0, 0.0, 300.0), TOWARDS_MPS);
+    let mut pilot = pilot();
+    decided_by(&mut pilot, Mission::new(&WAYPOINTS_M), &near);
+    let rests = Obstacle::straight(7, Vec3::new(2600.0, 3000.0, 300.0), Vec3::ZERO, near.volume);
+    pilot.step(&Situation {
+        time_s: 11.0,
+        ownship: ownship(Vec3::new(330.0, 0.0, 300.0)),
+        obstacles: Obstacles::Rows(&[rests]),
+        mission: Mission::new(&WAYPOINTS_M),
+        wind_mps: Vec3::ZERO,
+    });
+    assert_eq!(pilot.beliefs().each().count(), 0);
+}
+
 #[test]
 fn a_conflict_far_ahead_is_waited_for() {
     let mission = Mission::new(&WAYPOINTS_M);
