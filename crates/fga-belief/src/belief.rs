@@ -194,14 +194,15 @@ impl Belief {
         self.advance(report.time_s);
         self.errors = report.errors;
         let errors = &report.errors;
-        let off = report.position_m - self.origin_m;
-        let carried_s = report.carried_s;
-        let seen = Complex::of(off);
         let velocity = report.velocity_mps;
+        // It was carried on along the velocity that it states, errors included.
+        let carried_m = velocity.unwrap_or_default() * f64::from(report.carried_s);
+        let off = report.position_m - carried_m - self.origin_m;
+        let seen = Complex::of(off);
         let (mut turns, mut climbs) = (self.turns, self.climbs);
         let turn_logs = turns.each_mut().map(|(_, turn)| {
             let variance = errors.position_m.variance(ROUNDED);
-            let log = turn.see_position(seen, variance, carried_s);
+            let log = turn.see_position(seen, variance);
             velocity.map_or(log, |velocity| {
                 let velocity = Complex::of(velocity);
                 log + turn.see_velocity(velocity, errors.velocity_mps.variance(ROUNDED))
@@ -209,7 +210,7 @@ impl Belief {
         });
         let climb_logs = climbs.each_mut().map(|(_, climb)| {
             let variance = errors.altitude_m.variance(ROUNDED);
-            let log = climb.see_altitude(off.z as f32, variance, carried_s);
+            let log = climb.see_altitude(off.z as f32, variance);
             velocity.map_or(log, |velocity| {
                 log + climb.see_climb(velocity.z as f32, errors.climb_mps.variance(ROUNDED))
             })
@@ -255,6 +256,13 @@ impl Belief {
         self.origin_m = origin_m;
     }
 
+    /// White acceleration while it wavers, m²/s³: what gains speed faster than crewed aircraft wavers more.
+    pub(crate) fn wavering(&self) -> f32 {
+        let usual_mps2 = MovementBounds::CREWED.acceleration_mps2;
+        let faster = (self.bounds.acceleration_mps2 / usual_mps2).max(1.0) as f32;
+        prior::WAVERING * faster * faster
+    }
+
     /// Carries it on to a later time, seconds: modes change, and spread.
     fn advance(&mut self, time_s: f64) {
         let gap_s = time_s - self.time_s;
@@ -262,6 +270,7 @@ impl Belief {
         let step_s = (gap_s / steps as f64) as f32;
         let turn_radps = self.bounds.turn_rate_radps as f32;
         let change_mps = self.bounds.climb_change_mps as f32;
+        let wavering = self.wavering();
         for _ in 0..steps {
             self.turns = turn::Kind::ALL.map(|to| {
                 let (weight, parts) = mixture(
@@ -278,7 +287,7 @@ impl Belief {
                     },
                 );
                 let mut mode = Turn::mixed(&parts);
-                mode.advance(to, turn_radps, step_s);
+                mode.advance(to, (turn_radps, wavering), step_s);
                 (weight, mode)
             });
             self.climbs = climb::Kind::ALL.map(|to| {

@@ -72,12 +72,10 @@ impl Climb {
         self.own[1] += white * t;
     }
 
-    /// Takes a measurement of altitude + `carried_s` · climb rate: the log of its likelihood.
-    pub(crate) fn see_altitude(&mut self, seen: f32, variance: f32, carried_s: f32) -> f32 {
-        let [z, w] = self.own;
-        let gain = [z + carried_s * self.cross, self.cross + carried_s * w];
-        let total = z + carried_s * (2.0 * self.cross + carried_s * w) + variance;
-        self.take(seen - (self.at[0] + carried_s * self.at[1]), gain, total)
+    /// Takes a measurement of the altitude: the log of its likelihood.
+    pub(crate) fn see_altitude(&mut self, seen: f32, variance: f32) -> f32 {
+        let gain = [self.own[0], self.cross];
+        self.take(seen - self.at[0], gain, self.own[0] + variance)
     }
 
     /// Takes a measurement of the climb rate: the log of its likelihood.

@@ -16,8 +16,8 @@ const BOW_M: f32 = 3.0;
 /// A turn rate above this is a turn, radians per second: six σ of what wanders, less than any turn that begins.
 const TURNS_RADPS: f32 = 0.015;
 
-/// A climb rate above this is a climb, metres per second.
-const CLIMBS_MPS: f32 = 0.5;
+/// From this climb rate on a climb levels off as often as climbs do, metres per second; a smaller one less often, in proportion.
+const CLIMBS_MPS: f32 = 1.0;
 
 /// A piece of a future: straight or turning at a constant rate, with a constant climb rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,9 +84,12 @@ impl Spread {
         }
     }
 
-    /// Along a horizontal axis.
-    const fn beside(turn: &Turn) -> Self {
-        let [place, velocity, _] = turn.own;
+    /// Along a horizontal axis. What wavers does so until that ends.
+    fn beside(turn: &Turn, kind: Kind, wavering: f32) -> Self {
+        let [place, mut velocity, _] = turn.own;
+        if kind == Kind::Wavering {
+            velocity += wavering / kind.ends_per_s();
+        }
         Self {
             own: [place, velocity],
             cross: turn.cross[0].x,
@@ -98,7 +101,11 @@ impl Spread {
     /// The variance after a time, in two parts: the σ of the part that reports show by an earlier time, metres, and the variance that remains,
     /// m². Times in seconds. A belief stays as sharp as it is.
     pub fn parted(&self, after_s: f32, learned_s: f32) -> (f32, f32) {
-        let left_m2 = self.variance((after_s - learned_s).max(0.0));
+        let then = Self {
+            until_s: (self.until_s - learned_s).max(0.0),
+            ..*self
+        };
+        let left_m2 = then.variance((after_s - learned_s).max(0.0));
         let learned_m2 = self.variance(after_s) - left_m2;
         (libm::sqrtf(learned_m2.max(0.0)), left_m2)
     }
@@ -161,20 +168,24 @@ impl Future {
     }
 }
 
-/// What an aircraft may do in place of any of its futures: a turn, a climb or a descent within its bounds.
+/// What an aircraft may do in place of any of its futures: a turn, a climb, a descent or another speed within its bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Otherwise {
     /// The chance that it does.
     pub share: f32,
     speed_mps: f32,
     across_mps2: f32,
+    along_mps2: f32,
     climb_mps: f32,
 }
 
 impl Otherwise {
     /// How far it may be off after a time along a horizontal axis and in altitude, as σ of an even distribution, metres.
     pub fn off_m(&self, after_s: f32) -> [f32; 2] {
-        let beside_m = (self.across_mps2 * after_s / 2.0).min(self.speed_mps) * after_s;
+        let turned_m = (self.across_mps2 * after_s / 2.0).min(self.speed_mps) * after_s;
+        let faster_s = after_s.min(prior::FASTER_FOR_S);
+        let faster_m = self.along_mps2 * faster_s * (after_s - faster_s / 2.0);
+        let beside_m = turned_m.max(faster_m);
         [beside_m, self.climb_mps * after_s].map(|most_m| most_m * 0.577)
     }
 }
@@ -230,11 +241,10 @@ impl Belief {
         let lasting_m2 =
             [errors.lasting_position_m, errors.lasting_altitude_m].map(|sigma| sigma.variance(0.0));
         let brief = now.bounds.brief_turn_rate_radps as f32;
-        let mut n = 0;
+        let mut begins = now.begins().into_iter().zip(0..);
         let all = TABLE.map(|row| {
-            let future = now.drawn(row, n, brief);
-            n += 1;
-            future
+            let (begin, n) = begins.next().unwrap_or_default();
+            now.drawn(row, n, begin, brief)
         });
         let turn = Turn::mixed(&now.turns);
         let speed_mps = libm::sqrtf(turn.at[1].squared());
@@ -242,6 +252,7 @@ impl Belief {
             share: prior::OTHERWISE,
             speed_mps,
             across_mps2: speed_mps * brief,
+            along_mps2: now.bounds.acceleration_mps2 as f32,
             climb_mps: now.bounds.climb_change_mps as f32,
         };
         Futures {
@@ -253,19 +264,39 @@ impl Belief {
         }
     }
 
-    /// A future by a row of the table: the `n`th part of the belief with two changes. Place, velocity and altitude are the means of that part:
-    /// how far they may be off is integrated, not drawn.
-    fn drawn(&self, row: [u8; 8], n: u8, brief_radps: f32) -> Future {
+    /// The modes that the futures begin in, and the weight of each future. What is less likely has more futures than its share, each of less
+    /// weight, so that a small chance grows in small steps: numbers in proportion to the roots of the weights.
+    fn begins(&self) -> [(usize, f32); FUTURES] {
+        let roots = self.turns.map(|(weight, _)| libm::sqrtf(weight));
+        let sum = roots.iter().sum::<f32>();
+        let mut begins = [(0, 0.0); FUTURES];
+        let mut drawn = [0.0; Kind::ALL.len()];
+        for ((mode, _), n) in begins.iter_mut().zip(0..) {
+            *mode = picked(roots, unit(n) * sum);
+            if let Some(drawn) = drawn.get_mut(*mode) {
+                *drawn += 1.0;
+            }
+        }
+        let weights = self.turns.iter().zip(&drawn);
+        let weights = weights.filter(|(_, drawn)| **drawn > 0.0);
+        let all = weights.map(|((weight, _), _)| weight).sum::<f32>();
+        for (mode, share) in &mut begins {
+            let weight = self.turns.get(*mode).map_or(0.0, |(weight, _)| *weight);
+            *share = weight / (all * drawn.get(*mode).copied().unwrap_or(1.0));
+        }
+        begins
+    }
+
+    /// A future by the `n`th row of the table: of a mode and with a weight, with two changes. Place, velocity and altitude are the means of
+    /// that mode: how far they may be off is integrated, not drawn.
+    fn drawn(&self, row: [u8; 8], n: u8, (mode, weight): (usize, f32), brief_radps: f32) -> Future {
         let [a0, a1, t1, what1, how1, t2, what2, how2] = row;
-        let (kind, turn) = picked(
-            &self.turns,
-            Kind::ALL,
-            unit(n),
-            (Kind::Steady, self.turns[0].1),
-        );
-        let ((), climb) = picked(&self.climbs, [(); 2], unit(a1), ((), self.climbs[0].1));
+        let kind = Kind::ALL.get(mode).copied().unwrap_or(Kind::Steady);
+        let (_, turn) = self.turns.get(mode).unwrap_or(&self.turns[0]);
+        let level = picked(self.climbs.map(|(weight, _)| weight), unit(a1));
+        let (_, climb) = self.climbs.get(level).unwrap_or(&self.climbs[0]);
         let [at, velocity, _] = turn.at;
-        let (mean, sigma) = acceleration(&turn);
+        let (mean, sigma) = acceleration(turn);
         let speed2 = velocity.squared().max(25.0);
         let rate = (mean * velocity.conj()).y / speed2;
         let first = Leg {
@@ -288,9 +319,9 @@ impl Belief {
         let until_s = [&second, &third].into_iter().find(changes);
         let until_s = until_s.map_or(f32::INFINITY, |leg| leg.from_s);
         Future {
-            weight: 1.0 / FUTURES as f32,
-            beside: Spread::beside(&turn),
-            above: Spread::above(&climb, until_s),
+            weight,
+            beside: Spread::beside(turn, kind, self.wavering()),
+            above: Spread::above(climb, until_s),
             off: off(n),
             legs: [first, second, third],
         }
@@ -298,20 +329,14 @@ impl Belief {
 
     /// The piece after a piece: when, what, how, by numbers in (0, 1).
     fn changed(&self, leg: &Leg, [when, what, how]: [f32; 3]) -> Leg {
-        let (turns, climbs) = (
-            leg.turn_radps.abs() > TURNS_RADPS,
-            leg.climb_mps.abs() > CLIMBS_MPS,
-        );
+        let turns = leg.turn_radps.abs() > TURNS_RADPS;
         let turn_rate = if turns {
             prior::TURN_ENDS_PER_S + prior::TURN_CHANGES_SIDE_PER_S
         } else {
             prior::TURN_BEGINS_PER_S
         };
-        let climb_rate = if climbs {
-            prior::LEVELS_OFF_PER_S
-        } else {
-            prior::CLIMB_BEGINS_PER_S
-        };
+        let level_rate = prior::LEVELS_OFF_PER_S * (leg.climb_mps.abs() / CLIMBS_MPS).min(1.0);
+        let climb_rate = level_rate + prior::CLIMB_BEGINS_PER_S;
         let all = turn_rate + climb_rate + prior::SPEED_CHANGES_PER_S;
         // Whole seconds, as futures are looked at.
         let after_s = libm::ceilf(-libm::logf(when) / all);
@@ -334,7 +359,8 @@ impl Belief {
                 self.bounds.climb_change_mps as f32 * (0.4 + 1.3 * share),
                 side,
             );
-            next.climb_mps = if climbs { 0.0 } else { usual };
+            let levels_off = what * all < turn_rate + level_rate;
+            next.climb_mps = if levels_off { 0.0 } else { usual };
         } else {
             next.velocity = next.velocity * (1.0 + prior::SPEED_CHANGE * 1.7 * side);
         }
@@ -349,19 +375,13 @@ fn off(n: u8) -> [f32; 3] {
     [what1, how1, what2].map(normal)
 }
 
-/// The first mode up to which the weights add up to a number in (0, 1); the last one if none does.
-fn picked<M: Copy, K: Copy, const N: usize>(
-    modes: &[(f32, M); N],
-    kinds: [K; N],
-    at: f32,
-    otherwise: (K, M),
-) -> (K, M) {
+/// The first of some weights up to which they add up to more than a number; the first of all if they do not.
+fn picked<const N: usize>(weights: [f32; N], at: f32) -> usize {
     let mut sum = 0.0;
-    let mut modes = modes.iter().zip(kinds);
-    modes
-        .find(|((weight, _), _)| {
-            sum += weight;
-            at < sum
-        })
-        .map_or(otherwise, |((_, mode), kind)| (kind, *mode))
+    let mut weights = weights.into_iter();
+    let picked = weights.position(|weight| {
+        sum += weight;
+        at < sum
+    });
+    picked.unwrap_or(0)
 }

@@ -123,8 +123,7 @@ pub struct Report {
     pub position_m: Vec3,
     /// Velocity over the ground, metres per second, if it is known.
     pub velocity_mps: Option<Vec3>,
-    /// For how long the sender has carried the position on along the velocity, to the time of the report, seconds: the
-    /// motion is known from before.
+    /// For how long the position was carried on along the velocity, from the time at which it holds, seconds.
     pub carried_s: f32,
     /// Its errors.
     pub errors: Errors,

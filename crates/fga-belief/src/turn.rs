@@ -24,6 +24,11 @@ impl Kind {
         }
     }
 
+    /// How often it ends, per second.
+    pub(crate) fn ends_per_s(self) -> f32 {
+        Self::ALL.map(|other| self.rate_to(other)).iter().sum()
+    }
+
     /// Chance per second to change into another one.
     const fn rate_to(self, other: Self) -> f32 {
         let turn = 0.5 * prior::TURN_SEEN_PER_S;
@@ -117,8 +122,8 @@ impl Turn {
         all
     }
 
-    /// Carries it on, seconds.
-    pub(crate) fn advance(&mut self, kind: Kind, turn_radps: f32, t: f32) {
+    /// Carries it on, seconds, with the turn rate of a usual turn and the white acceleration of what wavers.
+    pub(crate) fn advance(&mut self, kind: Kind, (turn_radps, wavering): (f32, f32), t: f32) {
         let most = 2.0 * turn_radps;
         let rate = self.rate_radps().max(-most).min(most);
         let (g, f) = turned(rate, t);
@@ -130,7 +135,7 @@ impl Turn {
         let usual = self.at[1].squared() * turn_radps * turn_radps;
         let (white, jerk) = match kind {
             Kind::Steady => (prior::STEADY, 0.0),
-            Kind::Wavering => (prior::WAVERING, 0.0),
+            Kind::Wavering => (wavering, 0.0),
             Kind::Left | Kind::Right => (prior::STEADY, prior::TURN_DRIFT * usual),
         };
         let (t2, t3) = (t * t, t * t * t);
@@ -154,18 +159,12 @@ impl Turn {
         ];
     }
 
-    /// Takes a measurement of position + `carried_s` · velocity: the log of its likelihood.
-    pub(crate) fn see_position(&mut self, seen: Complex, variance: f32, carried_s: f32) -> f32 {
-        let [pp, vv, _] = self.own;
-        let [pv, pa, va] = self.cross;
-        let gain = [
-            Complex::new(pp, 0.0) + pv * carried_s,
-            pv.conj() + Complex::new(vv * carried_s, 0.0),
-            pa.conj() + va.conj() * carried_s,
-        ];
-        let total = pp + carried_s * (2.0 * pv.x + carried_s * vv) + variance;
-        let [position, velocity, _] = self.at;
-        self.take(seen - (position + velocity * carried_s), gain, total)
+    /// Takes a measurement of the position: the log of its likelihood.
+    pub(crate) fn see_position(&mut self, seen: Complex, variance: f32) -> f32 {
+        let pp = self.own[0];
+        let [pv, pa, _] = self.cross;
+        let gain = [Complex::new(pp, 0.0), pv.conj(), pa.conj()];
+        self.take(seen - self.at[0], gain, pp + variance)
     }
 
     /// Takes a measurement of the velocity: the log of its likelihood.

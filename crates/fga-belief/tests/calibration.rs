@@ -111,6 +111,29 @@ fn what_is_said_is_what_happens() {
     }
 }
 
+/// A small aircraft that hovers may fly off: after 20 s a place 150 m beside it is within two σ of what it may do.
+#[test]
+fn what_hovers_may_fly_off() {
+    let sight = Sight {
+        velocity_mps: 0.3,
+        ..Sight::of(2.0, 10)
+    };
+    let mut draw = Draw::new(4, 4);
+    let mut truth = Moment {
+        time_s: 0.0,
+        position_m: Vec3::ZERO,
+        velocity_mps: Vec3::ZERO,
+    };
+    let report = sight.report(&truth, &mut draw).unwrap();
+    let mut belief = Belief::new(&report, &MovementBounds::SMALL_UAS);
+    for second in 1..=30 {
+        truth.time_s = f64::from(second);
+        belief.update(&sight.report(&truth, &mut draw).unwrap());
+    }
+    let [beside_m, _] = belief.futures(30.0).otherwise.off_m(20.0);
+    assert!(beside_m > 75.0, "{beside_m}");
+}
+
 #[test]
 fn weights_add_up_and_the_same_belief_has_the_same_futures() {
     let mut draw = Draw::new(2, 2);
@@ -130,9 +153,10 @@ fn weights_add_up_and_the_same_belief_has_the_same_futures() {
     assert!((sum - 1.0).abs() < 1e-5);
     // Where they begin is where the belief is.
     let estimate = belief.at(60.0);
-    let drawn = futures.all.iter().map(|future| future.position_m(0.0));
-    let mean = drawn.fold([0.0; 3], |sum, at| {
-        [0, 1, 2].map(|k| sum[k] + at[k] / FUTURES as f32)
+    let drawn = futures.all.iter();
+    let drawn = drawn.map(|future| (future.position_m(0.0), future.weight));
+    let mean = drawn.fold([0.0; 3], |sum, (at, weight)| {
+        [0, 1, 2].map(|k| sum[k] + at[k] * weight)
     });
     let mean = futures.origin_m + Vec3::from(mean.map(f64::from));
     assert!(
@@ -233,7 +257,7 @@ fn recorded_flights_are_where_their_futures_say() {
                 };
                 let shares = [0.01, 0.25].map(beyond);
                 eprintln!("sigma {sigma_m} m, {ahead_s} s, {name}: {shares:.3?}");
-                assert!(ranks.is_empty() || shares[0] < 0.07, "{name} {shares:?}");
+                assert!(ranks.is_empty() || shares[0] < 0.045, "{name} {shares:?}");
             }
         }
     }

@@ -121,6 +121,59 @@ fn what_stays_as_it_is_is_no_farther_off_than_the_belief_says() {
     );
 }
 
+/// A position that the sender has carried on is off by what its velocity is off, for two seconds.
+#[test]
+fn what_was_carried_on_is_as_far_off_as_the_belief_says() {
+    let tracks = drawn(Motion::Mixed);
+    for (position_m, velocity_mps) in [(1.2, 1.2), (1.2, 4.1), (37.8, 4.1)] {
+        let sight = Sight {
+            altitude_m: 2.2,
+            velocity_mps,
+            carried_s: 2.0,
+            ..Sight::of(position_m, 10)
+        };
+        let means = squares(&tracks, &sight, 3).means();
+        eprintln!("carried on, {position_m} m, {velocity_mps} m/s: {means:.2?}");
+        assert!(means.iter().all(|mean| *mean < 1.3), "{means:?}");
+    }
+}
+
+/// A small aircraft hovers, and gains 15 m/s in five seconds.
+#[test]
+fn what_hovers_and_flies_off_is_followed() {
+    let sight = Sight {
+        velocity_mps: 1.0,
+        ..Sight::of(2.0, 10)
+    };
+    let mut squares = Squares::default();
+    for stream in 0..40 {
+        let mut draw = Draw::new(7, stream);
+        let mut belief: Option<Belief> = None;
+        for second in 0..40 {
+            let time_s = f64::from(second);
+            let faster_s = (time_s - 30.0).clamp(0.0, 5.0);
+            let later_s = (time_s - 35.0).max(0.0);
+            let off_m = 1.5 * faster_s * faster_s + 15.0 * later_s;
+            let truth = Moment {
+                time_s,
+                position_m: Vec3::new(off_m, 0.0, 100.0),
+                velocity_mps: Vec3::new(3.0 * faster_s, 0.0, 0.0),
+            };
+            let report = sight.report(&truth, &mut draw).unwrap();
+            match &mut belief {
+                Some(belief) => belief.update(&report),
+                None => belief = Some(Belief::new(&report, &MovementBounds::SMALL_UAS)),
+            }
+            if second > 30 {
+                squares.note(&belief.unwrap().at(time_s), &truth);
+            }
+        }
+    }
+    let means = squares.means();
+    eprintln!("flies off: {means:.2?}");
+    assert!(means.iter().all(|mean| *mean < 3.0), "{means:?}");
+}
+
 /// One report in fifty is a kilometre off.
 #[test]
 fn false_reports_hardly_matter() {

@@ -143,6 +143,8 @@ pub(crate) struct Sight {
     pub(crate) altitude_m: f64,
     pub(crate) velocity_mps: f64,
     pub(crate) lasting_altitude_m: f64,
+    /// For how long the sender carries a position on, by the velocity that it states.
+    pub(crate) carried_s: f64,
     /// Share of the reports that arrive.
     pub(crate) arriving: f64,
     /// Share of false ones among those.
@@ -157,6 +159,7 @@ impl Sight {
             altitude_m: position_m.min(10.0),
             velocity_mps: 0.1 * position_m.max(3.0),
             lasting_altitude_m: 0.0,
+            carried_s: 0.0,
             arriving: 1.0,
             is_false: 0.0,
         }
@@ -187,9 +190,13 @@ impl Sight {
         };
         arrives.then_some(Report {
             time_s: truth.time_s,
-            position_m: truth.position_m + noise + far,
+            position_m: truth.position_m
+                + noise
+                + far
+                + (truth.velocity_mps + noise_mps) * self.carried_s,
             velocity_mps: Some(truth.velocity_mps + noise_mps),
-            carried_s: 0.0,
+            #[expect(clippy::cast_possible_truncation, reason = "seconds")]
+            carried_s: self.carried_s as f32,
             errors: self.errors(),
         })
     }

@@ -109,10 +109,11 @@ impl SensorSettings {
         self.altitude_sigma_m.unwrap_or(self.position_sigma_m)
     }
 
-    /// The tracker has one σ for all axes: the larger one.
+    /// The tracker has one σ for all axes: the larger one. A late position was carried on along the velocity.
     pub(super) fn look_noise(&self) -> LookNoise {
+        let position_m = self.position_sigma_m.max(self.altitude_sigma_m());
         LookNoise {
-            position_m: self.position_sigma_m.max(self.altitude_sigma_m()),
+            position_m: libm::hypot(position_m, self.velocity_sigma_mps * self.delay_s),
             velocity_mps: self.velocity_sigma_mps,
         }
     }

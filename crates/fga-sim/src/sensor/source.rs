@@ -256,7 +256,10 @@ fn with_noise(
     if let Some(noise) = noise {
         let sigma_m = settings.position_sigma_m;
         seen.position_m += noise.vector(Vec3::new(sigma_m, sigma_m, settings.altitude_sigma_m()));
-        seen.velocity_mps += noise.vector(Vec3::splat(settings.velocity_sigma_mps));
+        let off_mps = noise.vector(Vec3::splat(settings.velocity_sigma_mps));
+        seen.velocity_mps += off_mps;
+        // It was carried on along the velocity that is seen.
+        seen.position_m += off_mps * settings.delay_s;
         if settings.tracked && settings.by_belief {
             return believed(seen, time_s, settings, known);
         }
