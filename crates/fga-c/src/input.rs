@@ -206,6 +206,7 @@ impl fga_settings {
             pitch_cost: self.pitch_cost,
             objective,
             work_limit: self.work_limit,
+            ..Settings::default()
         };
         settings.check()?;
         Ok(settings)

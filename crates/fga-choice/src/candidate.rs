@@ -5,7 +5,8 @@ use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, MotionState, flown};
 
-use crate::chance::{Path, SECONDS};
+use crate::chance::{Chance, Path, SECONDS};
+use crate::price;
 
 /// Courses off the mission's leg, degrees: both sides, and on.
 pub(crate) const TURNS_DEG: [f64; 19] = [
@@ -83,9 +84,16 @@ pub struct Scene<'a> {
     pub turns_rad: f64,
     /// Altitude of the mission here, metres.
     pub altitude_m: f64,
+    /// Price of a loss, metres.
+    pub loss_m: f64,
 }
 
 impl Scene<'_> {
+    /// The price of some chances, metres.
+    pub(crate) fn price_m(&self, chance: &Chance) -> f64 {
+        self.loss_m * price::losses(chance)
+    }
+
     /// Sets a command to a plan.
     pub fn set(&self, plan: &Plan, command: &mut Maneuver) {
         let own_m = self.now.position_m.z;

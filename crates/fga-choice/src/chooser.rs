@@ -74,20 +74,20 @@ pub(crate) enum Other<'a> {
     Straight(Obstacle),
 }
 
-/// One of the others, and what it costs on the mission, metres.
+/// One of the others, and how many losses it is on the mission.
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
     other: Option<Other<'a>>,
     /// How near it may come by its closing speed, metres.
     away_m: f64,
-    pub(crate) loss_m: f64,
+    pub(crate) losses: f64,
 }
 
 impl Nearby<'_> {
     pub(crate) const NOTHING: Self = Self {
         other: None,
         away_m: f64::INFINITY,
-        loss_m: 0.0,
+        losses: 0.0,
     };
 
     /// The age of what is known of it, seconds.
@@ -100,7 +100,7 @@ impl Nearby<'_> {
 
     /// Whether the mission may meet it.
     pub(crate) fn is_threat(&self) -> bool {
-        self.loss_m > price::no_loss_m(0.0)
+        self.losses > price::no_loss(0.0)
     }
 
     /// Its futures as they will be known after some seconds.
@@ -189,17 +189,17 @@ impl Chooser {
             self.begin([Plan::Mission]);
             self.look_at(scene, near, flight);
             let one = self.looked.first().map_or(Chance::NONE, |on| on.chance);
-            near.loss_m = price::loss_m(&one);
+            near.losses = price::losses(&one);
             hold = hold.and(one);
         }
-        if price::loss_m(&hold) < price::no_loss_m(away_s) {
+        if price::losses(&hold) < price::no_loss(away_s) {
             self.rank(Plan::Mission, &hold, (0.0, 0.0));
             return hold;
         }
         let flown = present.way_at(scene.time_s);
         let is_away = flown.is_some() || away_s > 0.0;
         let back_m = flown.map_or(0.0, |_| here.off_m);
-        self.rank(Plan::Mission, &hold, (price::loss_m(&hold) + back_m, 0.0));
+        self.rank(Plan::Mission, &hold, (scene.price_m(&hold) + back_m, 0.0));
         self.begin(ways(scene, flown));
         self.look(scene, &others, flight);
         let mut changes_m = 0.0;
@@ -207,11 +207,11 @@ impl Chooser {
             let Some(one) = self.looked.get(place).copied() else {
                 break;
             };
-            let cost_m = price::loss_m(&one.chance) + one.departs_m(scene, &here);
+            let cost_m = scene.price_m(&one.chance) + one.departs_m(scene, &here);
             let change_m = match (flown, one.plan.way_at(scene.time_s)) {
                 // The present way is the first one.
                 (Some(flown), Some(way)) if way == flown => {
-                    changes_m = price::CHANGE_SHARE * cost_m.min(price::LOSS_M / 2.0);
+                    changes_m = price::CHANGE_SHARE * cost_m.min(scene.loss_m / 2.0);
                     0.0
                 }
                 (Some(flown), Some(way)) => changes_m + way.change_m(&flown),
@@ -326,7 +326,7 @@ fn others<'a>(
         let near = Nearby {
             other: Some(other),
             away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),
-            loss_m: 0.0,
+            losses: 0.0,
         };
         keep_least(&mut nearest, near, |near| near.away_m);
         all += 1;
@@ -408,7 +408,7 @@ impl Way {
     pub(crate) fn change_m(&self, present: &Self) -> f64 {
         let other_climb = if self.up == present.up { 0.0 } else { 0.5 };
         let turn = (self.course_rad - present.course_rad).abs().min(1.0);
-        price::CHANGE_M * (turn + other_climb).min(1.0)
+        price::CHANGE_M * (price::SMALL_CHANGE + turn + other_climb).min(1.0)
     }
 }
 

@@ -14,8 +14,8 @@
 
 use crate::chance::Chance;
 
-/// A loss of the protected volume, metres.
-pub const LOSS_M: f64 = 20_000.0;
+/// A loss of the protected volume, metres, where nobody says another price.
+pub const LOSS_M: f64 = 19_000.0;
 
 /// The inner part of the volume, as a multiple of a loss.
 pub const INNER: f64 = 0.5;
@@ -30,10 +30,13 @@ pub const EXTRA_PATH: f64 = 0.7;
 pub const SECOND_M: f64 = 3.5;
 
 /// The start of a manoeuvre, metres, less the chance of a loss on the mission; the whole price while the aircraft is away from the mission.
-pub const START_M: f64 = 1000.0;
+pub const START_M: f64 = 1200.0;
 
 /// Another manoeuvre than the present one, or a way back that may be left again, metres.
-pub const CHANGE_M: f64 = 150.0;
+pub const CHANGE_M: f64 = 120.0;
+
+/// What a change costs however small it is, as a share of [`CHANGE_M`].
+pub const SMALL_CHANGE: f64 = 0.4;
 
 /// Another manoeuvre must save this share of what the present one costs, at most of half a loss, because costs are estimates. In the recorded
 /// flights, as above, a tenth left 6 of 164 losses, 720 m aside, when it was chosen; three tenths left 7, 825 m aside. Without it, and with
@@ -49,14 +52,13 @@ const NO_LOSS_A_MINUTE: f64 = 0.01;
 /// The largest of these shares.
 const MOST_NO_LOSS: f64 = 0.1;
 
-/// What the mission may cost by chances of a loss that counts as nothing, after some seconds away from it, metres.
-pub(crate) fn no_loss_m(away_s: f64) -> f64 {
-    let share = if away_s < 60.0 {
+/// What the mission may cost by chances of a loss that counts as nothing, after some seconds away from it, as a share of a loss.
+pub(crate) fn no_loss(away_s: f64) -> f64 {
+    if away_s < 60.0 {
         NO_LOSS
     } else {
         (NO_LOSS_A_MINUTE * away_s / 60.0).min(MOST_NO_LOSS)
-    };
-    LOSS_M * share
+    }
 }
 
 /// The price of a start, metres, for what the mission meets.
@@ -68,7 +70,7 @@ pub(crate) fn starts_m(hold: &Chance, is_away: bool) -> f64 {
     }
 }
 
-/// The price of some chances, metres.
-pub(crate) fn loss_m(chance: &Chance) -> f64 {
-    LOSS_M * (chance.loss + INNER * chance.inner + COLLISION * chance.collision)
+/// How many losses some chances are.
+pub(crate) fn losses(chance: &Chance) -> f64 {
+    chance.loss + INNER * chance.inner + COLLISION * chance.collision
 }

@@ -54,7 +54,7 @@ impl Chooser {
             return;
         };
         self.ranked.clear();
-        self.rank(Plan::Mission, hold, (price::loss_m(hold) + back_m, 0.0));
+        self.rank(Plan::Mission, hold, (scene.price_m(hold) + back_m, 0.0));
         let ways = before.iter().filter_map(|ranked| match ranked.plan {
             Plan::Off(way, _) => Some((way, ranked)),
             _ => None,
@@ -124,7 +124,7 @@ impl Chooser {
         {
             let expected = Chance::mean(&each, looks);
             *starts_m = price::starts_m(&expected, studied.is_away);
-            *cost_m = rest_m + price::loss_m(&expected);
+            *cost_m = rest_m + scene.price_m(&expected);
         }
         (outlook, costs_m)
     }
@@ -139,7 +139,7 @@ impl Chooser {
         flight: &mut FlightPath,
     ) -> Each {
         let (each, rest_m) = self.met(scene, studied, place, flight);
-        (outlook.looks.futures).map(|looks| rest_m + price::loss_m(&Chance::mean(&each, &looks)))
+        (outlook.looks.futures).map(|looks| rest_m + scene.price_m(&Chance::mean(&each, &looks)))
     }
 
     /// The chances of a plan with the aircraft that is studied, for each of its futures, and what it costs beside that, metres.
@@ -159,7 +159,7 @@ impl Chooser {
             .looked
             .get(place)
             .map(|one| one.departs_m(scene, &studied.here));
-        let rest_m = price::loss_m(&rest) + departs_m.unwrap_or(0.0);
+        let rest_m = scene.price_m(&rest) + departs_m.unwrap_or(0.0);
         (each, rest_m)
     }
 }
@@ -168,7 +168,7 @@ impl<'a> Studied<'a> {
     /// The one that the mission is most likely to meet is studied.
     fn of(others: &Others<'a>, here: &Aside, back_m: f64, is_away: bool) -> Option<Self> {
         let mut rest = *others;
-        let threat = (rest.iter_mut()).max_by(|a, b| a.loss_m.total_cmp(&b.loss_m))?;
+        let threat = (rest.iter_mut()).max_by(|a, b| a.losses.total_cmp(&b.losses))?;
         let threat = core::mem::replace(threat, Nearby::NOTHING);
         Some(Self {
             threat,

@@ -141,6 +141,8 @@ pub struct Avoidance {
     /// What is best among what is certified.
     #[serde(default)]
     pub objective: ObjectiveName,
+    /// Price of a loss of a protected volume, metres of departure.
+    pub loss_price_m: Option<Spanned<f64>>,
 }
 
 /// Word for an objective.

@@ -25,6 +25,7 @@ impl PySettings {
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = f64::INFINITY, horizon_s = 60.0,
         margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
         objective = "paper-cost", work_limit = 100_000, drift_mps = 0.0,
+        loss_price_m = 19_000.0,
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -42,6 +43,7 @@ impl PySettings {
         objective: &str,
         work_limit: i64,
         drift_mps: f64,
+        loss_price_m: f64,
     ) -> PyResult<Self> {
         let settings = Settings {
             start: match PolicyChoice::parse("turn-aware", Some(start)) {
@@ -57,6 +59,7 @@ impl PySettings {
             confidence_sigmas,
             heading_cost,
             pitch_cost,
+            loss_price_m,
             objective: match objective {
                 "paper-cost" => Objective::PaperCost,
                 "least-deviation" => Objective::LeastDeviation,
@@ -116,11 +119,13 @@ properties! { PySettings, this,
     heading_cost: f64 = this.0.heading_cost;
     /// Cost of a change of climb angle, per radian.
     pitch_cost: f64 = this.0.pitch_cost;
+    /// Price of a loss of a protected volume, metres of departure, where chances decide.
+    loss_price_m: f64 = this.0.loss_price_m;
     /// Most work of one step.
     work_limit: u32 = this.0.work_limit;
 }
 
 frozen! { PySettings, this,
     start, decision_period_s, surveillance_radius_m, horizon_s, margin_m, drift_mps,
-    confidence_sigmas, heading_cost, pitch_cost, objective, work_limit,
+    confidence_sigmas, heading_cost, pitch_cost, objective, loss_price_m, work_limit,
 }

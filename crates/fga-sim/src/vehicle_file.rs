@@ -200,6 +200,7 @@ fn settings(file: &VehicleFile, text: TomlText<'_>) -> Result<PolicySettings, In
             ObjectiveName::LeastDeviation => Objective::LeastDeviation,
             ObjectiveName::ShortestPath => Objective::ShortestPath,
         },
+        loss_price_m: given!(text, avoidance.loss_price_m within (100.0, 1e7); usual.loss_price_m),
         ..usual
     };
     Ok(PolicySettings {

@@ -108,6 +108,7 @@ impl Random {
             pitch_cost: self.within(0.0, 1.0),
             objective: *self.one_of(&objectives),
             work_limit,
+            ..Settings::default()
         }
     }
 

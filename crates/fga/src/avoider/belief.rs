@@ -241,6 +241,7 @@ impl Chooses<'_> {
             climbs_rad: avoider.maneuver_climbs_rad(),
             leg_rad,
             turns_rad,
+            loss_m: avoider.settings.loss_price_m,
             altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
         };
         avoider.load_tracks(situation, None);

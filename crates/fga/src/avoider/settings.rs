@@ -56,6 +56,9 @@ pub struct Settings {
     pub pitch_cost: f64,
     /// What the cheapest manoeuvre is.
     pub objective: Objective,
+    /// Price of a loss of a protected volume, in metres of departure from the mission, where a [`BeliefAvoider`](super::BeliefAvoider) weighs
+    /// chances.
+    pub loss_price_m: f64,
     /// Most work of one step, in tests of a line against four obstacles, some 12 to 25 ns each on a
     /// desktop processor. The unit covers everything whose length depends on the input, and no step exceeds the limit:
     /// a step near it answers with the best that it found, and the next one continues with other manoeuvres. Work is refused
@@ -82,6 +85,7 @@ impl Default for Settings {
             heading_cost: 0.2,
             pitch_cost: 0.5,
             objective: Objective::PaperCost,
+            loss_price_m: fga_choice::price::LOSS_M,
             work_limit: 100_000,
         }
     }
@@ -91,7 +95,7 @@ impl Settings {
     /// Checks every setting.
     ///
     /// Ranges: decision period 1 ms to 10 s, horizon 1 s to 600 s, margin up to 10 km, drift up to 100 m/s, confidence up to 10
-    /// standard deviations, costs up to 10⁶ per radian, work limit from [`LEAST_WORK`].
+    /// standard deviations, costs up to 10⁶ per radian, price of a loss 100 m to 10,000 km, work limit from [`LEAST_WORK`].
     ///
     /// # Errors
     /// The first setting that is not finite or out of range.
@@ -113,6 +117,11 @@ impl Settings {
             ),
             ("heading_cost", self.heading_cost, cost),
             ("pitch_cost", self.pitch_cost, cost),
+            (
+                "loss_price_m",
+                self.loss_price_m,
+                (100.0, 1e7, "100 to 10,000,000"),
+            ),
             (
                 "work_limit",
                 f64::from(self.work_limit),
