@@ -14,7 +14,7 @@ const SHOWN_FROM_S: f64 = 0.5;
 /// A contradiction is this many σ of the line.
 const SIGMAS: f64 = 3.0;
 /// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
-const TIME_S: f64 = 0.3;
+pub(super) const TIME_S: f64 = 0.3;
 /// Step of reported altitudes, metres: 25 ft.
 pub(crate) const ALTITUDE_STEP_M: f64 = 7.62;
 /// σ of the climb of an aircraft whose altitudes show nothing of it yet, metres per second: 1,000 ft/min.

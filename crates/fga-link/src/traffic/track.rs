@@ -258,7 +258,11 @@ impl AircraftTrack {
             self.estimated_mps
         };
         let uncertainty = Uncertainty {
-            position_m: last.quality.position_m,
+            // The filter knows of no error of the time.
+            position_m: libm::hypot(
+                last.quality.position_m,
+                motion::TIME_S * self.velocity_mps.length(),
+            ),
             velocity_mps,
         };
         (position_m, uncertainty)
