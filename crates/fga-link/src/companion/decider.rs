@@ -9,7 +9,7 @@ use fga::vehicle::Vehicle;
 use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 
 use crate::config::{CommandMode, Config, PolicyName};
-use crate::traffic::motion::ALTITUDE_STEP_M;
+use crate::traffic::motion::COARSEST_STEP_M;
 use crate::traffic::report::VELOCITY_SIGMA_MPS;
 
 /// How much faster than estimated a vehicle may turn: the estimate of the turn-rate factor is a little low.
@@ -24,10 +24,11 @@ const LATE_SCORE: f64 = 0.9;
 #[expect(clippy::cast_possible_truncation, reason = "standard deviations")]
 fn assumed_errors(position_sigma_m: f64) -> Errors {
     let assumed = |value: f64| Sigma::new(value as f32, Source::Assumed);
+    // σ of what is rounded to steps: no report says which encoder counted.
+    let altitude_m = COARSEST_STEP_M / libm::sqrt(12.0);
     Errors {
         position_m: assumed(position_sigma_m),
-        // σ of what is rounded to steps.
-        altitude_m: assumed(ALTITUDE_STEP_M / libm::sqrt(12.0)),
+        altitude_m: Sigma::new(altitude_m as f32, Source::Standard),
         velocity_mps: assumed(VELOCITY_SIGMA_MPS),
         climb_mps: assumed(VELOCITY_SIGMA_MPS),
         ..Errors::default()
@@ -370,6 +371,14 @@ mod tests {
         }
     }
 
+    fn in_steps(position_m: Vec3, step_m: f64) -> Vec3 {
+        Vec3::new(
+            position_m.x,
+            position_m.y,
+            (position_m.z / step_m).round() * step_m,
+        )
+    }
+
     /// Whole seconds are off by up to half of one: 30 m at 60 m/s.
     #[test]
     fn times_that_are_off_do_not_begin_a_belief_again() {
@@ -381,5 +390,18 @@ mod tests {
         });
         assert_eq!(judged.resets, 0);
         assert!(judged.means()[0] < 1.5, "{judged:?}");
+    }
+
+    /// Encoders that count in 100 ft, in a slow climb. While a step lasts so does its error, which the filter takes for a new one.
+    #[test]
+    fn steps_of_altitude_do_not_begin_a_belief_again() {
+        for climb_is_known in [true, false] {
+            let judged = judged(120, flight(1.0, 0.0), |_, position_m, velocity_mps| Said {
+                climb_is_known,
+                ..Said::of(in_steps(position_m, 30.48), velocity_mps)
+            });
+            assert_eq!(judged.resets, 0, "climb known: {climb_is_known}");
+            assert!(judged.means()[1] < 10.0, "{judged:?}");
+        }
     }
 }

@@ -16,7 +16,9 @@ const SIGMAS: f64 = 3.0;
 /// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
 pub(super) const TIME_S: f64 = 0.3;
 /// Step of reported altitudes, metres: 25 ft.
-pub(crate) const ALTITUDE_STEP_M: f64 = 7.62;
+const ALTITUDE_STEP_M: f64 = 7.62;
+/// Step of the coarsest encoders, metres: 100 ft.
+pub(crate) const COARSEST_STEP_M: f64 = 30.48;
 /// σ of the climb of an aircraft whose altitudes show nothing of it yet, metres per second: 1,000 ft/min.
 const CLIMB_MPS: f64 = 5.08;
 /// Error of the way between two reports in a turn, as a share of the change of velocity times the time between. A turn by
