@@ -401,7 +401,43 @@ mod tests {
                 ..Said::of(in_steps(position_m, 30.48), velocity_mps)
             });
             assert_eq!(judged.resets, 0, "climb known: {climb_is_known}");
-            assert!(judged.means()[1] < 10.0, "{judged:?}");
+            assert!(judged.means()[1] < 6.0, "{judged:?}");
         }
+    }
+
+    /// A descent begins after half a minute of level flight. Nobody foresees it, so the climb rate is off by more than its σ at first.
+    #[test]
+    fn the_climb_that_altitudes_show_is_no_second_measurement() {
+        for step_m in [7.62, 30.48] {
+            let judged = judged(60, flight(-5.0, 30.0), |_, position_m, velocity_mps| Said {
+                climb_is_known: false,
+                ..Said::of(in_steps(position_m, step_m), velocity_mps)
+            });
+            assert_eq!(judged.resets, 0, "steps of {step_m} m");
+            assert!(judged.means()[2] < 3.5, "steps of {step_m} m: {judged:?}");
+        }
+    }
+
+    /// Those that state their climb keep its σ.
+    #[test]
+    fn a_reported_climb_counts_as_reported() {
+        let judged = judged(60, flight(-5.0, 30.0), |_, position_m, velocity_mps| {
+            Said::of(in_steps(position_m, 7.62), velocity_mps)
+        });
+        assert!(judged.climb_off_mps() < 1.0, "{judged:?}");
+    }
+
+    /// Positions alone show the velocity.
+    #[test]
+    fn the_velocity_that_positions_show_is_no_second_measurement() {
+        let judged = judged(60, flight(0.0, 0.0), |random, position_m, velocity_mps| {
+            Said {
+                velocity_mps: None,
+                off_s: random.within(0.2),
+                ..Said::of(position_m, velocity_mps)
+            }
+        });
+        assert_eq!(judged.resets, 0);
+        assert!(judged.means()[0] < 1.5, "{judged:?}");
     }
 }
