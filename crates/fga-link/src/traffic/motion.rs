@@ -14,11 +14,13 @@ const SHOWN_FROM_S: f64 = 0.5;
 /// A contradiction is this many σ of the line.
 const SIGMAS: f64 = 3.0;
 /// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
-const TIME_S: f64 = 0.3;
+pub(super) const TIME_S: f64 = 0.3;
 /// Step of reported altitudes, metres: 25 ft.
-pub(crate) const ALTITUDE_STEP_M: f64 = 7.62;
+const ALTITUDE_STEP_M: f64 = 7.62;
+/// Step of the coarsest encoders, metres: 100 ft.
+pub(crate) const COARSEST_STEP_M: f64 = 30.48;
 /// σ of the climb of an aircraft whose altitudes show nothing of it yet, metres per second: 1,000 ft/min.
-const CLIMB_MPS: f64 = 5.08;
+pub(super) const CLIMB_MPS: f64 = 5.08;
 /// Error of the way between two reports in a turn, as a share of the change of velocity times the time between. A turn by
 /// 100° makes 0.15: the chord is sin 50°/50° of the arc, the mean of the velocities cos 50° of the speed.
 const TURN_SHARE: f64 = 0.15;

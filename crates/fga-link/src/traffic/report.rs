@@ -155,7 +155,8 @@ impl PlaceReport {
             0.0
         };
         let velocity_mps = known.then(|| velocity_mps(speed_mps, heading_rad, climb_mps));
-        // "Time since last communication" counts whole seconds: 0 is fresh.
+        // "Time since last communication" counts whole seconds, taken as rounded: neither the definition of MAVLink nor ArduPilot, which
+        // subtracts and passes on what its receiver says, says that they are cut off. Times that are cut off are half a second late in the mean.
         let age_s = f64::from(data.tslc);
         let class = AircraftClass::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;

@@ -250,18 +250,28 @@ impl AircraftTrack {
         if last.quality.altitude != self.quality.altitude {
             position_m.z = self.position_m(at_s).z;
         }
-        let velocity_mps = if !self.has_velocity && self.shown_mps.is_none() {
-            0.5 * GATE_UNKNOWN_MPS
-        } else if self.has_velocity && !self.contradicts {
-            last.quality.velocity_mps
-        } else {
-            self.estimated_mps
-        };
         let uncertainty = Uncertainty {
-            position_m: last.quality.position_m,
-            velocity_mps,
+            // The filter knows of no error of the time.
+            position_m: libm::hypot(
+                last.quality.position_m,
+                motion::TIME_S * self.velocity_mps.length(),
+            ),
+            velocity_mps: self.reported_velocity_sigma_mps(),
         };
         (position_m, uncertainty)
+    }
+
+    /// σ of the last report's velocity along the worst of its axes, metres per second: [`Uncertainty`] has one for all. The velocity that
+    /// positions or altitudes show is no second measurement beside them.
+    fn reported_velocity_sigma_mps(&self) -> f64 {
+        let last = &self.last;
+        if last.velocity_mps.is_none() || self.contradicts {
+            0.5 * GATE_UNKNOWN_MPS
+        } else if last.quality.climb_is_known {
+            last.quality.velocity_mps
+        } else {
+            last.quality.velocity_mps.max(motion::CLIMB_MPS)
+        }
     }
 
     /// Name for the operator: call sign, else address, else number.
