@@ -11,13 +11,19 @@
 #![deny(clippy::unwrap_used, clippy::expect_used)]
 #![deny(clippy::panic, clippy::indexing_slicing)]
 
-use core::f64::consts::PI;
+use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use fga_proof::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
 use fga_proof::{Vec2, Vec3};
 
+/// Share of the estimated factor in the plan.
+pub const IN_HAND: f64 = 0.97;
+/// How wrong a vehicle file may be: the factor as a share, the lag and the dead time, seconds.
+const FILE_WRONG: (f64, f64, f64) = (0.25, 0.3, 0.1);
+/// Factors in plans, beside the one of the file.
+const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 /// A gap between states outside of this range, seconds, shows nothing: a clock that jumps, or telemetry that paused.
-const GAPS_S: core::ops::Range<f64> = 0.005..0.35;
+pub const GAPS_S: core::ops::Range<f64> = 0.005..0.35;
 /// Smallest bank of a turn, radians; the largest rate of roll at which a bank is steady, radians per second.
 const LEAST_BANK_RAD: f64 = 0.15;
 const STEADY_RADPS: f64 = 0.08;
@@ -144,6 +150,12 @@ impl KnownAircraft {
             late_s: not_negative(time_s + response.dead_time_s, lag_s + dead_s),
             wind_mps: [wind_mps.x, wind_mps.y].map(|mps| Interval::about(mps, off_mps)),
         }
+    }
+
+    /// A vehicle file as it is believed before a flight, and a wind within these metres per second to the east and to the north.
+    pub fn of_file(response: &Response, wind_mps: Vec2, off_mps: f64) -> Self {
+        let (factor_share, lag_s, dead_s) = FILE_WRONG;
+        Self::within(response, wind_mps, (factor_share, lag_s, dead_s, off_mps))
     }
 
     /// How the aircraft follows, as expected.
@@ -466,5 +478,32 @@ impl Learned {
             late_s,
             wind_mps: self.wind.known(&believed.wind_mps),
         }
+    }
+
+    /// Whether the flight weighs more than what is believed beforehand: of the turn-rate factor, of lag and dead time, and of the wind.
+    pub fn outweighs(&self, believed: &KnownAircraft) -> [bool; 3] {
+        let wind_mps = self.wind.known(&believed.wind_mps);
+        let mut winds = wind_mps.iter().zip(&believed.wind_mps);
+        // Of two measurements that weigh the same, the joint one has half of the variance.
+        let wind = winds.all(|(known, believed)| known.half() < FRAC_1_SQRT_2 * believed.half());
+        let rolling = self.rolling.evidence > AS_BELIEVED;
+        [self.turning.weight_s > AS_BELIEVED_S, rolling, wind]
+    }
+
+    /// What plans are made with: what is known from a vehicle file and the flight so far, without the wind; its factor is this share of the
+    /// one that is expected.
+    pub fn planned(&self, file: &Response, in_hand: f64) -> KnownAircraft {
+        let believed = Response {
+            turn_rate_factor: file.turn_rate_factor / in_hand,
+            ..*file
+        };
+        let mut known = self.known(&KnownAircraft::of_file(&believed, Vec2::ZERO, 0.0));
+        let factor = &mut known.turn_rate_factor;
+        let (least, most) = FACTOR_RANGE;
+        let least = file.turn_rate_factor.min(least);
+        let most = file.turn_rate_factor.max(most);
+        // `clamp` panics where the ends are not in order.
+        factor.mean = (in_hand * factor.mean).max(least).min(most);
+        known
     }
 }

@@ -1,19 +1,14 @@
 //! The vehicle's response, learned in flight: turn-rate factor, bank lag and dead time, each with an interval.
 //!
-//! [`Learned`] has the evidence; here are what is believed before it, which is the configuration's, and the reserve that plans keep of the
-//! turn-rate factor.
+//! [`Learned`] has the evidence; here are the configuration, which is believed before it, and the reserve that plans keep of the turn-rate
+//! factor of steep banks.
 
 use fga::vehicle::Response;
-use fga_learned::{KnownAircraft, Learned, SeenState};
+use fga_learned::{IN_HAND, KnownAircraft, Learned, SeenState};
 
 use crate::config::ResponseConfig;
 use crate::ownship::FLYING_SPEED_MPS;
 
-/// How wrong the configuration may be: the factor as a share, the lag and the dead time, seconds; and the wind, which the vehicle
-/// reports itself, metres per second.
-const WRONG: (f64, f64, f64, f64) = (0.25, 0.3, 0.1, 0.0);
-/// Share of the estimated factor in the plan.
-const IN_HAND: f64 = 0.97;
 /// Before a steep bank was flown: the share of the normal bank's factor that it is expected to reach, and its
 /// additional lag, seconds. Flight at 45° and less does not show either.
 const STEEP_SHARE: f64 = 0.9;
@@ -22,8 +17,6 @@ const STEEP_LAG_S: f64 = 0.1;
 /// turned with 1.3 of its steady rate for half a second, then with a quarter of it for half a second (the wing unloads while the
 /// pitch is corrected), and from there to the end of the turn, 2.9 s, with 0.78 of it. A plan made in the turn meets that part alone.
 const STEEP_IN_HAND: f64 = 0.78;
-/// Factors in plans, beside the one of the configuration.
-const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 
 /// The present knowledge of the response.
 #[derive(Debug, Clone)]
@@ -75,28 +68,9 @@ impl ResponseEstimate {
         self.learned.forget();
     }
 
-    /// What is known, with the plan's share of the factor.
-    fn known_from(&self, start: Response, in_hand: f64) -> KnownAircraft {
-        let believed = Response {
-            turn_rate_factor: start.turn_rate_factor / in_hand,
-            ..start
-        };
-        let mut known =
-            self.learned
-                .known(&KnownAircraft::within(&believed, fga::Vec2::ZERO, WRONG));
-        let factor = &mut known.turn_rate_factor;
-        let (least, most) = FACTOR_RANGE;
-        let (least, most) = (
-            start.turn_rate_factor.min(least),
-            start.turn_rate_factor.max(most),
-        );
-        factor.mean = (in_hand * factor.mean).clamp(least, most);
-        known
-    }
-
     /// What is known of banks up to the normal one.
     pub fn known(&self) -> KnownAircraft {
-        self.known_from(self.start, IN_HAND)
+        self.learned.planned(&self.start, IN_HAND)
     }
 
     /// Whether it learns.
@@ -120,7 +94,7 @@ impl ResponseEstimate {
         };
         Response {
             dead_time_s: normal.dead_time_s,
-            ..self.known_from(start, STEEP_IN_HAND).response()
+            ..self.learned.planned(&start, STEEP_IN_HAND).response()
         }
     }
 }
