@@ -6,8 +6,8 @@
 // Obstacles, positions, velocities and wind are over the ground; the course and the climb angle of the aircraft are those of its
 // motion through the air.
 //
-// MEMORY. The library allocates nothing and keeps no pointer of the caller. An avoider, a prover or a filter of reports lives in storage that the
-// caller lends, aligned to FGA_ALIGN, which must not be moved or copied:
+// MEMORY. The library allocates nothing and keeps no pointer of the caller. An avoider, a prover, a filter of reports or a
+// learner lives in storage that the caller lends, aligned to FGA_ALIGN, which must not be moved or copied:
 //     static _Alignas(FGA_ALIGN) unsigned char storage[FGA_AVOIDER_BYTES(16, 32)];
 // What lies in the storage is the library's alone.
 //
@@ -101,6 +101,24 @@
 // Bit of `fga_decision::has`: the aircraft is already in a volume; what is proven is that it leaves it, and keeps clear of all
 // others, `certified_...`. It excludes `FGA_HAS_CERTIFICATE`.
 #define FGA_HAS_LEAVING 64
+
+// Bytes of storage for a learner.
+#define FGA_LEARNED_BYTES 5120
+
+// Bit of `fga_seen_state::has`: a bank is commanded, `bank_command_left_rad`.
+#define FGA_SEEN_COMMAND 1
+
+// Bit of `fga_seen_state::has`: the velocity over the ground was measured, `velocity_mps`.
+#define FGA_SEEN_VELOCITY 2
+
+// Bit of `fga_known_aircraft::has`: of `turn_rate_factor` the flight weighs more than what is believed beforehand.
+#define FGA_KNOWN_TURN_RATE 1
+
+// Bit of `fga_known_aircraft::has`: of `bank_time_constant_s`, `dead_time_s` and `late_s` the flight weighs more than that.
+#define FGA_KNOWN_LAG 2
+
+// Bit of `fga_known_aircraft::has`: of both parts of the wind the flight weighs more than what is believed beforehand.
+#define FGA_KNOWN_WIND 4
 
 // Bytes of storage for a prover.
 #define FGA_PROVER_BYTES 40960
@@ -377,6 +395,9 @@ typedef uint32_t fga_movement;
 
 // Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything outside of that.
 typedef struct fga_avoider fga_avoider;
+
+// What the aircraft's own flight shows of it and the wind, in storage of the caller. It holds no address of anything outside of that.
+typedef struct fga_learned fga_learned;
 
 // Proves manoeuvres of one vehicle, in storage of the caller. It holds no address of anything else.
 typedef struct fga_prover fga_prover;
@@ -709,6 +730,56 @@ typedef struct fga_counts {
   uint32_t obstacles_left_out;
 } fga_counts;
 
+// A measured state of the aircraft, as raw as there is: what a filter has delayed adds to the lag.
+typedef struct fga_seen_state {
+  // `sizeof(fga_seen_state)`.
+  uint32_t size;
+  // What else is known, bits `FGA_SEEN_...`.
+  uint32_t has;
+  // When it was measured, seconds.
+  double time_s;
+  // Bank angle, radians, positive in a left turn. 1.4 and more shows nothing.
+  double bank_left_rad;
+  // Rate of turn about the vertical, or of the course through the air, radians per second, positive to the left.
+  double turn_rate_left_radps;
+  // Total airspeed, metres per second. Below 3 and from 300 on it shows nothing: the aircraft does not fly.
+  double airspeed_mps;
+  // Bank that is commanded from now until the next state, radians, positive to the left; without `FGA_SEEN_COMMAND` not read.
+  double bank_command_left_rad;
+  // Velocity over the ground, metres per second, of which the way up does not count; without `FGA_SEEN_VELOCITY` not read.
+  struct fga_enu velocity_mps;
+} fga_seen_state;
+
+// A value and the interval in which it lies; of drawn aircraft the truth was inside at least 97 times of 100.
+typedef struct fga_interval {
+  // Lower end.
+  double low;
+  // The value that is expected.
+  double mean;
+  // Upper end.
+  double high;
+} fga_interval;
+
+// What is known of the aircraft and the wind. Without evidence it is what is believed beforehand.
+typedef struct fga_known_aircraft {
+  // `sizeof(fga_known_aircraft)`.
+  uint32_t size;
+  // Of what the flight weighs more than what is believed beforehand, bits `FGA_KNOWN_...`.
+  uint32_t has;
+  // Flown course rate over g tan(bank) / airspeed.
+  struct fga_interval turn_rate_factor;
+  // Time constant of the first-order response of the bank, seconds.
+  struct fga_interval bank_time_constant_s;
+  // Delay from a command to its first effect, seconds.
+  struct fga_interval dead_time_s;
+  // Dead time and time constant together, seconds: known better than either.
+  struct fga_interval late_s;
+  // Velocity of the air to the east, metres per second.
+  struct fga_interval wind_east_mps;
+  // Velocity of the air to the north, metres per second.
+  struct fga_interval wind_north_mps;
+} fga_known_aircraft;
+
 // What is asked of a manoeuvre.
 typedef struct fga_question {
   // `sizeof(fga_question)`.
@@ -893,6 +964,60 @@ const char *fga_state_text(uint32_t state);
 
 // The sentence of an `fga_reason`, for logs; never null, and valid for ever.
 const char *fga_reason_text(uint32_t reason);
+
+// Bytes of storage for a learner: `FGA_LEARNED_BYTES`.
+size_t fga_learned_size(void);
+
+// Alignment of the storage of a learner, bytes: `FGA_ALIGN`.
+size_t fga_learned_align(void);
+
+// Constructs a learner in storage of the caller, as `fga_avoider_init` does an avoider. To forget all that was learned, construct it again.
+//
+// `vehicle` is what is believed before the flight: its turn-rate factor within 25 %, its bank time constant within 0.3 s and its dead time
+// within 0.1 s. The wind is believed to be none, within 15 m/s to the east and to the north.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`, `OUT_OF_RANGE`.
+fga_status fga_learned_init(void *storage,
+                            size_t storage_size,
+                            uint32_t abi_version,
+                            const struct fga_vehicle *vehicle,
+                            struct fga_learned **learned,
+                            struct fga_refusal *why);
+
+// Learns from a state of the aircraft: call it 3 to 50 times a second, whoever flies. Steady turns show the turn-rate factor, commanded
+// banks show lag and dead time, and velocities in several directions the wind; straight flight shows nothing.
+//
+// A state less than 0.015 s after the last one adds nothing, and one that comes late by up to a second is refused. Where the clock was
+// set, or nothing came for 0.35 s, what was learned stays, and the commands before are not counted.
+//
+// An aircraft that turns unlike before by more than chance, or whose airspeed has changed by 15 %, is another one: a tenth of the evidence
+// stays.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`.
+fga_status fga_learned_see(struct fga_learned *learned,
+                           const struct fga_seen_state *state,
+                           struct fga_refusal *why);
+
+// What is known now, from what is believed beforehand and the flight.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`.
+fga_status fga_learned_known(struct fga_learned *learned, struct fga_known_aircraft *known);
+
+// The vehicle for decisions and proofs: the one of `fga_learned_init` with its response as it is known now, and 0.97 of the expected
+// turn-rate factor, so that a turn may be a little wider than expected. `fga fly` plans with the same.
+//
+// Give it to `fga_avoider_set_vehicle` between manoeuvres, in `FGA_STATE_CRUISE`: a manoeuvre keeps the limits that it was proven with.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, and `OUT_OF_RANGE` where the bank lags more than a
+// proof allows.
+fga_status fga_learned_vehicle(struct fga_learned *learned,
+                               struct fga_vehicle *vehicle,
+                               struct fga_refusal *why);
+
+// Keeps a tenth of the evidence of turns and rolls: the aircraft has become another one, by its load, its flaps or a failure.
+//
+// Refuses `NULL`, `MISALIGNED`, `NOT_INITIALIZED`, `BUSY`.
+fga_status fga_learned_forget(struct fga_learned *learned);
 
 // Bytes of storage for a prover: `FGA_PROVER_BYTES`.
 size_t fga_prover_size(void);

@@ -496,9 +496,7 @@ unsafe impl Growable for fga_situation {}
 impl fga_situation {
     /// Says time, aircraft and wind.
     pub(crate) fn moment(&self, now: &mut Situation<'_>) -> Result<(), Refused> {
-        let is_time = self.time_s.abs() <= LATEST_S;
-        SettingsError::unless(is_time, "time_s", self.time_s, "a finite number up to 1e10")?;
-        now.time_s = self.time_s;
+        now.time_s = usable_time(self.time_s)?;
         now.wind_mps = self.wind_mps.usable(WIND)?;
         now.ownship = self.ownship.ownship()?;
         Ok(())
@@ -581,4 +579,11 @@ pub(crate) fn take_stages(maneuver: &mut Maneuver, stages: &[fga_stage]) -> Resu
 pub(crate) fn usable(field: &'static str, value: f64) -> Result<(), Refused> {
     SettingsError::unless(value.abs() <= LARGEST_M, field, value, FINITE)?;
     Ok(())
+}
+
+/// The time of a state, `time_s`, seconds, if it can be calculated with.
+pub(crate) fn usable_time(time_s: f64) -> Result<f64, Refused> {
+    let is_time = time_s.abs() <= LATEST_S;
+    SettingsError::unless(is_time, "time_s", time_s, "a finite number up to 1e10")?;
+    Ok(time_s)
 }

@@ -17,6 +17,7 @@
 //! | `avoider` | what to fly until the next step? |
 //! | `decision` | what was decided, and why? |
 //! | `reports` | where are the others, by their reports? |
+//! | `learned` | how does the aircraft follow its commands, by its own flight? |
 //! | `prover` | how close does somebody else's manoeuvre come to the obstacles? |
 #![no_std]
 #![allow(
@@ -42,6 +43,7 @@ mod decision;
 mod floating;
 mod growable;
 mod input;
+mod learned;
 mod memory;
 mod prover;
 mod reports;
@@ -59,6 +61,7 @@ pub use input::{
     fga_passing, fga_settings, fga_situation, fga_stage, fga_start, fga_vehicle, fga_volume,
     fga_waypoint,
 };
+pub use learned::*;
 pub use prover::*;
 pub use reports::*;
 pub use status::{

@@ -18,6 +18,7 @@ enum { OBSTACLES = 14, WAYPOINTS = 8, ZONES = 4, POSTS = 33, STEPS = 40 };
 
 static _Alignas(FGA_ALIGN) unsigned char storage[FGA_AVOIDER_BYTES(OBSTACLES, WAYPOINTS)];
 static _Alignas(FGA_ALIGN) unsigned char proof[FGA_PROVER_BYTES];
+static _Alignas(FGA_ALIGN) unsigned char evidence[FGA_LEARNED_BYTES];
 static fga_refusal why = {.size = sizeof why};
 
 static unsigned long world, maneuvers;
@@ -142,12 +143,29 @@ static int draw_ground(fga_ground *ground) {
   return one_in(3);
 }
 
+// Learns from a state of turns to both sides, and asks what is known. A vehicle that no proof allows is refused.
+static void learn(fga_learned *learned, const fga_ownship *own, double time_s, int step) {
+  fga_seen_state seen = {.size = sizeof seen, .has = (uint32_t)step % 4, .time_s = time_s, .airspeed_mps = own->airspeed_mps};
+  seen.bank_left_rad = own->bank_left_rad;
+  seen.turn_rate_left_radps = 9.0 * tan(own->bank_left_rad) / own->airspeed_mps;
+  seen.bank_command_left_rad = step % 20 < 10 ? 0.6 : -0.6;
+  seen.velocity_mps = (fga_enu){own->airspeed_mps * cos(own->course_from_east_rad), own->airspeed_mps * sin(own->course_from_east_rad), 0.0};
+  fga_known_aircraft known = {.size = sizeof known};
+  fga_vehicle vehicle = {.size = sizeof vehicle};
+  done("see", fga_learned_see(learned, &seen, &why));
+  done("known", fga_learned_known(learned, &known));
+  if (fga_learned_vehicle(learned, &vehicle, &why) != FGA_STATUS_OUT_OF_RANGE && !(vehicle.turn_rate_factor > 0.3)) {
+    exit(7);
+  }
+}
+
 // Flies the world; a hash of its decisions.
 static unsigned long long fly(int rounding) {
   unsigned long long hash = 14695981039346656037ULL;
   drawn = 0x9E3779B97F4A7C15ULL * (world + 1);
   fga_avoider *avoider;
   fga_prover *prover;
+  fga_learned *learned;
   fga_settings settings = {.size = sizeof settings};
   fga_vehicle vehicle = draw_vehicle(), in_need = vehicle;
   done("settings", fga_settings_default(&settings));
@@ -161,6 +179,7 @@ static unsigned long long fly(int rounding) {
   settings.work_limit = one_in(4) ? 10000 : 100000;
   done("init", fga_avoider_init(storage, sizeof storage, FGA_ABI_VERSION, OBSTACLES, WAYPOINTS, &settings, &vehicle, &avoider, &why));
   done("prover", fga_prover_init(proof, sizeof proof, FGA_ABI_VERSION, &vehicle, &prover, &why));
+  done("learned", fga_learned_init(evidence, sizeof evidence, FGA_ABI_VERSION, &vehicle, &learned, &why));
   if (one_in(3)) {
     in_need.turn_radius_m *= 0.8;
     in_need.turn_radius_m += vehicle.airspeed_mps * vehicle.airspeed_mps / 90.0;
@@ -224,6 +243,7 @@ static unsigned long long fly(int rounding) {
     }
     fga_ownship then;
     done("predict", fga_predict(prover, &own, decision.stages, decision.stage_count, wind_mps, period_s, &then, &why));
+    learn(learned, &own, time_s, step);
     own = then;
     time_s += period_s;
     for (uint32_t at = 0; at < count; ++at) {

@@ -6,6 +6,7 @@ extern crate alloc;
 
 mod airspace;
 mod flight;
+mod learned;
 mod mission;
 mod reports;
 
