@@ -96,6 +96,9 @@ typedef struct fga_task_settings {
   double half_height_m;
   // An aircraft that is heard no more is forgotten after this time, seconds. What is at rest is not.
   double traffic_lifetime_s;
+  // A learner of `vehicle`, see fga_learned_init; null for none. The task shows it each fresh state but in the pilot's modes, and plans
+  // with what was learned from the next manoeuvre on.
+  fga_learned *learned;
 } fga_task_settings;
 
 // The state of one period.
@@ -207,6 +210,7 @@ static inline fga_status fga_task_settings_default(fga_task_settings *settings, 
 // Forgets the flight, not the traffic: the next step is the first of another one.
 static inline void fga_task_restart(fga_task *task) {
   (void)fga_avoider_restart(task->avoider);
+  if (task->settings.learned) (void)fga_avoider_set_vehicle(task->avoider, &task->settings.vehicle, &task->why);
   if (task->settings.in_need.size) (void)fga_avoider_set_vehicle_in_need(task->avoider, &task->settings.in_need, &task->why);
   task->decided_s = -INFINITY;
   task->decision.state = FGA_STATE_CRUISE;
@@ -380,10 +384,26 @@ static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
   task->incomplete = 0;
 }
 
+// Learns from a fresh state, the last one of which had this course and time; plans with what was learned when nothing threatens.
+static inline void fga_task_learn(fga_task *task, const fga_task_input *in, double before_rad, double before_s, const fga_task_output *out) {
+  const fga_ownship *own = &in->ownship;
+  const double turned_rad = own->course_from_east_rad - before_rad;
+  const double rate_radps = atan2(sin(turned_rad), cos(turned_rad)) / (in->time_s - before_s);
+  const uint32_t has = in->mode == FGA_TASK_MODE_AVOID && out->commands ? FGA_SEEN_COMMAND : 0u;
+  const fga_seen_state seen = {sizeof seen, has, in->time_s, own->bank_left_rad, rate_radps, own->airspeed_mps, out->bank_left_rad, {0, 0, 0}};
+  fga_vehicle now = task->settings.vehicle;
+  if (fga_learned_see(task->settings.learned, &seen, &task->why) != FGA_STATUS_OK || task->phase != FGA_TASK_WATCHES ||
+      task->decision.state != FGA_STATE_CRUISE || fga_learned_vehicle(task->settings.learned, &now, &task->why) != FGA_STATUS_OK) return;
+  now.bank_time_constant_s += now.dead_time_s;  // a step is given the state of its own moment
+  now.dead_time_s = 0.0;
+  if (fga_avoider_set_vehicle(task->avoider, &now, &task->why) == FGA_STATUS_OK) task->settings.vehicle = now;
+}
+
 // One period: what the autopilot is to do until the next one.
 static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_task_output *out) {
   const double now_s = in->time_s;
   const int stopped = now_s - task->step_s > FGA_TASK_STALE_S && task->step_s > -INFINITY;
+  const double before_rad = task->ownship.course_from_east_rad, before_s = task->decided_s;
   memset(out, 0, sizeof *out);
   task->step_s = now_s;
   if (stopped) task->counts.stops += 1;
@@ -455,6 +475,7 @@ static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_t
     out->commands = 1;
     fga_task_set_point(task, in->is_fresh ? &in->ownship : &task->ownship, now_s, out);
   }
+  if (task->settings.learned && in->is_fresh && before_s > -INFINITY) fga_task_learn(task, in, before_rad, before_s, out);
   const int is_unproven = decision->reason == FGA_REASON_BEST_AVAILABLE || decision->reason == FGA_REASON_INSIDE_VOLUME;
   task->alarms &= ~(uint32_t)FGA_TASK_ALARM_NOT_CERTIFIED;
   if (commands && task->phase != FGA_TASK_ASKS && is_unproven) task->alarms |= FGA_TASK_ALARM_NOT_CERTIFIED;
