@@ -74,13 +74,14 @@ pub(crate) enum Other<'a> {
     Straight(Obstacle),
 }
 
-/// One of the others, and how many losses it is on the mission.
+/// One of the others, how many losses it is on the mission, and when it is nearest there, seconds.
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
     other: Option<Other<'a>>,
     /// How near it may come by its closing speed, metres.
     away_m: f64,
     pub(crate) losses: f64,
+    passes_s: f64,
 }
 
 impl Nearby<'_> {
@@ -88,6 +89,7 @@ impl Nearby<'_> {
         other: None,
         away_m: f64::INFINITY,
         losses: 0.0,
+        passes_s: 0.0,
     };
 
     /// The age of what is known of it, seconds.
@@ -98,9 +100,9 @@ impl Nearby<'_> {
         }
     }
 
-    /// Whether the mission may meet it.
-    pub(crate) fn is_threat(&self) -> bool {
-        self.losses > price::no_loss(0.0)
+    /// When a way has passed it at the earliest, seconds, if the mission may meet it: who turns away from it has it before him again.
+    pub(crate) fn passes_s(&self) -> Option<f64> {
+        (self.losses > price::no_loss(0.0)).then_some(self.passes_s)
     }
 
     /// Its futures as they will be known after some seconds.
@@ -190,6 +192,7 @@ impl Chooser {
             self.look_at(scene, near, flight);
             let one = self.looked.first().map_or(Chance::NONE, |on| on.chance);
             near.losses = price::losses(&one);
+            near.passes_s = one.passed_s;
             hold = hold.and(one);
         }
         if price::losses(&hold) < price::no_loss(away_s) {
@@ -262,7 +265,7 @@ impl Chooser {
     fn look_at(&mut self, scene: &Scene<'_>, near: &Nearby<'_>, flight: &mut FlightPath) {
         near.ahead(scene, 0.0, &mut self.ahead);
         for place in 0..self.looked.len() {
-            self.meet(scene, place, near.is_threat(), flight);
+            self.meet(scene, place, near.passes_s(), flight);
         }
     }
 
@@ -272,7 +275,7 @@ impl Chooser {
         &mut self,
         scene: &Scene<'_>,
         place: usize,
-        is_threat: bool,
+        passes_s: Option<f64>,
         flight: &mut FlightPath,
     ) -> [Chance; FUTURES] {
         let Some(looked) = self.looked.get_mut(place) else {
@@ -284,9 +287,7 @@ impl Chooser {
         let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
         let each = self.ahead.meets(&self.path, !waits);
         let mut chance = Chance::mean(&each, self.ahead.weights());
-        if !is_threat {
-            chance.passed_s = 0.0;
-        }
+        chance.passed_s = passes_s.map_or(0.0, |passes_s| passes_s.max(chance.passed_s));
         let is_later = chance.passed_s >= looked.chance.passed_s;
         looked.chance = looked.chance.and(chance);
         if is_later {
@@ -326,7 +327,9 @@ fn others<'a>(
         let near = Nearby {
             other: Some(other),
             away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),
-            losses: 0.0,
+            // Until the mission is weighed.
+            losses: f64::INFINITY,
+            ..Nearby::NOTHING
         };
         keep_least(&mut nearest, near, |near| near.away_m);
         all += 1;

@@ -154,7 +154,7 @@ impl Chooser {
             .looked
             .get(place)
             .map_or(Chance::NONE, |one| one.chance);
-        let each = self.meet(scene, place, studied.threat.is_threat(), flight);
+        let each = self.meet(scene, place, studied.threat.passes_s(), flight);
         let departs_m = self
             .looked
             .get(place)

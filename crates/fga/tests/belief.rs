@@ -277,9 +277,9 @@ fn a_proven_share_is_the_weight_of_the_futures_that_are_kept_clear_of() {
     let flyer = Flyer::new(&VEHICLE);
     let start = MotionState::of(&ownship(Vec3::new(300.0, 0.0, 300.0)));
     let mut shares = (0, 0);
-    for place in 0..12 {
+    for place in 0..20 {
         let (x, y) = (
-            1600.0 + 25.0 * f64::from(place),
+            1400.0 + 25.0 * f64::from(place),
             300.0 - 40.0 * f64::from(place % 16),
         );
         let (at_m, velocity_mps) = (Vec3::new(x, y, 300.0), Vec3::new(-45.0, 4.0, 0.0));
@@ -377,4 +377,27 @@ fn who_flies_alongside_keeps_no_aircraft_away_for_ever() {
         );
         assert!(last_m.y.abs() < 2500.0, "{beside_m}: {last_m}");
     }
+}
+
+/// An aircraft that hovers on the mission is passed: turning away from it is no way past it.
+#[test]
+fn who_hovers_ahead_is_passed() {
+    let hovers = |_| Obstacle {
+        volume: ProtectedVolume::Sphere { radius_m: 60.0 },
+        movement: Movement::SMALL_UAS,
+        ..aircraft(Vec3::new(2500.0, 12.0, 305.0), Vec3::ZERO)
+    };
+    let (mut least_m, mut most_m, mut last_m) = (f64::INFINITY, 0.0_f64, Vec3::ZERO);
+    fly_past(
+        Mission::new(&WAYPOINTS_M),
+        200,
+        hovers,
+        |own, obstacle, _| {
+            last_m = own.position_m;
+            least_m = least_m.min(last_m.distance(obstacle.position_m));
+            most_m = most_m.max(last_m.y.abs());
+        },
+    );
+    assert!(least_m > 60.0 && most_m < 600.0, "{least_m} {most_m}");
+    assert!(last_m.x > 5000.0 && last_m.y.abs() < 20.0, "{last_m}");
 }
