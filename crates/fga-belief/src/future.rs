@@ -282,7 +282,12 @@ impl Belief {
         let all = weights.map(|((weight, _), _)| weight).sum::<f32>();
         for (mode, share) in &mut begins {
             let weight = self.turns.get(*mode).map_or(0.0, |(weight, _)| *weight);
-            *share = weight / (all * drawn.get(*mode).copied().unwrap_or(1.0));
+            let drawn = drawn.get(*mode).copied().unwrap_or(1.0);
+            *share = if all > 0.0 {
+                weight / (all * drawn)
+            } else {
+                1.0 / FUTURES as f32
+            };
         }
         begins
     }

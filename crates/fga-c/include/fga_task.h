@@ -389,14 +389,22 @@ static inline void fga_task_learn(fga_task *task, const fga_task_input *in, doub
   const fga_ownship *own = &in->ownship;
   const double turned_rad = own->course_from_east_rad - before_rad;
   const double rate_radps = atan2(sin(turned_rad), cos(turned_rad)) / (in->time_s - before_s);
-  const uint32_t has = in->mode == FGA_TASK_MODE_AVOID && out->commands ? FGA_SEEN_COMMAND : 0u;
+  const uint32_t has = in->mode == FGA_TASK_MODE_AVOID && out->commands && !in->pilot_hand ? FGA_SEEN_COMMAND : 0u;
   const fga_seen_state seen = {sizeof seen, has, in->time_s, own->bank_left_rad, rate_radps, own->airspeed_mps, out->bank_left_rad, {0, 0, 0}};
   fga_vehicle now = task->settings.vehicle;
   if (fga_learned_see(task->settings.learned, &seen, &task->why) != FGA_STATUS_OK || task->phase != FGA_TASK_WATCHES ||
       task->decision.state != FGA_STATE_CRUISE || fga_learned_vehicle(task->settings.learned, &now, &task->why) != FGA_STATUS_OK) return;
   now.bank_time_constant_s += now.dead_time_s;  // a step is given the state of its own moment
   now.dead_time_s = 0.0;
-  if (fga_avoider_set_vehicle(task->avoider, &now, &task->why) == FGA_STATUS_OK) task->settings.vehicle = now;
+  fga_vehicle *const need = &task->settings.in_need, *const vehicle = &task->settings.vehicle;
+  if (fga_avoider_set_vehicle(task->avoider, &now, &task->why) != FGA_STATUS_OK) return;
+  if (need->size) {
+    // What is flown in need answers as much worse, or better.
+    need->turn_rate_factor *= now.turn_rate_factor / vehicle->turn_rate_factor;
+    need->bank_time_constant_s = fmax(0.01, need->bank_time_constant_s + now.bank_time_constant_s - vehicle->bank_time_constant_s);
+    (void)fga_avoider_set_vehicle_in_need(task->avoider, need, &task->why);
+  }
+  *vehicle = now;
 }
 
 // One period: what the autopilot is to do until the next one.
@@ -475,7 +483,9 @@ static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_t
     out->commands = 1;
     fga_task_set_point(task, in->is_fresh ? &in->ownship : &task->ownship, now_s, out);
   }
-  if (task->settings.learned && in->is_fresh && before_s > -INFINITY) fga_task_learn(task, in, before_rad, before_s, out);
+  // After refused steps the state before is an older one.
+  const int follows = in->is_fresh && task->decided_s == now_s && now_s > before_s && before_s > -INFINITY;
+  if (task->settings.learned && follows) fga_task_learn(task, in, before_rad, before_s, out);
   const int is_unproven = decision->reason == FGA_REASON_BEST_AVAILABLE || decision->reason == FGA_REASON_INSIDE_VOLUME;
   task->alarms &= ~(uint32_t)FGA_TASK_ALARM_NOT_CERTIFIED;
   if (commands && task->phase != FGA_TASK_ASKS && is_unproven) task->alarms |= FGA_TASK_ALARM_NOT_CERTIFIED;

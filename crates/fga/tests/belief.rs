@@ -131,7 +131,6 @@ fn a_report_that_says_its_own_errors_is_believed_by_them() {
     assert_ne!(by(said, &near), wide);
 }
 
-/// Two minutes away nothing is lost yet, and it waits.
 /// The last reports of a near aircraft are not finite: it is kept clear of all the same, as one that is not reported.
 #[test]
 fn an_aircraft_whose_reports_are_not_finite_is_kept_clear_of() {
@@ -183,6 +182,7 @@ fn what_comes_to_rest_is_where_it_is() {
     assert_eq!(pilot.beliefs().each().count(), 0);
 }
 
+/// Two minutes away nothing is lost yet, and it waits.
 #[test]
 fn a_conflict_far_ahead_is_waited_for() {
     let mission = Mission::new(&WAYPOINTS_M);

@@ -259,7 +259,7 @@ fn with_noise(
         let off_mps = noise.vector(Vec3::splat(settings.velocity_sigma_mps));
         seen.velocity_mps += off_mps;
         // It was carried on along the velocity that is seen.
-        seen.position_m += off_mps * settings.delay_s;
+        seen.position_m += off_mps * seen.age_s;
         if settings.tracked && settings.by_belief {
             return believed(seen, time_s, settings, known);
         }
@@ -294,10 +294,10 @@ fn believed(
     settings: &SensorSettings,
     known: &mut KnownAircraft,
 ) -> Obstacle {
-    #[expect(clippy::cast_possible_truncation, reason = "a delay of seconds")]
-    let carried_s = settings.delay_s as f32;
+    #[expect(clippy::cast_possible_truncation, reason = "an age of seconds")]
+    let carried_s = seen.age_s as f32;
     let report = Report {
-        time_s: time_s - settings.delay_s,
+        time_s: time_s - seen.age_s,
         position_m: seen.position_m,
         velocity_mps: Some(seen.velocity_mps),
         carried_s,

@@ -29,9 +29,9 @@ use crate::{Vec3, assumptions::Assumptions};
 /// Shortest and longest time between two choices, seconds: at a report, or without one.
 const PERIOD_S: (f64, f64) = (0.45, 0.95);
 
-/// A plan that is proven may cost this much more than the cheapest one, metres: of 20,000 m for a loss, one in 57. Among the first 1,000
-/// encounters of `campaigns/low-altitude-adsb.toml` (seed 2) one in 200 and one in 60 left the same losses.
-const PROVEN_M: f64 = 350.0;
+/// A plan that is proven may cost this share of a loss more than the cheapest one. Among the first 1,000 encounters of
+/// `campaigns/low-altitude-adsb.toml` (seed 2) one in 200 and one in 60 left the same losses.
+const PROVEN: f64 = 1.0 / 86.0;
 
 /// Most obstacles that are looked at.
 const MOST_SEEN: usize = 64;
@@ -308,7 +308,7 @@ impl Chooses<'_> {
         let was_off = self.choice.plan.way_at(scene.time_s).is_some();
         let is_near = |one: &&Ranked| {
             cheapest.is_some_and(|cheapest| {
-                one.cost_m <= cheapest.cost_m + PROVEN_M
+                one.cost_m <= cheapest.cost_m + PROVEN * scene.loss_m
                     && (was_off || is_off(one) == is_off(&cheapest))
             })
         };
