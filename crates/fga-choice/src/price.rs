@@ -1,8 +1,8 @@
 //! Prices, in metres of departure from the mission: what a user may weigh.
 //!
-//! What lies between them is a choice, measured on the first 500 encounters of seeds 1 and 2 of `campaigns/low-altitude-adsb.toml` (598 losses
-//! of well clear, 402 encounters that stay well clear; with the median of the departure), and on recorded flights (once a second, σ of 15 m, all
-//! delays, four draws: 164 losses of well clear; 232 flights, of which some change the side of their bank more than three times):
+//! What lies between them is a choice. It was measured on the first 500 encounters of seeds 1 and 2 of `campaigns/low-altitude-adsb.toml`: 598
+//! losses of well clear, 402 that stay well clear, the median of the departure. Recorded flights are once a second, σ of 15 m, all delays, four
+//! draws: 164 losses of well clear, and how many of 232 flights change the side of their bank more than three times.
 //!
 //! | loss, start, change | losses left | acted needlessly | departure | recorded flights: left, change sides |
 //! |---|---|---|---|---|
