@@ -56,7 +56,7 @@ pub struct Settings {
     pub pitch_cost: f64,
     /// What the cheapest manoeuvre is.
     pub objective: Objective,
-    /// Price of a loss of a protected volume, in metres of departure from the mission, where a [`BeliefAvoider`](super::BeliefAvoider) weighs
+    /// Price of a loss of a protected volume, in metres of departure from the mission, where a [`BeliefAvoider`](super::belief::BeliefAvoider) weighs
     /// chances.
     pub loss_price_m: f64,
     /// Most work of one step, in tests of a line against four obstacles, some 12 to 25 ns each on a
