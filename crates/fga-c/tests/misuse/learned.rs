@@ -327,7 +327,7 @@ fn what_is_refused_or_not_flown_leaves_nothing_behind() {
     }
 }
 
-/// A clock that is set begins anew: what was learned stays, and the flight goes on to be learned.
+/// The learner keeps what it learned when the clock is set, and learns on.
 #[test]
 fn a_clock_that_is_set_takes_nothing_away() {
     let mut learner = Learner::new(&Aircraft::file());
@@ -395,7 +395,7 @@ fn wrong_storage_versions_and_pointers_are_refused() {
     assert_eq!(limits.airspeed_mps, file.airspeed_mps);
 }
 
-/// Numbers of any size: what is known stays finite and in order, and what comes out is a vehicle or a refusal.
+/// Intervals stay finite and in order after states with numbers of any size. The learner gives a vehicle or a refusal.
 #[test]
 fn wild_numbers_leave_intervals_that_can_be_calculated_with() {
     let mut seed = 1_u64;

@@ -369,6 +369,19 @@ static const char *a_turn_rolls_out(void) {
   return out.bank_left_rad == 0.0 ? NULL : "it flies a stale command";
 }
 
+// What the task plans a second after it was begun or restarted, 12 s before a mast on the leg.
+static const fga_decision *plans(fga_task *task, double now_s) {
+  const fga_enu at = LEG[0].position_m;
+  const fga_report mast = {.size = sizeof mast, .id = 9, .time_s = now_s, .movement = FGA_MOVEMENT_AT_REST,
+                           .position_m = {at.east + 12.0 * SPEED_MPS, at.north, at.up}};
+  fga_task_input in = {.mode = FGA_TASK_MODE_MISSION, .is_fresh = 1, .ownship = {.position_m = at, .airspeed_mps = SPEED_MPS}};
+  fga_task_output out;
+  fga_task_hear(task, &mast, now_s);
+  in.time_s = now_s;
+  fga_task_step(task, &in, &out);
+  return &task->decision;
+}
+
 // A task whose limits say a turn-rate factor of `factor` / 0.8 learns it in a minute of turns that somebody else commands,
 // but not their lag, and forgets nothing in a restart.
 static const char *learns(double factor, fga_task_mode mode) {
@@ -396,7 +409,15 @@ static const char *learns(double factor, fga_task_mode mode) {
   if (fabs(task.settings.vehicle.bank_time_constant_s - 0.5) > 1e-9) return "it learns a lag without commands";
   if (task.settings.vehicle.dead_time_s != 0.0 || fabs(learned - 0.97 * factor) > 0.07 * factor) return "it learns something else";
   fga_task_restart(&task);
-  return task.settings.vehicle.turn_rate_factor == learned ? NULL : "a restart forgets what was learned";
+  if (task.settings.vehicle.turn_rate_factor != learned) return "a restart forgets what was learned";
+  // It plans then as a task that is begun with what was learned.
+  static unsigned char again[sizeof storage];
+  fga_task other;
+  settings.vehicle = task.settings.vehicle;
+  settings.learned = NULL;
+  if (fga_task_begin(&other, &settings, again, sizeof again, 4, NULL) || fga_task_set_mission(&other, &mission, NULL)) return "no task";
+  const fga_decision *const after = plans(&task, 100.0), *const begun = plans(&other, 100.0);
+  return memcmp(after->stages, begun->stages, sizeof after->stages) ? "a restart plans without what was learned" : NULL;
 }
 
 int main(int count, char **arguments) {
