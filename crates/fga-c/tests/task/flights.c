@@ -383,8 +383,9 @@ static const fga_decision *plans(fga_task *task, double now_s) {
 }
 
 // A task whose limits say a turn-rate factor of `factor` / 0.8 learns it in a minute of turns that somebody else commands,
-// but not their lag, and forgets nothing in a restart.
-static const char *learns(double factor, fga_task_mode mode) {
+// but not their lag, and forgets nothing in a restart. The limits in need keep their share of the others. A hand on the sticks
+// turns in the mode of avoidance while the return is refused.
+static const char *learns(double factor, fga_task_mode mode, uint32_t pilot_hand) {
   static unsigned char evidence[FGA_LEARNED_BYTES + FGA_ALIGN];
   unsigned char *const aligned = evidence + (FGA_ALIGN - (uintptr_t)evidence % FGA_ALIGN) % FGA_ALIGN;
   static const fga_mission mission = {sizeof mission, 2, LEG, -100.0, 1e4};
@@ -392,6 +393,10 @@ static const char *learns(double factor, fga_task_mode mode) {
   fga_task_settings settings;
   if (fga_task_settings_default(&settings, SPEED_MPS, 0.75, NULL)) return "no settings";
   settings.vehicle.turn_rate_factor = factor / 0.8;
+  settings.in_need.size = sizeof(fga_vehicle);
+  if (fga_vehicle_from_bank(SPEED_MPS, 1.1, &settings.in_need, NULL)) return "no limits in need";
+  settings.in_need.turn_rate_factor = 0.95 * settings.vehicle.turn_rate_factor;
+  settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
   if (fga_learned_init(aligned, FGA_LEARNED_BYTES, FGA_ABI_VERSION, &settings.vehicle, &settings.learned, NULL) ||
       fga_task_begin(&task, &settings, storage, sizeof storage, 4, NULL) || fga_task_set_mission(&task, &mission, NULL)) {
     return "no task";
@@ -399,7 +404,10 @@ static const char *learns(double factor, fga_task_mode mode) {
   printf("new 0\n");
   fga_task_input in = {.mode = mode, .is_fresh = 1, .ownship = {.position_m = LEG[0].position_m, .airspeed_mps = SPEED_MPS}};
   fga_task_output out;
+  in.pilot_hand = pilot_hand;
+  if (pilot_hand) task.phase = FGA_TASK_RETURNS;
   for (int cycle = 0; cycle < 600; ++cycle) {
+    if (cycle == 595 && pilot_hand) in.mode = FGA_TASK_MODE_MISSION;  // it plans with what was learned
     in.time_s = cycle * FGA_TASK_PERIOD_S;
     fga_task_step(&task, &in, &out);
     fly(&in.ownship, cycle / 40 % 2 ? 0.6 : -0.6, 0.0, 100.0);
@@ -408,6 +416,7 @@ static const char *learns(double factor, fga_task_mode mode) {
   printf("%-38s the factor %.3f for %.3f, by the settings %.3f\n", "learns", learned, factor, factor / 0.8);
   if (fabs(task.settings.vehicle.bank_time_constant_s - 0.5) > 1e-9) return "it learns a lag without commands";
   if (task.settings.vehicle.dead_time_s != 0.0 || fabs(learned - 0.97 * factor) > 0.07 * factor) return "it learns something else";
+  if (fabs(task.settings.in_need.turn_rate_factor - 0.95 * learned) > 1e-9) return "the limits in need do not learn";
   fga_task_restart(&task);
   if (task.settings.vehicle.turn_rate_factor != learned) return "a restart forgets what was learned";
   // It plans then as a task that is begun with what was learned.
@@ -423,8 +432,8 @@ static const char *learns(double factor, fga_task_mode mode) {
 int main(int count, char **arguments) {
   const double factor = count > 1 ? atof(arguments[1]) : 1.0, wind_mps = count > 2 ? atof(arguments[2]) : 0.0;
   int wrong = 0;
-  const char *const units[] = {on_the_leg(), reports_are_counted(), a_turn_rolls_out(), learns(factor, FGA_TASK_MODE_MISSION),
-                               learns(factor, FGA_TASK_MODE_AVOID)};
+  const char *const units[] = {on_the_leg(), reports_are_counted(), a_turn_rolls_out(), learns(factor, FGA_TASK_MODE_MISSION, 0),
+                               learns(factor, FGA_TASK_MODE_AVOID, 0), learns(factor, FGA_TASK_MODE_AVOID, 1)};
   for (size_t k = 0; k < sizeof units / sizeof units[0]; ++k) {
     if (units[k]) {
       fprintf(stderr, "%s\n", units[k]);
