@@ -15,9 +15,9 @@ const SHOWN_FROM_S: f64 = 0.5;
 const SIGMAS: f64 = 3.0;
 /// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
 pub(super) const TIME_S: f64 = 0.3;
-/// Step of reported altitudes, metres: 25 ft.
-const ALTITUDE_STEP_M: f64 = 7.62;
-/// Step of the coarsest encoders, metres: 100 ft.
+/// Step of heights by satellites, metres: 25 ft.
+const SATELLITE_STEP_M: f64 = 7.62;
+/// Step of the coarsest encoders of pressure altitudes, metres: 100 ft. No message that is read says which encoder counted.
 pub(crate) const COARSEST_STEP_M: f64 = 30.48;
 /// σ of the climb of an aircraft whose altitudes show nothing of it yet, metres per second: 1,000 ft/min.
 pub(super) const CLIMB_MPS: f64 = 5.08;
@@ -141,6 +141,17 @@ pub(super) fn shown<P: Iterator<Item = ReportedPlace> + Clone>(
     })
 }
 
+/// The step in which altitudes count, metres; a whole step counts as σ, because the error lasts as long as the step does.
+const fn step_m(altitude: AltitudeReference) -> f64 {
+    match altitude {
+        AltitudeReference::MeanSeaLevel | AltitudeReference::Ellipsoid => SATELLITE_STEP_M,
+        // What is called geometric may be a pressure altitude.
+        AltitudeReference::Pressure | AltitudeReference::Geometric | AltitudeReference::Unknown => {
+            COARSEST_STEP_M
+        }
+    }
+}
+
 /// The climb that the altitudes of all places show, metres per second; nearer to level while few of them do.
 pub(super) fn climb_mps<P: Iterator<Item = ReportedPlace> + Clone>(places: P) -> f64 {
     let altitude = places.clone().last().map(|last| last.altitude);
@@ -148,7 +159,7 @@ pub(super) fn climb_mps<P: Iterator<Item = ReportedPlace> + Clone>(places: P) ->
     let line = line(&same.map(|place| (place.valid_s, place.position_m)));
     line.filter(|_| altitude != Some(AltitudeReference::Unknown))
         .map_or(0.0, |line| {
-            let sigma_mps = ALTITUDE_STEP_M / libm::sqrt(line.squares_s2);
+            let sigma_mps = altitude.map_or(0.0, step_m) / libm::sqrt(line.squares_s2);
             line.slope_mps.z / (1.0 + (sigma_mps / CLIMB_MPS) * (sigma_mps / CLIMB_MPS))
         })
 }
@@ -180,7 +191,7 @@ pub(super) fn contradictions<P: Iterator<Item = ReportedPlace> + Clone>(
         if let Some(line) = line(&same.map(|(place, m)| (place.valid_s, m)))
             && last.altitude != AltitudeReference::Unknown
         {
-            let sigma_m = ALTITUDE_STEP_M.max(line.scatter_m2.z.sqrt());
+            let sigma_m = step_m(last.altitude).max(line.scatter_m2.z.sqrt());
             found.vertical |= line.exceeds(line.slope_mps.z.abs(), sigma_m);
         }
     }
@@ -267,6 +278,27 @@ mod tests {
                     assert!(
                         !found.horizontal && !found.vertical,
                         "{rate_degps} deg/s, {count} each {interval_s} s"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Climbs of 0.1 to 10 m/s, seen in steps of the encoder from any height within a step.
+    #[test]
+    fn an_encoder_of_100_ft_contradicts_no_climb() {
+        for climb_mps in [0.1, 0.5, 1.0, 1.5, 2.0, 5.0, 10.0] {
+            for (count, interval_s) in [(24, 0.4), (10, 1.0), (5, 2.0)] {
+                for phase in 0..31 {
+                    let mut places = circle(0.0, interval_s, count, |v| v + Vec3::Z * climb_mps);
+                    for place in &mut places {
+                        let up_m = f64::from(phase) + climb_mps * place.valid_s;
+                        place.position_m.z = (up_m / COARSEST_STEP_M).round() * COARSEST_STEP_M;
+                    }
+                    let found = found(&places);
+                    assert!(
+                        !found.vertical,
+                        "{climb_mps} m/s, {count} reports from {phase} m"
                     );
                 }
             }
