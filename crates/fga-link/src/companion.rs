@@ -246,7 +246,7 @@ impl Companion {
 
     /// The end of the status line about feeds; empty while all of them are well.
     pub fn feeds_in_words(&self) -> String {
-        self.reports.feeds().words()
+        self.reports.feeds().words(self.voice.now_s())
     }
 
     /// The defects of reports so far.

@@ -216,7 +216,10 @@ impl Companion {
                 .then_some(Lacking::Rate),
             self.is_blind(now_s).then_some(Lacking::Telemetry),
             // Before the vehicle is armed the operator can still mend it.
-            self.reports.feeds().lacking().filter(|_| !engaged),
+            self.reports
+                .feeds()
+                .lacking(now_s, self.session.is_armed())
+                .filter(|_| !engaged),
             (!self.session.is_armed()).then_some(Lacking::Disarmed),
             // Without a state it stands or rolls.
             (state.is_none() && takes_off_or_lands).then_some(Lacking::TakeOffOrLanding),

@@ -273,7 +273,7 @@ impl TrafficReports {
         &self.feeds
     }
 
-    /// Tells the operator once of each reason for which a feed's parts are left out.
+    /// Tells the operator once of each reason for which a feed's parts are left out, and of each silence.
     pub(super) fn tell_left_out(&mut self, voice: &mut Voice) {
         self.feeds.tell(voice);
     }

@@ -243,6 +243,10 @@ impl FeedStatus {
 const FIRST: u64 = 10;
 const COUNTS_EVERY_S: f64 = 10.0;
 
+/// A receiver that was connected again and still gives nothing is silent, after this time, seconds. In empty air dump1090 and readsb send
+/// their heartbeat once a minute, GDL 90 and FLARM once a second.
+pub(crate) const SILENT_S: f64 = 2.0 * SILENT.as_secs() as f64 + COUNTS_EVERY_S;
+
 /// The lines or frames of a receiver.
 struct Wire {
     lines: sbs::LineStream,

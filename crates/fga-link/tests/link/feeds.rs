@@ -174,6 +174,36 @@ fn t1_a_feed_that_never_came_is_told_and_an_empty_one_is_ready() {
     assert_eq!(world.companion.feeds_in_words(), "");
 }
 
+/// Empty air looks the same for two minutes: by then a heartbeat is due. In flight it is told, and what others report is still avoided; on
+/// the ground it is not ready.
+#[test]
+fn t1_a_feed_that_falls_silent_is_told_with_the_time_and_is_not_ready_on_the_ground() {
+    let (_, statuses) = given("\r\n\r\n", 2);
+    let heard = *statuses.last().expect("a status");
+    let mut beating = heard;
+    beating.tally.leave_out(LeftOut::NotNeeded);
+    let mut world = world_with(heard);
+    world.run_until(120.0);
+    world.companion.take_feed(beating, world.time_s);
+    world.run_until(245.0);
+    assert_eq!(texts_with(&world, "no traffic feed"), 0);
+    assert_eq!(world.companion.feeds_in_words(), "");
+    world.run_until(255.0);
+    assert_eq!(texts_with(&world, "fga: no traffic feed for 130 s"), 1);
+    let words = world.companion.feeds_in_words();
+    assert_eq!(words, " | no traffic feed for 135 s");
+    assert_eq!(world.companion.authority(), Authority::Ready);
+    world.emulator.set_armed(false);
+    world.run_until(260.0);
+    assert_eq!(world.companion.authority(), Authority::Waiting);
+    assert_eq!(texts_with(&world, "not ready: no traffic feed"), 1);
+    // It is heard again: its next silence is told again.
+    world.companion.take_feed(heard, world.time_s);
+    assert_eq!(world.companion.feeds_in_words(), "");
+    world.run_until(395.0);
+    assert_eq!(texts_with(&world, "fga: no traffic feed for"), 2);
+}
+
 /// Call signs and velocities are read, but no position: the altitude is of a form that nobody knows.
 #[test]
 fn t1_a_feed_whose_positions_cannot_be_read_is_not_ready() {
