@@ -131,6 +131,39 @@ class Prover {
   fga_refusal why_ = sized<fga_refusal>();
 };
 
+// Learns from the flight how the aircraft follows its commands, and the wind.
+class Learned {
+ public:
+  Learned() noexcept = default;
+  Learned(const Learned &) = delete;
+  Learned &operator=(const Learned &) = delete;
+
+  // Constructs it from what is believed before the flight, or constructs it again and so forgets all.
+  [[nodiscard]] fga_status init(const fga_vehicle &vehicle) noexcept {
+    learned_ = nullptr;
+    return fga_learned_init(storage_, sizeof storage_, FGA_ABI_VERSION, &vehicle, &learned_, &why_);
+  }
+
+  [[nodiscard]] fga_status see(const fga_seen_state &state) noexcept { return fga_learned_see(learned_, &state, &why_); }
+
+  [[nodiscard]] fga_status known(fga_known_aircraft &known) noexcept { return fga_learned_known(learned_, &known); }
+
+  // The vehicle for decisions and proofs; give it to an avoider in FGA_STATE_CRUISE.
+  [[nodiscard]] fga_status vehicle(fga_vehicle &vehicle) noexcept { return fga_learned_vehicle(learned_, &vehicle, &why_); }
+
+  [[nodiscard]] fga_status forget() noexcept { return fga_learned_forget(learned_); }
+
+  // The learner as fga_task_settings takes it; null before it is constructed.
+  [[nodiscard]] fga_learned *get() noexcept { return learned_; }
+
+  [[nodiscard]] const fga_refusal &why() const noexcept { return why_; }
+
+ private:
+  alignas(FGA_ALIGN) unsigned char storage_[FGA_LEARNED_BYTES];
+  fga_learned *learned_ = nullptr;
+  fga_refusal why_ = sized<fga_refusal>();
+};
+
 }  // namespace fga
 
 #endif  // FGA_HPP

@@ -300,6 +300,18 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
     assert!(printed.contains("over the village not proven"), "{printed}");
 }
 
+#[test]
+fn the_learner_in_cpp_learns_how_wide_turns_are() {
+    if !have(&[("c++", "build-essential")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let options = [&["-std=c++17", "-O1"], SANITIZED.as_slice()].concat();
+    let source = folder().join("tests/link/learned.cpp");
+    let program = build_at(&source, "c++", &options, into.path());
+    assert_eq!(ran(&mut Command::new(program)), "0.7\n");
+}
+
 /// The page shows the program, its commands run as they are written, and print what it says.
 #[cfg(unix)]
 #[test]

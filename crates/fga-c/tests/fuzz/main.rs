@@ -9,6 +9,7 @@
 
 mod airspace;
 mod drawn;
+mod learned;
 mod lent;
 mod reports;
 
@@ -50,6 +51,7 @@ struct Fuzz {
     own: fga_ownship,
     around: airspace::Airspace,
     listener: reports::Listener,
+    learner: learned::Learner,
     results: u64,
     refusals: u64,
 }
@@ -78,6 +80,7 @@ impl Fuzz {
             },
             around: airspace::Airspace::default(),
             listener: reports::Listener::default(),
+            learner: learned::Learner::default(),
             results: 0,
             refusals: 0,
         }
@@ -422,6 +425,8 @@ impl Fuzz {
             50..55 => self.words(),
             55 => self.init_reports(),
             56..66 => self.hear(),
+            66 => self.init_learner(),
+            67..77 => self.learn(),
             _ => self.step(),
         }
     }
