@@ -301,9 +301,18 @@ mod tests {
     fn judged(
         seconds: u32,
         truth: impl Fn(f64) -> (Vec3, Vec3),
+        say: impl FnMut(&mut Random, Vec3, Vec3) -> Said,
+    ) -> Judged {
+        judged_by(&Config::default(), seconds, truth, say)
+    }
+
+    /// The same by a configuration.
+    fn judged_by(
+        config: &Config,
+        seconds: u32,
+        truth: impl Fn(f64) -> (Vec3, Vec3),
         mut say: impl FnMut(&mut Random, Vec3, Vec3) -> Said,
     ) -> Judged {
-        let config = Config::default();
         let sigma_m = config.traffic.position_sigma_m;
         let frame = LocalFrame::new(Geodetic::new(47.0, 8.0, 0.0).unwrap(), Earth::Wgs84);
         let sender = ReportSender::mavlink(ReportSource::Mavlink, 200, 156);
@@ -330,7 +339,7 @@ mod tests {
                     ..PlaceReport::of_position(sender, place, valid_s, quality)
                 };
                 tracks.take(&report, &frame, at_s);
-                heard(&mut tracks, &mut beliefs, &config, at_s);
+                heard(&mut tracks, &mut beliefs, config, at_s);
                 let mut each = beliefs.each();
                 let (_, _, belief) = each.next().unwrap();
                 assert!(each.next().is_none(), "one aircraft");
@@ -390,6 +399,44 @@ mod tests {
         });
         assert_eq!(judged.resets, 0);
         assert!(judged.means()[0] < 1.5, "{judged:?}");
+    }
+
+    /// The times of one sender may all be off by up to half a second: 30 m at 60 m/s, all of it along the way. No filter sees that.
+    #[test]
+    fn times_that_are_off_for_a_whole_flight_are_in_what_beliefs_say() {
+        const SECONDS: u32 = 60;
+        let mut said = 0;
+        let judged = judged(SECONDS, flight(0.0, 0.0), |_, position_m, velocity_mps| {
+            let flight = f64::from(said / SECONDS);
+            said += 1;
+            Said {
+                off_s: 0.05 * (flight - 9.5),
+                ..Said::of(position_m, velocity_mps)
+            }
+        });
+        assert_eq!(judged.resets, 0);
+        let along = 2.0 * judged.means()[0];
+        assert!((0.8..1.3).contains(&along), "{judged:?}");
+    }
+
+    /// Positions by satellites are off by about the same for minutes: all of σ lasts.
+    #[test]
+    fn positions_that_are_off_for_a_whole_flight_are_in_what_beliefs_say() {
+        const SECONDS: u32 = 60;
+        let mut config = Config::default();
+        config.traffic.position_sigma_m = 15.0;
+        let truth = |at_s: f64| (Vec3::new(10.0 * at_s, 0.0, 1000.0), Vec3::X * 10.0);
+        let mut said = 0;
+        let judged = judged_by(&config, SECONDS, truth, |_, position_m, velocity_mps| {
+            let flight = f64::from(said / SECONDS);
+            said += 1;
+            // Twenty quantiles of a circular normal distribution, each in another direction.
+            let off_m = 15.0 * libm::sqrt(-2.0 * libm::log((flight + 0.5) / 20.0));
+            let (sin, cos) = libm::sincos(2.4 * flight);
+            Said::of(position_m + Vec3::new(cos, sin, 0.0) * off_m, velocity_mps)
+        });
+        assert_eq!(judged.resets, 0);
+        assert!((0.8..1.3).contains(&judged.means()[0]), "{judged:?}");
     }
 
     /// Encoders that count in 100 ft, in a slow climb. While a step lasts so does its error, which the filter takes for a new one.

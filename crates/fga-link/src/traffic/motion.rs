@@ -13,7 +13,8 @@ const SHOWN_OVER_S: f64 = 3.5;
 const SHOWN_FROM_S: f64 = 0.5;
 /// A contradiction is this many σ of the line.
 const SIGMAS: f64 = 3.0;
-/// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
+/// Error of the time of a position, seconds: whole seconds are rounded, and a sender's clock may be off all the while. RTCA DO-242A
+/// (3.4.3.3.2.2) allows a mean of 0.5 s, which is 0.3 s if it may be any up to that, beside a σ of 0.5 s.
 pub(super) const TIME_S: f64 = 0.3;
 /// Step of heights by satellites, metres: 25 ft.
 const SATELLITE_STEP_M: f64 = 7.62;
