@@ -10,6 +10,7 @@
 
 use fga::situation::ProtectedVolume;
 
+use super::motion::COARSEST_STEP_M;
 use super::report::AltitudeReference;
 
 /// Pressure of the reference level, hectopascals.
@@ -19,8 +20,8 @@ const SCALE_M: f64 = 44_330.77;
 const EXPONENT: f64 = 0.190_263;
 /// Possible pressures at sea level, hectopascals: `docs/fly-inputs.md` states them.
 const QNH_HPA: [f64; 2] = [950.0, 1050.0];
-/// Possible difference of two altimeters at one place, metres: a transponder's 75 ft, with rounding.
-const ALTIMETERS_M: f64 = 25.0;
+/// Possible difference of two altimeters at one place, metres: a transponder's 75 ft, and half a step of the coarsest encoder.
+const ALTIMETERS_M: f64 = 22.86 + 0.5 * COARSEST_STEP_M;
 /// Share of a height by which air of a non-standard temperature misleads.
 const TEMPERATURE: f64 = 0.1;
 /// Validity of a comparison with the vehicle's pressure, seconds: the weather changes by at most 3 hPa in an hour.
@@ -213,7 +214,8 @@ mod tests {
         levels.take_pressure(pressure_hpa, 104.0, 1.0);
         let known = levels.shift(AltitudeReference::Pressure, 300.0, 104.0, 2.0);
         assert!((known.by_m - 195.0).abs() < 2.0, "{known:?}");
-        assert!(known.bound_m < 30.0);
+        // 75 ft, rounded to 100 ft.
+        assert!((38.0..40.0).contains(&known.bound_m), "{known:?}");
         // A blocked port says nothing.
         levels.take_pressure(300.0, 104.0, 2.0);
         assert!(
