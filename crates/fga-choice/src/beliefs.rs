@@ -41,9 +41,7 @@ fn errors_of(uncertainty: Uncertainty, errors: &Errors) -> Errors {
         altitude_m: sigma(uncertainty.position_m, errors.altitude_m),
         velocity_mps: sigma(uncertainty.velocity_mps, errors.velocity_mps),
         climb_mps: sigma(uncertainty.velocity_mps, errors.climb_mps),
-        // NACp bounds the whole error (EPU of RTCA DO-260B: 95 of 100 cases), and nothing says which part of it lasts. That of satellites lasts
-        // for about a minute, that of the least permitted sensors is another one in each report: one σ counts as both, which is too wide by
-        // a tenth where all of it lasts, and never too narrow.
+        // NACp bounds the whole error (EPU of RTCA DO-260B) and does not say which part lasts: σ counts as noise and as lasting.
         lasting_position_m: sigma(uncertainty.position_m, errors.lasting_position_m),
         ..*errors
     }
