@@ -317,9 +317,7 @@ fn sentences_end_where_they_end() {
 const MOST_WORDS_OF_A_PAGE: usize = 1_200;
 
 /// Pages that may have more words. The number of a page may fall, never rise; the test asks for the fall.
-const LONGER: [(&str, usize); 1] = [
-    ("proof.md", 1_500),
-];
+const LONGER: [(&str, usize); 1] = [("proof.md", 1_500)];
 
 /// Words as `wc -w` counts them, with those of tables and code.
 #[test]
