@@ -3,7 +3,7 @@
 
     fga run scenarios/first-flight.toml --policy "pipe:examples/give_way.py"
 
-docs/reference-policies.md describes the lines. It needs Python alone, and any language can do the same.
+docs/own-policy.md describes the lines. It needs Python alone, and any language can do the same.
 """
 
 import json

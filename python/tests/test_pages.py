@@ -5,7 +5,7 @@ import re
 import pytest
 from conftest import ROOT, needed
 
-PAGES = ["README.md", "python/README.md", "docs/reference-python.md"]
+PAGES = ["README.md", "python/README.md", "docs/reference-python.md", "docs/own-policy.md"]
 EXAMPLES = [
     pytest.param(code, id=f"{page}-{number}")
     for page in PAGES

@@ -1,4 +1,4 @@
-//! The tables of a scenario file. `docs/reference-files.md` gives the limits and defaults of each key.
+//! The tables of a scenario file. `docs/scenario-files.md` gives the limits and defaults of each key.
 
 use std::path::{Path, PathBuf};
 

@@ -2,7 +2,7 @@
 //!
 //! One place for scenario, vehicle and link files, because the answer needs keys of several tables: how far away an
 //! obstacle counts, the volume kept about it, how fast both close in, and how long the aircraft takes to get out of
-//! the way. `docs/reference-files.md` gives both formulas.
+//! the way. `docs/how-far-to-see.md` gives both formulas.
 
 use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;

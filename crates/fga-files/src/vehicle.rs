@@ -1,4 +1,4 @@
-//! The tables of a vehicle file. `docs/reference-files.md` gives the limits and defaults of each key.
+//! The tables of a vehicle file. `docs/vehicle-files.md` gives the limits and defaults of each key.
 
 use fga_formats::InputError;
 use serde::Deserialize;

@@ -4,7 +4,7 @@
 //! Files of areas hold corners as longitude, latitude and perhaps an altitude, and end a ring with its first corner. What of a file is no
 //! area, or is said in a way that is not known, is named in [`AreaFile::notes`].
 //!
-//! Which line an edge is in each format: `docs/formats.md`, Missions.
+//! Which line an edge is in each format: `docs/missions.md`.
 
 mod aixm;
 mod arcs;

@@ -1,6 +1,6 @@
 //! Recorded encounters from any program.
 //!
-//! Which files there are and how each is recognized: `docs/formats.md`, Recorded encounters.
+//! Which files there are and how each is recognized: `docs/recorded-encounters.md`.
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
 //! Where a file holds one instant only, its aircraft fly straight on. Aircraft that say that they are on the ground are left

@@ -4,7 +4,7 @@
 //! As in the paper, the aircraft flies the new direction at once; the turn-aware search counts the
 //! real turn.
 //!
-//! Course changes: left is positive. Corrections (`docs/errata.md`): the grid is mirror-symmetric
+//! Course changes: left is positive. Corrections (`docs/errata-algorithms.md`): the grid is mirror-symmetric
 //! with both ends and the middle; the separation is that of the relative path while closing; the
 //! cost takes absolute deviations.
 

@@ -17,7 +17,7 @@ const MODULES: [&str; 4] = ["authority", "clock", "mode", "restart"];
 const LINK: &str = "crates/fga-link/src";
 const CRATE: &str = "target/mutants/crate";
 /// What their tests read.
-const READ: &str = "docs/fly-safety.md";
+const READ: &str = "docs/fly-reactions.md";
 
 /// Mutated files and the tests that may notice. Tests and printing code stay unchanged.
 struct Scope {

@@ -313,6 +313,34 @@ fn sentences_end_where_they_end() {
     );
 }
 
+/// A page of more words is several questions: it becomes several pages.
+const MOST_WORDS_OF_A_PAGE: usize = 1_200;
+
+/// Pages that may have more words. The number of a page may fall, never rise; the test asks for the fall.
+const LONGER: [(&str, usize); 1] = [("proof.md", 1_500)];
+
+/// Words as `wc -w` counts them, with those of tables and code.
+#[test]
+fn a_page_of_the_book_is_read_in_minutes() {
+    let docs = root().join("docs");
+    for (name, most) in LONGER {
+        let text = fs::read_to_string(docs.join(name)).expect(name);
+        let words = text.split_whitespace().count();
+        assert!(
+            words > MOST_WORDS_OF_A_PAGE && words + 100 > most,
+            "{name} has {words} words: lower its {most} in LONGER, or take it out"
+        );
+    }
+    for page in pages(&docs) {
+        let name = page.file_name().expect("a name").to_string_lossy();
+        let longer = LONGER.iter().find(|(longer, _)| *longer == name);
+        let most = longer.map_or(MOST_WORDS_OF_A_PAGE, |(_, most)| *most);
+        let text = fs::read_to_string(&page).expect("a page");
+        let words = text.split_whitespace().count();
+        assert!(words <= most, "{name}: {words} words, at most {most}");
+    }
+}
+
 /// Words of the glossary stand in its order once, and each has its name in the code where it says so.
 #[test]
 fn the_glossary_has_one_line_for_each_word_and_its_names_exist() {

@@ -8,19 +8,27 @@ use fga_sim::campaign::file::{self as campaign_file, Overrides};
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 
-const PAGE: &str = include_str!("../../../../docs/reference-files.md");
+const PAGES: [&str; 7] = [
+    include_str!("../../../../docs/scenario-files.md"),
+    include_str!("../../../../docs/scenario-areas.md"),
+    include_str!("../../../../docs/vehicle-files.md"),
+    include_str!("../../../../docs/condition-keys.md"),
+    include_str!("../../../../docs/campaign-files.md"),
+    include_str!("../../../../docs/link-files.md"),
+    include_str!("../../../../docs/link-traffic-files.md"),
+];
 
 /// A key of no table; the error about it lists the known ones.
 const UNKNOWN: &str = "no_such_key";
 
-/// Keys of the page, by kind and table.
+/// Keys of the pages, by kind and table.
 fn documented() -> BTreeMap<(String, String), BTreeSet<String>> {
     let mut tables = BTreeMap::new();
     let mut table = None;
-    for line in PAGE.lines() {
+    for line in PAGES.iter().flat_map(|page| page.lines()) {
         if line.starts_with('#') {
             table = line
-                .strip_prefix("### ")
+                .strip_prefix("## ")
                 .and_then(|heading| heading.split_once(": "))
                 .map(|(kind, name)| (kind.to_owned(), name.to_owned()));
             if let Some(table) = &table {

@@ -1,6 +1,6 @@
 //! State vectors in JSON: of recordings, of readsb, and of the OpenSky network.
 //!
-//! Which documents, names and units there are: `docs/formats.md`, Recorded encounters. Units are ft, kt and ft/min; OpenSky's are m and m/s.
+//! Which documents, names and units there are: `docs/recorded-encounters.md`. Units are ft, kt and ft/min; OpenSky's are m and m/s.
 //!
 //! A file may hold several documents one after the other, or a list of them. Times are seconds or milliseconds since
 //! 1970.

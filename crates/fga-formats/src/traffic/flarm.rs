@@ -1,6 +1,6 @@
 //! Sentences of FLARM, as its units and bridges send them over TCP (FLARM Data Port Interface Control Document, FTD-012).
 //!
-//! What becomes of each sentence and field: `docs/formats.md`, FLARM. The unit's own place is forgotten after three `PFLAU` without
+//! What becomes of each sentence and field: `docs/receivers.md`, FLARM. The unit's own place is forgotten after three `PFLAU` without
 //! another one; a pressure altitude comes before a height by satellites.
 
 use super::lines::{LineParser, Lines};

@@ -3,7 +3,7 @@
 //! A message lies between two bytes `0x7E`; inside, `0x7D` stands before a `0x7E` or `0x7D` that is changed by `0x20`. It ends with a
 //! checksum of two bytes.
 //!
-//! What becomes of each message and field: `docs/formats.md`, GDL 90.
+//! What becomes of each message and field: `docs/receivers.md`, GDL 90.
 
 use super::{Altitude, Callsign, NON_ICAO, TrafficReport, position_error_m};
 use crate::geodesy::course_from_compass_rad;

@@ -5,7 +5,7 @@
 //! track,latitude,longitude,vertical rate,squawk,alert,emergency,identification,on ground`.
 //! Units: feet, knots, degrees from true north, degrees, feet per minute. What programs write besides:
 //!
-//! `docs/formats.md`, What BaseStation lines may look like.
+//! `docs/receivers.md`, BaseStation.
 //!
 //! A line with fewer fields is cut short; its last number may be cut too.
 

@@ -102,7 +102,7 @@ macro_rules! rows {
     };
 }
 
-/// Every fault and its reaction: the table of `docs/fly-safety.md`.
+/// Every fault and its reaction: the table of `docs/fly-reactions.md`.
 pub const REACTIONS: [FaultReaction; 16] = rows! {
     ModeChanged: LeaveAlone, Operator, Warning, "fga: mode changed by others, released";
     OthersCommand: LeaveAlone, Operator, Warning, "fga: others command GUIDED, released";

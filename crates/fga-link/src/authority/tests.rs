@@ -229,12 +229,12 @@ fn the_table_says_what_every_fault_does() {
 
 #[test]
 fn the_page_says_what_the_table_says() {
-    let page = include_str!("../../../../docs/fly-safety.md");
+    let page = include_str!("../../../../docs/fly-reactions.md");
     for row in &REACTIONS {
         let line = page
             .lines()
             .find(|line| line.starts_with('|') && line.contains(&format!("`{}`", row.text)))
-            .unwrap_or_else(|| panic!("'{}' is not in docs/fly-safety.md", row.text));
+            .unwrap_or_else(|| panic!("'{}' is not in docs/fly-reactions.md", row.text));
         let mode = match row.hand_back {
             HandBack::Restore => "| restored |",
             HandBack::RestoreWhenHeard => "| restored when",

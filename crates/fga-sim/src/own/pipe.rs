@@ -1,6 +1,6 @@
 //! A policy that is a program: it reads a situation a line and writes a command a line, both JSON.
 //!
-//! `docs/reference-policies.md` describes the lines.
+//! `docs/own-policy.md` describes the lines.
 
 use alloc::sync::Arc;
 use core::time::Duration;
