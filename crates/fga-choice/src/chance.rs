@@ -22,8 +22,11 @@ const LEAVES_S: usize = 15;
 /// Heights count while a future is within the radius and this many σ of its place.
 const NEAR_SIGMAS: f32 = 2.0;
 
-/// Something else than its future brings an aircraft near only within this many σ.
-const OTHER_SIGMAS: f32 = 3.0;
+/// What a future that is not met counts for when an aircraft is passed, where none is.
+const MET: f64 = 1e-6;
+
+/// What passes at its nearest, or is nearest now and flies alongside, may be somewhere else this much later, seconds.
+const CHANGED_S: usize = 20;
 
 /// Futures that are less than this apart look the same later, however sharp the sight, because they differ in what they have not begun: place
 /// and velocity along a horizontal axis, and in altitude, metres and metres per second. In the recorded flights, seen exactly ten times a
@@ -39,7 +42,7 @@ pub struct Chance {
     pub inner: f64,
     /// Of a near mid-air collision.
     pub collision: f64,
-    /// When the last aircraft is at its closest, on average, seconds.
+    /// When the others are at their closest, seconds: the mean of those futures that are met.
     pub passed_s: f64,
 }
 
@@ -54,26 +57,29 @@ impl Chance {
 
     /// The mean of chances with these weights.
     pub(crate) fn mean(each: &[Self; FUTURES], weights: &[f32; FUTURES]) -> Self {
-        let mut sum = Self::NONE;
+        let (mut sum, mut met) = (Self::NONE, 0.0);
         for (chance, weight) in each.iter().zip(weights) {
             let weight = f64::from(*weight);
+            let meets = weight * (chance.loss + MET);
+            met += meets;
             sum = Self {
                 loss: sum.loss + weight * chance.loss,
                 inner: sum.inner + weight * chance.inner,
                 collision: sum.collision + weight * chance.collision,
-                passed_s: sum.passed_s + weight * chance.passed_s,
+                passed_s: sum.passed_s + meets * chance.passed_s,
             };
         }
+        sum.passed_s /= met.max(f64::MIN_POSITIVE);
         sum
     }
 
-    /// The chances with one more aircraft.
+    /// The chances with one more aircraft, whose passing counts by its share.
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             loss: self.loss + other.loss,
             inner: self.inner + other.inner,
             collision: self.collision + other.collision,
-            passed_s: self.passed_s.max(other.passed_s),
+            passed_s: self.passed_s + other.passed_s,
         }
     }
 }
@@ -87,6 +93,15 @@ struct Meeting {
     dz_m: f32,
     /// The σ of both axes if it does something else, metres.
     other_m: [f32; 2],
+}
+
+impl Meeting {
+    /// The chance that what does something else is in a volume of this radius and half height, metres.
+    fn other(&self, radius_m: f32, half_m: f32) -> f32 {
+        let ([away_m, ..], [beside_m, above_m]) = (self.expected, self.other_m);
+        let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
+        beside * Futures::comes_within(self.dz_m, self.dz_m, half_m, above_m)
+    }
 }
 
 /// How the futures may look at a later moment, each like one of them.
@@ -255,6 +270,7 @@ impl Ahead {
             } else {
                 passing
             };
+            let changed = self.passing(path, (*at + CHANGED_S).min(SECONDS), future);
             chance.passed_s = *at as f64;
             let Chance {
                 loss,
@@ -270,21 +286,12 @@ impl Ahead {
                 };
                 let passing = if leaves { &later } else { &passing };
                 let [away_m, beside_m, above_m] = passing.expected;
-                let mut sum = 0.0;
-                let dz_m = passing.dz_m;
-                if low <= high || away_m < radius_m + NEAR_SIGMAS * beside_m {
-                    let (low_m, high_m) = (low.min(dz_m), high.max(dz_m));
-                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
-                    let above = Futures::comes_within(low_m, high_m, half_m, above_m);
-                    sum = (1.0 - self.other) * beside * above;
-                }
-                let [beside_m, above_m] = passing.other_m;
-                if away_m < radius_m + OTHER_SIGMAS * beside_m {
-                    let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
-                    let above = Futures::comes_within(dz_m, dz_m, half_m, above_m);
-                    sum += self.other * beside * above;
-                }
-                *chance = sum.into();
+                let (low_m, high_m) = (low.min(passing.dz_m), high.max(passing.dz_m));
+                let beside = Futures::comes_within(away_m, away_m, radius_m, beside_m);
+                let above = Futures::comes_within(low_m, high_m, half_m, above_m);
+                let other = passing.other(radius_m, half_m);
+                let other = other.max(changed.other(radius_m, half_m));
+                *chance = ((1.0 - self.other) * beside * above + self.other * other).into();
             }
         }
         each
@@ -303,7 +310,8 @@ impl Ahead {
                 {
                     let apart_m = |second| value(of, second, future) - value(of, second, look);
                     let place_m = apart_m(after_s);
-                    let velocity_mps = apart_m(after_s + 1) - place_m;
+                    // Of the second before: what begins then is not known yet.
+                    let velocity_mps = apart_m(after_s) - apart_m(after_s.saturating_sub(1));
                     apart +=
                         place_m * place_m / place_m2 + velocity_mps * velocity_mps / velocity_m2ps2;
                 }

@@ -74,13 +74,14 @@ pub(crate) enum Other<'a> {
     Straight(Obstacle),
 }
 
-/// One of the others, how many losses it is on the mission, and when it is nearest there, seconds.
+/// One of the others, how many losses it is on the mission, its share of all of them, and when it is nearest there, seconds.
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
     other: Option<Other<'a>>,
     /// How near it may come by its closing speed, metres.
     away_m: f64,
     pub(crate) losses: f64,
+    share: f64,
     passes_s: f64,
 }
 
@@ -89,6 +90,7 @@ impl Nearby<'_> {
         other: None,
         away_m: f64::INFINITY,
         losses: 0.0,
+        share: 0.0,
         passes_s: 0.0,
     };
 
@@ -98,11 +100,6 @@ impl Nearby<'_> {
             Some(Other::Known(known)) => (scene.time_s - known.belief.time_s()).max(0.0),
             _ => 0.0,
         }
-    }
-
-    /// When a way has passed it at the earliest, seconds, if the mission may meet it: who turns away from it has it before him again.
-    pub(crate) fn passes_s(&self) -> Option<f64> {
-        (self.losses > price::no_loss(0.0)).then_some(self.passes_s)
     }
 
     /// Its futures as they will be known after some seconds.
@@ -189,11 +186,15 @@ impl Chooser {
         let mut hold = Chance::NONE;
         for near in others.iter_mut() {
             self.begin([Plan::Mission]);
+            near.share = 1.0;
             self.look_at(scene, near, flight);
             let one = self.looked.first().map_or(Chance::NONE, |on| on.chance);
             near.losses = price::losses(&one);
             near.passes_s = one.passed_s;
             hold = hold.and(one);
+        }
+        for near in others.iter_mut() {
+            near.share = near.losses / price::losses(&hold).max(f64::MIN_POSITIVE);
         }
         if price::losses(&hold) < price::no_loss(away_s) {
             self.rank(Plan::Mission, &hold, (0.0, 0.0));
@@ -265,17 +266,17 @@ impl Chooser {
     fn look_at(&mut self, scene: &Scene<'_>, near: &Nearby<'_>, flight: &mut FlightPath) {
         near.ahead(scene, 0.0, &mut self.ahead);
         for place in 0..self.looked.len() {
-            self.meet(scene, place, near.passes_s(), flight);
+            self.meet(scene, place, near, flight);
         }
     }
 
-    /// Adds the chances of a plan with one of the others, and returns them for each of its futures. A plan has passed when it has passed the
-    /// threats.
+    /// Adds the chances of a plan with one of the others, and returns them for each of its futures. A plan has passed when it and the mission
+    /// would have passed the others, each by its share of the losses.
     pub(crate) fn meet(
         &mut self,
         scene: &Scene<'_>,
         place: usize,
-        passes_s: Option<f64>,
+        near: &Nearby<'_>,
         flight: &mut FlightPath,
     ) -> [Chance; FUTURES] {
         let Some(looked) = self.looked.get_mut(place) else {
@@ -287,12 +288,10 @@ impl Chooser {
         let waits = matches!(looked.plan, Plan::Off(_, from_s) if from_s > scene.time_s);
         let each = self.ahead.meets(&self.path, !waits);
         let mut chance = Chance::mean(&each, self.ahead.weights());
-        chance.passed_s = passes_s.map_or(0.0, |passes_s| passes_s.max(chance.passed_s));
-        let is_later = chance.passed_s >= looked.chance.passed_s;
+        // Who turns away from it has it before him again.
+        chance.passed_s = near.share * near.passes_s.max(chance.passed_s);
         looked.chance = looked.chance.and(chance);
-        if is_later {
-            looked.there = Aside::on(scene, &self.path, looked.measured_s(scene));
-        }
+        looked.there = Aside::on(scene, &self.path, looked.measured_s(scene));
         each
     }
 }
@@ -392,17 +391,15 @@ impl Looked {
     /// What it costs in departure, extra path and time, until it is back or until the others have passed, metres.
     pub(crate) fn departs_m(&self, scene: &Scene<'_>, here: &Aside) -> f64 {
         let off_m = self.there.off_m.max(here.off_m);
-        match self.plan {
-            Plan::Mission => 0.0,
-            Plan::Back(_, until_s) => off_m + price::SECOND_M * (until_s - scene.time_s),
-            Plan::Off(_, from_s) => {
-                let from_s = from_s - scene.time_s;
-                let until_s = self.until_s(from_s);
-                let flown_m = scene.progress.leg(&scene.now).ground_speed_mps * until_s;
-                let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
-                off_m + price::EXTRA_PATH * extra_m + price::SECOND_M * (until_s - from_s)
-            }
-        }
+        let from_s = match self.plan {
+            Plan::Mission => return 0.0,
+            Plan::Back(..) => 0.0,
+            Plan::Off(_, from_s) => from_s - scene.time_s,
+        };
+        let until_s = self.measured_s(scene);
+        let flown_m = scene.progress.leg(&scene.now).ground_speed_mps * until_s;
+        let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
+        off_m + price::EXTRA_PATH * extra_m + price::SECOND_M * (until_s - from_s)
     }
 }
 

@@ -58,7 +58,7 @@ pub(crate) fn no_loss(away_s: f64) -> f64 {
     if away_s < 60.0 {
         NO_LOSS
     } else {
-        (NO_LOSS_A_MINUTE * away_s / 60.0).min(MOST_NO_LOSS)
+        (NO_LOSS + NO_LOSS_A_MINUTE * (away_s - 60.0) / 60.0).min(MOST_NO_LOSS)
     }
 }
 

@@ -77,7 +77,8 @@ impl Chooser {
             let (outlook, mut least_m) = self.learn(scene, &studied, later_s, flight);
             let mut always_m = [f64::INFINITY; WAYS];
             let places = (1..self.looked.len()).step_by(3);
-            for ((way_m, always_m), place) in ways_m.iter_mut().zip(&mut always_m).zip(places) {
+            let all = ways_m.iter_mut().zip(&mut always_m);
+            for ((way_m, always_m), place) in all.zip(places.clone()) {
                 let on_m = self.by_looks(scene, &studied, &outlook, place, flight);
                 let back_m = self.by_looks(scene, &studied, &outlook, place + 1, flight);
                 *way_m = way_m.min(outlook.mean_m(&least(&on_m, &back_m)));
@@ -88,11 +89,13 @@ impl Chooser {
                 least_m = least(&least_m, &off_m);
                 *always_m = outlook.mean_m(&off_m);
             }
-            let cost_m = studied.back_m + outlook.mean_m(&least_m);
+            let cost_m = outlook.mean_m(&least_m);
             let cheapest_m = always_m.into_iter().fold(f64::INFINITY, f64::min);
-            for ((way, now), always_m) in ways.clone().zip(always_m) {
+            for (((way, _), always_m), place) in ways.clone().zip(always_m).zip(places) {
                 let cost_m = cost_m + always_m - cheapest_m;
-                self.rank(Plan::Off(way, then_s), &now.chance, (cost_m, change_m));
+                let later = self.looked.get(place + 2).copied();
+                let chance = later.map_or(Chance::NONE, |later| later.chance);
+                self.rank(Plan::Off(way, then_s), &chance, (cost_m, change_m));
             }
         }
         for ((_, now), way_m) in ways.zip(ways_m) {
@@ -124,7 +127,7 @@ impl Chooser {
         {
             let expected = Chance::mean(&each, looks);
             *starts_m = price::starts_m(&expected, studied.is_away);
-            *cost_m = rest_m + scene.price_m(&expected);
+            *cost_m = studied.back_m + rest_m + scene.price_m(&expected);
         }
         (outlook, costs_m)
     }
@@ -154,7 +157,7 @@ impl Chooser {
             .looked
             .get(place)
             .map_or(Chance::NONE, |one| one.chance);
-        let each = self.meet(scene, place, studied.threat.passes_s(), flight);
+        let each = self.meet(scene, place, &studied.threat, flight);
         let departs_m = self
             .looked
             .get(place)

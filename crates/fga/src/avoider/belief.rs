@@ -305,11 +305,10 @@ impl Chooses<'_> {
         // that keeps clear of what is fixed and costs much more flies through the others.
         let is_off = |one: &Ranked| one.plan.way_at(scene.time_s).is_some();
         let cheapest = ranked.first().copied();
-        let was_off = self.choice.plan.way_at(scene.time_s).is_some();
         let is_near = |one: &&Ranked| {
             cheapest.is_some_and(|cheapest| {
                 one.cost_m <= cheapest.cost_m + PROVEN * scene.loss_m
-                    && (was_off || is_off(one) == is_off(&cheapest))
+                    && is_off(one) == is_off(&cheapest)
             })
         };
         for is_wanted in [true, false] {
