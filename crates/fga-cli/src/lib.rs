@@ -59,7 +59,7 @@ use crate::failure::Failure;
     name = "fga",
     version = fga_build::VERSION,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done; 1 wrong input or usage; 2, only from run: a protected volume was entered."
+    after_help = "Exit codes: 0 done; 1 wrong input or usage; 2, only from run: a protected volume, a zone, the ground or an altitude limit was broken; 130 Ctrl-C."
 )]
 struct Cli {
     #[command(subcommand)]

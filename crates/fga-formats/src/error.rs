@@ -181,6 +181,7 @@ pub fn toml_sentence(message: &str) -> String {
     }
     told = told
         .replace("invalid type: ", "found ")
+        .replace("invalid float, ", "found no number, ")
         .replace("duplicate key", "the key is given twice, expected it once")
         .replace("unknown variant ", "unknown word ");
     let Some((before, kind)) = told.rsplit_once("expected ") else {
@@ -191,6 +192,7 @@ pub fn toml_sentence(message: &str) -> String {
         "u64" | "u32" | "u16" | "u8" | "usize" | "i64" => "a whole number",
         "a sequence" => "a list",
         "a boolean" => "true or false",
+        "`nan`" => "a finite number or a word in quotes",
         _ => return told,
     };
     format!("{before}expected {word}")

@@ -168,7 +168,7 @@ tables! {
         follow_time_s: f64 = 3.0,
         /// Whether the vehicle's fence bounds the manoeuvre.
         use_fence: bool = true,
-        /// Whether it may act from the start; otherwise it waits until the operator arms it.
+        /// Whether it may act from the start; otherwise it waits until the operator switches it on.
         armed_at_start: bool = true,
     }
 

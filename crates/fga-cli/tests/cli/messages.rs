@@ -168,6 +168,36 @@ fn a_waypoint_with_too_few_numbers_is_named_in_plain_words() {
 }
 
 #[test]
+fn a_place_that_is_no_number_is_named_with_what_it_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
+    for (place, expected) in [
+        (
+            "[NaN, 10, 60]",
+            "found no number, expected a finite number or a word in quotes",
+        ),
+        (
+            "[nan, 10, 60]",
+            "position_m is [NaN, 10, 60], expected three finite numbers within 10,000 km",
+        ),
+        (
+            "[7e9, 10, 60]",
+            "position_m is [7000000000, 10, 60], expected three finite numbers within 10,000 km",
+        ),
+    ] {
+        let changed = text.replace("[700, 10, 60]", place);
+        assert_ne!(changed, text);
+        fs::write(at.join("wrong.toml"), changed).unwrap();
+        for command in ["check", "run"] {
+            let expected = format!("wrong.toml, line 31: {expected}");
+            refuses(at, &[command, "wrong.toml"], &expected);
+        }
+    }
+}
+
+#[test]
 fn one_thing_is_counted_in_the_singular() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

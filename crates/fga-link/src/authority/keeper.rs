@@ -47,7 +47,7 @@ pub struct Keeper {
 }
 
 impl Keeper {
-    /// A keeper with `target` as its mode for manoeuvres; `enabled` lets it act before the operator arms it.
+    /// A keeper with `target` as its mode for manoeuvres; `enabled` lets it act before the operator switches it on.
     pub const fn new(target: Mode, enabled: bool) -> Self {
         Self {
             state: Authority::Waiting,
@@ -150,7 +150,7 @@ impl Keeper {
             self.state = Authority::Waiting;
             self.well_since_s = None;
         }
-        vec![Action::Tell(Severity::Info, "fga: armed by the operator")]
+        vec![Action::Tell(Severity::Info, "fga: switched on by operator")]
     }
 
     /// Whether all preconditions hold now; called with every tick.

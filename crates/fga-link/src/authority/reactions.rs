@@ -57,7 +57,7 @@ pub enum HandBack {
 pub enum Rearm {
     /// By itself, once all is well for a while.
     Automatic,
-    /// When the operator arms it again by `FGA_ENABLE` or the command.
+    /// When the operator switches it on again by `FGA_ENABLE` or the command.
     Operator,
 }
 

@@ -23,7 +23,7 @@ impl FilePlaces<'_> {
         } else {
             Err(self.text.error_at(
                 at,
-                format!("{key} is out of range, expected three numbers within 10,000 km"),
+                format!("{key} is {place}, expected three finite numbers within 10,000 km"),
             ))
         }
     }
@@ -41,7 +41,7 @@ impl FilePlaces<'_> {
         let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
             self.text.error_at(
                 at,
-                format!("{key} is out of range, expected [latitude, longitude, altitude_m]"),
+                format!("{key} is [{latitude_deg}, {longitude_deg}, {altitude_m}], expected [latitude, longitude, altitude_m]"),
             )
         })?;
         let away_km = 1e-3 * frame.origin().distance_m(place);
