@@ -429,4 +429,47 @@ mod tests {
         assert!(looks[0][0] > 0.99 && looks[2][0] < 0.01);
         assert!((looks[2][1] / looks[2][3] - 1.0).abs() < 0.1);
     }
+
+    /// What begins in the second that is looked at is not known yet.
+    #[test]
+    fn what_begins_now_is_not_learned_yet() {
+        let mut ahead = Ahead::NONE;
+        ahead.weights = [1.0 / FUTURES as f32; FUTURES];
+        ahead.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
+        for (ys, second) in ahead.y.iter_mut().zip(0_u8..) {
+            ys[0] = 20.0 * f32::from(second.saturating_sub(5));
+        }
+        let looks = ahead.looks_after(5).futures;
+        assert!((looks[1][0] / looks[1][1] - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn an_aircraft_is_passed_when_those_futures_are_that_are_met() {
+        let mut each = [Chance::NONE; FUTURES];
+        (each[0].loss, each[0].passed_s) = (0.5, 40.0);
+        let weights = [1.0 / FUTURES as f32; FUTURES];
+        let mean = Chance::mean(&each, &weights);
+        assert!((mean.passed_s - 40.0).abs() < 0.01, "{}", mean.passed_s);
+        let none = Chance::mean(&[Chance::NONE; FUTURES], &weights);
+        assert!(none.passed_s == 0.0);
+    }
+
+    /// It flies along 800 m beside for all its futures, and is nearest now: what turns towards the own aircraft is none of them.
+    #[test]
+    fn an_aircraft_alongside_may_do_something_else() {
+        let mut ahead = Ahead::NONE;
+        ahead.weights = [1.0 / FUTURES as f32; FUTURES];
+        (ahead.radius_m, ahead.half_height_m) = (609.6, 76.2);
+        ahead.x = [[800.0; FUTURES]; SECONDS + 1];
+        let chance = |ahead: &Ahead| {
+            let each = ahead.meets(&[[0.0; 3]; SECONDS + 1], true);
+            Chance::mean(&each, &ahead.weights).loss
+        };
+        assert!(chance(&ahead) < 1e-6);
+        ahead.other = 0.02;
+        for (other_m, second) in ahead.other_m.iter_mut().zip(0_u8..) {
+            *other_m = [10.0 * f32::from(second), f32::from(second)];
+        }
+        assert!(chance(&ahead) > 1e-3, "{}", chance(&ahead));
+    }
 }

@@ -25,7 +25,7 @@ impl PySettings {
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = f64::INFINITY, horizon_s = 60.0,
         margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
         objective = "paper-cost", work_limit = 100_000, drift_mps = 0.0,
-        loss_price_m = 30_000.0,
+        loss_price_m = 42_000.0,
     ))]
     #[expect(
         clippy::too_many_arguments,

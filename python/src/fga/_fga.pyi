@@ -569,7 +569,7 @@ class Settings:
     Raises ValueError, with the sentence of the program, for a setting out of range.
     """
 
-    def __new__(cls, *, start: str = 'free', decision_period_s: float = 0.1, surveillance_radius_m: float = ..., horizon_s: float = 60.0, margin_m: float = 0.05, confidence_sigmas: float = 3.0, heading_cost: float = 0.2, pitch_cost: float = 0.5, objective: str = 'paper-cost', work_limit: int = 100000, drift_mps: float = 0.0, loss_price_m: float = 30000.0) -> Settings: ...
+    def __new__(cls, *, start: str = 'free', decision_period_s: float = 0.1, surveillance_radius_m: float = ..., horizon_s: float = 60.0, margin_m: float = 0.05, confidence_sigmas: float = 3.0, heading_cost: float = 0.2, pitch_cost: float = 0.5, objective: str = 'paper-cost', work_limit: int = 100000, drift_mps: float = 0.0, loss_price_m: float = 42000.0) -> Settings: ...
     @property
     def confidence_sigmas(self) -> float:
         """Standard deviations that widen an obstacle's volume."""
