@@ -15,7 +15,7 @@ use fga::command::Proof;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, fly};
 
-use built::{SANITIZED, WARNINGS, build_at, folder, have, library, ran, root};
+use built::{WARNINGS, build_at, folder, have, library, ran, root, sanitized};
 
 /// Builds an example.
 fn build(name: &str, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
@@ -167,7 +167,7 @@ fn the_head_on_flies_under_the_sanitizers() {
         return;
     }
     let into = tempfile::tempdir().unwrap();
-    let options = [&["-std=c11", "-O1"], SANITIZED.as_slice()].concat();
+    let options = sanitized(&["-std=c11", "-O1"]);
     let printed = ran(&mut Command::new(build(
         "head_on.c",
         "cc",
@@ -289,11 +289,7 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
         return;
     }
     let into = tempfile::tempdir().unwrap();
-    let options = [
-        &["-std=c++17", "-fno-exceptions", "-O1"],
-        SANITIZED.as_slice(),
-    ]
-    .concat();
+    let options = sanitized(&["-std=c++17", "-fno-exceptions", "-O1"]);
     let program = build("second_opinion.cpp", "c++", &options, into.path());
     let printed = ran(&mut Command::new(program));
     assert!(printed.contains("40 degrees right proven"), "{printed}");
@@ -306,7 +302,7 @@ fn the_learner_in_cpp_learns_how_wide_turns_are() {
         return;
     }
     let into = tempfile::tempdir().unwrap();
-    let options = [&["-std=c++17", "-O1"], SANITIZED.as_slice()].concat();
+    let options = sanitized(&["-std=c++17", "-O1"]);
     let source = folder().join("tests/link/learned.cpp");
     let program = build_at(&source, "c++", &options, into.path());
     assert_eq!(ran(&mut Command::new(program)), "0.7\n");

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 
 use fga_emulator::{Parameters, PlantSettings, STEP_S, Target, VehiclePlant, Vertical};
 
-use built::{SANITIZED, build_all, build_at, folder, have, library, ran, root};
+use built::{build_all, build_at, folder, have, library, ran, root, sanitized};
 
 /// Steps of the plant in a period of the task.
 const STEPS: u32 = 5;
@@ -80,7 +80,7 @@ fn the_task_keeps_sixty_metres_and_hands_back_whatever_fails() {
         return;
     }
     let into = tempfile::tempdir().unwrap();
-    let options = [&["-std=c99", "-O1"], SANITIZED.as_slice()].concat();
+    let options = sanitized(&["-std=c99", "-O1"]);
     let source = folder().join("tests/task/flights.c");
     let program = build_at(&source, "cc", &options, into.path());
     let settings = PlantSettings::default();
@@ -197,7 +197,7 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
     ];
     // Its parameters come first, as in ArduPilot, where they are constants.
     let sources = [glue.join("fga_plane.cpp"), stub.join("flights.cpp")];
-    let options = [options.as_slice(), &SANITIZED].concat();
+    let options = sanitized(&options);
     let program = build_all(&sources, "c++", &options, into.path());
     flies_as_the_page_says(&program);
     let landing = fly(
@@ -240,7 +240,7 @@ fn inside_px4s_topics_an_intruder_is_kept_out_and_the_mode_handed_back() {
         &includes,
         &stub_includes,
     ];
-    let options = [options.as_slice(), &SANITIZED].concat();
+    let options = sanitized(&options);
     let sources = [module, stub.join("flights.cpp")];
     let program = build_all(&sources, "c++", &options, into.path());
     let settings = PlantSettings::default();

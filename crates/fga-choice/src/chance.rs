@@ -42,7 +42,7 @@ pub struct Chance {
     pub inner: f64,
     /// Of a near mid-air collision.
     pub collision: f64,
-    /// When the others are at their closest, seconds: the mean of those futures that are met.
+    /// Mean time at which the futures that are met come closest, seconds.
     pub passed_s: f64,
 }
 
@@ -311,7 +311,7 @@ impl Ahead {
                     let apart_m = |second| value(of, second, future) - value(of, second, look);
                     let place_m = apart_m(after_s);
                     // Of the second before: what begins then is not known yet.
-                    let velocity_mps = apart_m(after_s) - apart_m(after_s.saturating_sub(1));
+                    let velocity_mps = place_m - apart_m(after_s.saturating_sub(1));
                     apart +=
                         place_m * place_m / place_m2 + velocity_mps * velocity_mps / velocity_m2ps2;
                 }
@@ -403,12 +403,18 @@ fn value(of: &[[f32; FUTURES]; SECONDS + 1], second: usize, future: usize) -> f3
 mod tests {
     use super::*;
 
-    /// Of 28 futures one goes aside at 20 m/s, one at 0.5 m/s: after five seconds the first is known from all others, the second from none.
-    #[test]
-    fn what_is_begun_is_learned_and_what_is_hardly_apart_is_not() {
+    /// Futures that are alike, each as likely, known as well as can be.
+    fn alike() -> Ahead {
         let mut ahead = Ahead::NONE;
         ahead.weights = [1.0 / FUTURES as f32; FUTURES];
         ahead.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
+        ahead
+    }
+
+    /// Of 28 futures one goes aside at 20 m/s, one at 0.5 m/s: after five seconds the first is known from all others, the second from none.
+    #[test]
+    fn what_is_begun_is_learned_and_what_is_hardly_apart_is_not() {
+        let mut ahead = alike();
         for (ys, second) in ahead.y.iter_mut().zip(0_u8..) {
             ys[0] = 20.0 * f32::from(second);
             ys[1] = 0.5 * f32::from(second);
@@ -433,9 +439,7 @@ mod tests {
     /// What begins in the second that is looked at is not known yet.
     #[test]
     fn what_begins_now_is_not_learned_yet() {
-        let mut ahead = Ahead::NONE;
-        ahead.weights = [1.0 / FUTURES as f32; FUTURES];
-        ahead.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
+        let mut ahead = alike();
         for (ys, second) in ahead.y.iter_mut().zip(0_u8..) {
             ys[0] = 20.0 * f32::from(second.saturating_sub(5));
         }
@@ -447,18 +451,17 @@ mod tests {
     fn an_aircraft_is_passed_when_those_futures_are_that_are_met() {
         let mut each = [Chance::NONE; FUTURES];
         (each[0].loss, each[0].passed_s) = (0.5, 40.0);
-        let weights = [1.0 / FUTURES as f32; FUTURES];
+        let weights = alike().weights;
         let mean = Chance::mean(&each, &weights);
         assert!((mean.passed_s - 40.0).abs() < 0.01, "{}", mean.passed_s);
         let none = Chance::mean(&[Chance::NONE; FUTURES], &weights);
         assert!(none.passed_s == 0.0);
     }
 
-    /// It flies along 800 m beside for all its futures, and is nearest now: what turns towards the own aircraft is none of them.
+    /// All futures of an aircraft fly along 800 m to the side, so they are nearest now. None of them turns towards the own aircraft.
     #[test]
     fn an_aircraft_alongside_may_do_something_else() {
-        let mut ahead = Ahead::NONE;
-        ahead.weights = [1.0 / FUTURES as f32; FUTURES];
+        let mut ahead = alike();
         (ahead.radius_m, ahead.half_height_m) = (609.6, 76.2);
         ahead.x = [[800.0; FUTURES]; SECONDS + 1];
         let chance = |ahead: &Ahead| {

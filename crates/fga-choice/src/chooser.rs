@@ -186,7 +186,6 @@ impl Chooser {
         let mut hold = Chance::NONE;
         for near in others.iter_mut() {
             self.begin([Plan::Mission]);
-            near.share = 1.0;
             self.look_at(scene, near, flight);
             let one = self.looked.first().map_or(Chance::NONE, |on| on.chance);
             near.losses = price::losses(&one);
@@ -291,7 +290,7 @@ impl Chooser {
         // Who turns away from it has it before him again.
         chance.passed_s = near.share * near.passes_s.max(chance.passed_s);
         looked.chance = looked.chance.and(chance);
-        looked.there = Aside::on(scene, &self.path, looked.measured_s(scene));
+        looked.there = Aside::on(scene, &self.path, looked.off_s(scene).1);
         each
     }
 }
@@ -328,6 +327,7 @@ fn others<'a>(
             away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),
             // Until the mission is weighed.
             losses: f64::INFINITY,
+            share: 1.0,
             ..Nearby::NOTHING
         };
         keep_least(&mut nearest, near, |near| near.away_m);
@@ -374,29 +374,26 @@ fn ways(scene: &Scene<'_>, flown: Option<Way>) -> impl Iterator<Item = Plan> {
 }
 
 impl Looked {
-    /// When its departure is measured, seconds from now: as it turns back, or when the others have passed.
-    fn measured_s(&self, scene: &Scene<'_>) -> f64 {
+    /// From when until when it is off the mission, seconds from now: until it turns back, or until the others have passed.
+    fn off_s(&self, scene: &Scene<'_>) -> (f64, f64) {
         match self.plan {
-            Plan::Back(_, until_s) => until_s - scene.time_s,
-            Plan::Mission => 0.0,
-            Plan::Off(_, from_s) => self.until_s(from_s - scene.time_s),
+            Plan::Mission => (0.0, 0.0),
+            Plan::Back(_, until_s) => (0.0, until_s - scene.time_s),
+            Plan::Off(_, from_s) => {
+                let from_s = from_s - scene.time_s;
+                let until_s = self.chance.passed_s.max(from_s + 3.0).min(SECONDS as f64);
+                (from_s, until_s)
+            }
         }
-    }
-
-    /// Until when it is flown, seconds from now: until the others have passed.
-    fn until_s(&self, from_s: f64) -> f64 {
-        self.chance.passed_s.max(from_s + 3.0).min(SECONDS as f64)
     }
 
     /// What it costs in departure, extra path and time, until it is back or until the others have passed, metres.
     pub(crate) fn departs_m(&self, scene: &Scene<'_>, here: &Aside) -> f64 {
+        if self.plan == Plan::Mission {
+            return 0.0;
+        }
         let off_m = self.there.off_m.max(here.off_m);
-        let from_s = match self.plan {
-            Plan::Mission => return 0.0,
-            Plan::Back(..) => 0.0,
-            Plan::Off(_, from_s) => from_s - scene.time_s,
-        };
-        let until_s = self.measured_s(scene);
+        let (from_s, until_s) = self.off_s(scene);
         let flown_m = scene.progress.leg(&scene.now).ground_speed_mps * until_s;
         let extra_m = (flown_m - (self.there.along_m - here.along_m)).max(0.0);
         off_m + price::EXTRA_PATH * extra_m + price::SECOND_M * (until_s - from_s)

@@ -7,11 +7,16 @@ use std::sync::OnceLock;
 
 pub(crate) const WARNINGS: [&str; 5] =
     ["-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wpedantic"];
-pub(crate) const SANITIZED: [&str; 3] = [
+const SANITIZED: [&str; 3] = [
     "-g",
     "-fsanitize=address,undefined",
     "-fno-sanitize-recover=all",
 ];
+
+/// These options of a compiler, and those of the sanitizers.
+pub(crate) fn sanitized<'a>(options: &[&'a str]) -> Vec<&'a str> {
+    [options, SANITIZED.as_slice()].concat()
+}
 
 pub(crate) fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))

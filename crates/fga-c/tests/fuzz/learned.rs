@@ -5,6 +5,7 @@ use core::ptr;
 use fga_c::*;
 
 use crate::drawn::enu;
+use crate::known::assert_in_order;
 use crate::lent::Lent;
 use crate::{Expected, Fuzz};
 
@@ -112,17 +113,7 @@ impl Fuzz {
         let status = unsafe { fga_learned_known(learned, known) };
         if self.check(status, "fga_learned_known") {
             let known: fga_known_aircraft = self.learner.known.get();
-            for interval in [
-                known.turn_rate_factor,
-                known.bank_time_constant_s,
-                known.dead_time_s,
-                known.late_s,
-                known.wind_east_mps,
-                known.wind_north_mps,
-            ] {
-                let (below, above) = (interval.mean - interval.low, interval.high - interval.mean);
-                assert!(below >= 0.0 && above >= 0.0 && (below + above).is_finite());
-            }
+            assert_in_order(&known);
         }
         // A bank may lag more than a proof allows.
         self.expected = Expected::Either;

@@ -9,6 +9,8 @@
 
 mod airspace;
 mod drawn;
+#[path = "../built/known.rs"]
+mod known;
 mod learned;
 mod lent;
 mod reports;

@@ -5,6 +5,7 @@ use core::ptr::{null, null_mut};
 use fga_c::*;
 
 use crate::flight::{Unit, sized, vehicle, words};
+use crate::known::assert_in_order;
 
 const GRAVITY_MPS2: f64 = 9.806_65;
 const HERE: fga_enu = fga_enu {
@@ -440,21 +441,7 @@ fn wild_numbers_leave_intervals_that_can_be_calculated_with() {
         if n % 100 > 0 {
             continue;
         }
-        let known = learner.known();
-        for interval in [
-            known.turn_rate_factor,
-            known.bank_time_constant_s,
-            known.dead_time_s,
-            known.late_s,
-            known.wind_east_mps,
-            known.wind_north_mps,
-        ] {
-            assert!(
-                interval.low <= interval.mean && interval.mean <= interval.high,
-                "{known:?}"
-            );
-            assert!((interval.high - interval.low).is_finite(), "{known:?}");
-        }
+        assert_in_order(&learner.known());
         let mut vehicle: fga_vehicle = sized();
         let why = &raw mut learner.why;
         // SAFETY: right pointers.

@@ -6,6 +6,8 @@ extern crate alloc;
 
 mod airspace;
 mod flight;
+#[path = "../built/known.rs"]
+mod known;
 mod learned;
 mod mission;
 mod reports;

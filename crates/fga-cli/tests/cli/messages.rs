@@ -19,6 +19,23 @@ fn refuses(folder: &Path, arguments: &[&str], expected: &str) {
     assert!(output.stdout.is_empty(), "{arguments:?}");
 }
 
+/// `check` and `run` refuse the scenario of `fga init` for each text that takes the place of one in it, at this line.
+fn refuses_scenarios(from: &str, line: u32, cases: &[(&str, &str)]) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
+    for (to, expected) in cases {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text);
+        fs::write(at.join("wrong.toml"), changed).unwrap();
+        for command in ["check", "run"] {
+            let expected = format!("wrong.toml, line {line}: {expected}");
+            refuses(at, &[command, "wrong.toml"], &expected);
+        }
+    }
+}
+
 #[test]
 fn a_missing_file_a_folder_and_another_kind_of_file_are_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -150,30 +167,16 @@ fn check_takes_the_largest_seed_as_run_does() {
 
 #[test]
 fn a_waypoint_with_too_few_numbers_is_named_in_plain_words() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    assert!(fga_in(at, &["init", "scenario"]).status.success());
-    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
-    for (waypoint, expected) in [
-        ("[0, 0]", "found a list of 2 values, expected 3"),
-        ("[0]", "found a list of 1 value, expected 3"),
-    ] {
-        let changed = text.replace("[[0, 0, 100],", &format!("[\n{waypoint},"));
-        fs::write(at.join("wrong.toml"), changed).unwrap();
-        for command in ["check", "run"] {
-            let expected = format!("wrong.toml, line 21: {expected}");
-            refuses(at, &[command, "wrong.toml"], &expected);
-        }
-    }
+    let cases = [
+        ("[\n[0, 0],", "found a list of 2 values, expected 3"),
+        ("[\n[0],", "found a list of 1 value, expected 3"),
+    ];
+    refuses_scenarios("[[0, 0, 100],", 21, &cases);
 }
 
 #[test]
 fn a_place_that_is_no_number_is_named_with_what_it_holds() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    assert!(fga_in(at, &["init", "scenario"]).status.success());
-    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
-    for (place, expected) in [
+    let cases = [
         (
             "[NaN, 10, 60]",
             "found no number, expected a finite number or a word in quotes",
@@ -186,15 +189,8 @@ fn a_place_that_is_no_number_is_named_with_what_it_holds() {
             "[7e9, 10, 60]",
             "position_m is [7000000000, 10, 60], expected three finite numbers within 10,000 km",
         ),
-    ] {
-        let changed = text.replace("[700, 10, 60]", place);
-        assert_ne!(changed, text);
-        fs::write(at.join("wrong.toml"), changed).unwrap();
-        for command in ["check", "run"] {
-            let expected = format!("wrong.toml, line 31: {expected}");
-            refuses(at, &[command, "wrong.toml"], &expected);
-        }
-    }
+    ];
+    refuses_scenarios("[700, 10, 60]", 31, &cases);
 }
 
 #[test]

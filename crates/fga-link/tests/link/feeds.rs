@@ -174,8 +174,8 @@ fn t1_a_feed_that_never_came_is_told_and_an_empty_one_is_ready() {
     assert_eq!(world.companion.feeds_in_words(), "");
 }
 
-/// Empty air looks the same for two minutes: by then a heartbeat is due. In flight it is told, and what others report is still avoided; on
-/// the ground it is not ready.
+/// A receiver in empty air sends nothing but a heartbeat each minute. One that misses two is named. In flight the companion goes on with the
+/// reports of others; on the ground it is not ready.
 #[test]
 fn t1_a_feed_that_falls_silent_is_told_with_the_time_and_is_not_ready_on_the_ground() {
     let (_, statuses) = given("\r\n\r\n", 2);
@@ -197,7 +197,7 @@ fn t1_a_feed_that_falls_silent_is_told_with_the_time_and_is_not_ready_on_the_gro
     world.run_until(260.0);
     assert_eq!(world.companion.authority(), Authority::Waiting);
     assert_eq!(texts_with(&world, "not ready: no traffic feed"), 1);
-    // It is heard again: its next silence is told again.
+    // The receiver is heard again, so the operator reads of its next silence too.
     world.companion.take_feed(heard, world.time_s);
     assert_eq!(world.companion.feeds_in_words(), "");
     world.run_until(395.0);
