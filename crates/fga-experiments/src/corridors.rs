@@ -17,7 +17,7 @@ use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
 use fga_sim::oracle::{
-    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_within,
 };
 use fga_sim::policy::PolicyChoice;
 use fga_sim::track::Track;
@@ -246,14 +246,7 @@ fn oracle_m(world: &World) -> f64 {
         ..OracleSettings::default()
     };
     let vehicle = OracleVehicle::from(&world.vehicle);
-    best_margin_within(
-        &start,
-        &vehicle,
-        &[there],
-        OracleAirspace::of(world),
-        &settings,
-    )
-    .best_margin_m
+    best_margin_within(&start, &vehicle, &[there], airspace_of(world), &settings).best_margin_m
 }
 
 fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<Count, String> {

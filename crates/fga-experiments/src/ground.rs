@@ -9,7 +9,7 @@ use fga::situation::Movement;
 use fga_sim::encounters::{EncounterSource, Scenery};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
 use fga_sim::oracle::{
-    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_within,
 };
 use fga_sim::policy::PolicyChoice;
 use fga_sim::sensor::SensorSettings;
@@ -223,7 +223,7 @@ fn fly_one(
             &OracleStart::ORIGIN,
             &OracleVehicle::from(&world.vehicle),
             &obstacles,
-            OracleAirspace::of(&world),
+            airspace_of(&world),
             &OracleSettings {
                 horizon_s: ORACLE_S,
                 enough_m: Some(0.5),

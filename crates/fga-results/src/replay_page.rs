@@ -17,10 +17,10 @@ use fga_report::replay::{
     ReplayOutcome, ReplayPath, ReplayPathKind, ReplayPiece, ReplayRun, ReplaySample, render,
 };
 use fga_report::zone::DrawnZone;
-use fga_sim::ground::WorldGround;
 use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{AircraftFutures, DecisionLog, FutureWay, Plan, RunLog};
 use fga_sim::track::Track;
+use fga_sim::world::WorldGround;
 use fga_sim::world::WorldZone;
 
 use crate::{flight_file, replay_guidance};

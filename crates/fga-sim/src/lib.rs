@@ -1,4 +1,4 @@
-//! The simulated world around [`fga`]: plant, sensor, separation, scenarios, recordings, batches.
+//! The simulated world around [`fga`]: plant, sensor, scenarios, recordings, batches. [`fga_judge`] judges what flies in it.
 //!
 //! Frame: x east, y north, z up; course from +x towards +y; left is positive. With wind, the
 //! plant's angles are through the air and logged samples have angles over the ground.
@@ -13,10 +13,8 @@
 //! | [`obstacle`] | what is in the way, and what do reports say about it? |
 //! | [`wind`] | which way to fly a line in a wind? |
 //! | [`plant`] | how does the aircraft really fly? |
-//! | [`track`] | where is an obstacle really? |
 //! | [`sensor`] | what does the aircraft know of it? |
-//! | [`separation`] | how close did they really come? |
-//! | [`progress`] | how far along the mission, and how far beside it? |
+//! | [`progress`] | which line does a mission ask for? |
 //! | [`settings`] | which settings for decisions does a vehicle file give? |
 //! | [`policy`] | which policy has this name? |
 //! | [`mission_pilot`] | which pilot flies the mission and avoids nothing? |
@@ -33,12 +31,13 @@
 //! | [`campaign`] | what is the result of millions of drawn encounters, policy by policy? |
 //! | [`drawn`], [`recorded`] | which encounters do files hold? |
 //! | [`encounters`] | which encounters does a generator make? |
-//! | [`fine`] | what is the real result of a manoeuvre? |
 //! | [`stress`] | in which likely motions of an intruder does a policy fail? |
-//! | [`oracle`] | can any manoeuvre save an encounter? |
+//! | [`oracle`] | can any manoeuvre save an encounter of a file? |
 //! | [`fingerprint`] | are two files the same? |
 
 extern crate alloc;
+
+pub use fga_judge::{fine, separation, track};
 
 pub mod ahead;
 pub mod baselines;
@@ -48,9 +47,7 @@ mod corrupt;
 pub mod drawn;
 pub mod encounters;
 pub mod engine;
-pub mod fine;
 pub mod fingerprint;
-pub mod ground;
 pub mod identification;
 pub mod mission_pilot;
 pub mod obstacle;
@@ -67,11 +64,9 @@ pub mod recording;
 pub mod run;
 pub mod scenario;
 pub mod sensor;
-pub mod separation;
 pub mod settings;
 pub mod shield;
 pub mod stress;
-pub mod track;
 pub mod tracker;
 mod values;
 pub mod vehicle_file;

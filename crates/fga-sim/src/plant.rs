@@ -7,7 +7,6 @@
 //! depend on the decisions in between. Rolls of an aircraft with bank lag are exact in bank and integrated by Simpson's rule in
 //! steps of at most 0.1 s; flight under the PI autopilot uses the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 
-mod arc;
 mod autopilot;
 mod difference;
 mod lagged;
@@ -20,9 +19,9 @@ use fga::maneuver::{Maneuver, Stage};
 use fga::situation::Ownship;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
-pub use arc::{Arc, unwrap_near};
 pub use autopilot::Autopilot;
 pub use difference::PlantDifference;
+pub use fga_judge::arc::Arc;
 
 use pi_controller::PiController;
 

@@ -18,9 +18,9 @@ use fga_files::from_mission::{over, scenario_text};
 use fga_formats::error::{read_bytes, text_of};
 use fga_formats::words::LEAST_CHANCE;
 use fga_formats::{InputError, gzip, missions};
+use fga_judge::ground::GroundSeparation;
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
-use crate::ground::GroundSeparation;
 use crate::own::FailureKind;
 use crate::policy::PolicyChoice;
 use crate::progress::{MissedWaypoint, mission_line_m};

@@ -1,8 +1,8 @@
 //! The parts of one flight.
 
-pub use crate::ground::WorldGround;
 pub use crate::obstacle::{TrackReport, WorldObstacle};
 pub use crate::zone::{WorldOutline, WorldZone};
+pub use fga_formats::terrain::LocalGround as WorldGround;
 
 use alloc::sync::Arc;
 

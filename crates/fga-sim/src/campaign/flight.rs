@@ -14,8 +14,8 @@ use super::{Campaign, CampaignError, Row};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
 use crate::oracle::{
-    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle,
-    best_margin_of_tracks, best_margin_within,
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_of_tracks,
+    best_margin_within,
 };
 use crate::policy::{PolicyChoice, PolicyPilot};
 use crate::recorded::plan_of;
@@ -192,7 +192,7 @@ impl<'a> CampaignFlyer<'a> {
                     .in_wind(self.campaign.model.blows_mps())
                 })
                 .collect();
-            let airspace = OracleAirspace::of(&self.world);
+            let airspace = airspace_of(&self.world);
             let answer = best_margin_within(start, vehicle, &obstacles, airspace, settings);
             kept(answer.best_margin_m)
         });

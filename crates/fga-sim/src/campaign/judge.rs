@@ -12,7 +12,7 @@ use fga_alerts::{Aircraft, AircraftId, AircraftState, Monitor, schemes};
 
 use super::metrics::Metrics;
 use crate::engine::{Observer, Outcome as EngineFlight, Sample};
-use crate::progress::MissionProgress;
+use crate::progress::progress_of;
 use crate::separation::least_at;
 use crate::track::{Track, TrackPoint};
 use crate::world::World;
@@ -71,7 +71,7 @@ fn changes(world: &World, flown: &FlownPath) -> u32 {
     let Some(left_s) = flown.left_s else {
         return 0;
     };
-    let mut progress = MissionProgress::of(world);
+    let mut progress = progress_of(world);
     let nexts = flown.path.iter().skip(1).chain(flown.path.last());
     let beside_m = flown.path.iter().zip(nexts).filter_map(|(now, next)| {
         let moved_m = next.position_m - now.position_m;

@@ -1,5 +1,6 @@
 //! The engine, and the flight that it flies.
 
+use core::f64::consts::TAU;
 use std::time::Instant;
 
 use fga::angle::{climb_of, course_of};
@@ -11,13 +12,13 @@ use fga::situation::Ownship;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::Vehicle;
 use fga::zone::Zone;
+use fga_judge::ground::GroundSeparation;
 
 use super::measured::{Measured, Milestones, Outcome};
 use super::observer::{DecisionMoment, Observer};
 use super::steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
-use crate::ground::GroundSeparation;
-use crate::plant::{Arc, Plant, unwrap_near};
-use crate::progress::{MissedWaypoint, MissionProgress};
+use crate::plant::{Arc, Plant};
+use crate::progress::{MissedWaypoint, MissionProgress, progress_of};
 use crate::sensor::Sensor;
 use crate::separation::{Least, Separation};
 use crate::track::Track;
@@ -100,7 +101,7 @@ impl Engine {
         self.measured.begin(world);
         FlightState {
             milestones: Milestones::default(),
-            progress: MissionProgress::of(world),
+            progress: progress_of(world),
             replaying: world.recorded.is_some(),
             tuned_mps: world.vehicle.airspeed_mps,
             cycle: 0,
@@ -365,7 +366,9 @@ impl<'a> EngineFlight<'a> {
         let (first_s, last_s) = recorded.presence_s();
         if let Some((position_m, velocity_mps)) = recorded.at(time_s.clamp(first_s, last_s)) {
             let air_mps = velocity_mps - self.world.blows_mps();
-            let course_rad = unwrap_near(course_of(air_mps), self.plant.ownship().course_rad);
+            // The course nearest to that of now.
+            let now_rad = self.plant.ownship().course_rad;
+            let course_rad = now_rad + libm::remainder(course_of(air_mps) - now_rad, TAU);
             self.plant
                 .place(time_s, position_m, course_rad, climb_of(air_mps));
             self.plant.fly_at(air_mps.length());

@@ -6,13 +6,13 @@
 
 use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
+use fga_judge::ground::GroundSeparation;
+use fga_judge::zone;
 
-use crate::ground::GroundSeparation;
 use crate::plant::Arc;
 use crate::progress::MissionProgress;
 use crate::separation::{Least, Separation};
 use crate::world::World;
-use crate::zone;
 
 /// The measurements of a flight.
 #[derive(Debug, Clone, Default)]
@@ -46,7 +46,8 @@ impl Measured {
         });
         self.from_zones.extend(from_zones);
         let ground = world.ground.as_ref();
-        self.from_ground = ground.map(|ground| GroundSeparation::begun(ground, at_m));
+        self.from_ground =
+            ground.map(|ground| GroundSeparation::begun(|at_m| ground.above_m(at_m), at_m));
         (self.straight, self.flown_m) = (None, 0.0);
     }
 
@@ -80,10 +81,10 @@ impl Measured {
             separation.observe(arc, end_m, &obstacle.track);
         }
         for (least, zone) in self.from_zones.iter_mut().zip(&world.zones) {
-            zone::observe(least, zone, arc, end_m);
+            zone::observe(least, &zone.zone(), arc, end_m);
         }
         if let (Some(separation), Some(ground)) = (self.from_ground.as_mut(), &world.ground) {
-            separation.observe(ground, arc);
+            separation.observe(|at_m| ground.above_m(at_m), arc);
         }
     }
 

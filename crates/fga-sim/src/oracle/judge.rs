@@ -3,10 +3,11 @@
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_formats::encounters::Encounter;
-
-use super::{
-    OracleAirspace, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
+use fga_judge::oracle::{
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin_within,
 };
+
+use super::airspace::airspace_among;
 use crate::batch::volume_of;
 use crate::encounters::Scenery;
 use crate::vehicle_file::VehicleModel;
@@ -80,7 +81,7 @@ impl Judge {
                 .in_wind(self.wind_mps)
             })
             .collect();
-        let airspace = OracleAirspace::among(scenery, self.limits_m, self.wind_mps);
+        let airspace = airspace_among(scenery, self.limits_m, self.wind_mps);
         let answer = best_margin_within(
             &self.start,
             &self.vehicle,

@@ -6,10 +6,11 @@
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
-
-use super::{
-    OracleAirspace, OracleSettings, OracleStart, OracleTrack, OracleVehicle, best_margin_on_tracks,
+use fga_judge::oracle::{
+    OracleSettings, OracleStart, OracleTrack, OracleVehicle, best_margin_on_tracks,
 };
+
+use super::airspace_of;
 use crate::plant::at_airspeed;
 use crate::track::Track;
 use crate::world::World;
@@ -57,7 +58,7 @@ pub fn best_margin_of_tracks(world: &World, settings: &OracleSettings) -> Option
         horizon_s: (until_s - start_s).max(1.0),
         ..*settings
     };
-    let airspace = OracleAirspace::of(world);
+    let airspace = airspace_of(world);
     let vehicle = OracleVehicle::from(&vehicle);
     let answer = best_margin_on_tracks(&start, &vehicle, &tracks, airspace, &settings);
     Some(TracksAnswer {
@@ -117,83 +118,4 @@ fn points(track: &Track, start_s: f64, until_s: f64, wind_mps: Vec3) -> Vec<(f64
         take(leg.to_s, leg.position_at_m(leg.to_s));
     });
     points
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{OracleObstacle, best_margin};
-    use super::*;
-    use fga::situation::ProtectedVolume;
-
-    const VOLUME: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
-
-    fn track(points_m: &[(f64, Vec3)]) -> OracleTrack {
-        OracleTrack {
-            points_m: points_m.to_vec(),
-            volume: VOLUME,
-        }
-    }
-
-    #[test]
-    fn a_straight_track_is_the_same_as_a_straight_mover() {
-        let (from_m, velocity_mps) = (Vec3::new(250.0, 8.0, 0.0), Vec3::new(-12.0, 1.0, 0.0));
-        let obstacle = OracleObstacle {
-            position_m: from_m,
-            velocity_mps,
-            volume: VOLUME,
-        };
-        let vehicle = OracleVehicle::table_4();
-        let settings = OracleSettings::default();
-        let straight = best_margin(&OracleStart::ORIGIN, &vehicle, &[obstacle], &settings);
-        let points: Vec<(f64, Vec3)> = (0..=60)
-            .map(|second| (f64::from(second), from_m + velocity_mps * f64::from(second)))
-            .collect();
-        let tracked = best_margin_on_tracks(
-            &OracleStart::ORIGIN,
-            &vehicle,
-            &[track(&points)],
-            None,
-            &settings,
-        );
-        assert!((straight.best_margin_m - tracked.best_margin_m).abs() < 0.02);
-        assert!((straight.do_nothing_margin_m - tracked.do_nothing_margin_m).abs() < 1e-3);
-    }
-
-    /// Level flight at 15 m/s along x. The other aircraft stands at (300, 0) until t = 10 s and is gone then:
-    /// it is never nearer than 150 m, less its radius. If it comes back at t = 18 s, it is 30 m away.
-    #[test]
-    fn an_aircraft_counts_only_while_its_track_exists() {
-        let place = Vec3::X * 300.0;
-        let hold = |points: &[OracleTrack]| {
-            let settings = OracleSettings::default();
-            let vehicle = OracleVehicle::table_4();
-            best_margin_on_tracks(&OracleStart::ORIGIN, &vehicle, points, None, &settings)
-                .do_nothing_margin_m
-        };
-        let gone = track(&[(0.0, place), (10.0, place)]);
-        assert!((hold(core::slice::from_ref(&gone)) - 120.0).abs() < 1e-3);
-        let back = track(&[(18.0, place), (18.5, place)]);
-        assert!((hold(&[gone, back]) + 7.5).abs() < 1e-3);
-        // It turns away before it gets near: a straight mover would have hit.
-        let turned = track(&[
-            (0.0, Vec3::X * 600.0),
-            (10.0, Vec3::X * 450.0),
-            (30.0, Vec3::new(450.0, 600.0, 0.0)),
-        ]);
-        let margin_m = hold(&[turned]);
-        // Nearest where 15 m/s along x and 30 m/s along y balance: by hand, at t = 14 s.
-        let by_hand = (0..=3000)
-            .map(|k| f64::from(k) * 0.01)
-            .map(|t| {
-                let own = Vec3::X * (15.0 * t);
-                let its = if t < 10.0 {
-                    Vec3::X * (600.0 - 15.0 * t)
-                } else {
-                    Vec3::new(450.0, 30.0 * (t - 10.0), 0.0)
-                };
-                own.distance(its) - 30.0
-            })
-            .fold(f64::INFINITY, f64::min);
-        assert!((margin_m - by_hand).abs() < 0.01, "{margin_m} {by_hand}");
-    }
 }

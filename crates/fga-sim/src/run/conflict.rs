@@ -3,7 +3,7 @@
 use fga::avoider::State;
 
 use super::DecisionLog;
-use crate::progress::MissionProgress;
+use crate::progress::progress_of;
 use crate::world::World;
 
 /// One conflict. Times in seconds since the start.
@@ -25,7 +25,7 @@ pub struct RunConflict {
 pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<RunConflict> {
     let mut conflicts: Vec<RunConflict> = Vec::new();
     let mut last = State::Cruise;
-    let mut progress = MissionProgress::of(world);
+    let mut progress = progress_of(world);
     for moment in decisions {
         let (time_s, now) = (moment.time_s, moment.decision.state);
         progress.follow(time_s, moment.ownship.position_m, None, || {

@@ -10,7 +10,7 @@ use fga_formats::terrain::{Given, Terrain};
 use toml::Spanned;
 
 use super::places::FilePlaces;
-use crate::ground::WorldGround;
+use crate::world::WorldGround;
 
 /// Largest clearance, metres.
 const MOST_CLEARANCE_M: f64 = 10_000.0;

@@ -8,8 +8,8 @@ use fga::zone::ALL_HEIGHTS_M;
 use fga_sim::batch::empty_world;
 use fga_sim::encounters::{EncounterSource, Scenery};
 use fga_sim::oracle::{
-    Judge, OracleAirspace, OracleAnswer, OracleFlight, OracleObstacle, OracleSettings, OracleStart,
-    OracleVehicle, Stages, best_margin_within,
+    Judge, OracleAnswer, OracleFlight, OracleObstacle, OracleSettings, OracleStart, OracleVehicle,
+    Stages, airspace_of, best_margin_within,
 };
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{World, WorldGround, WorldOutline, WorldZone};
@@ -53,7 +53,7 @@ fn answer(world: &World, radius_m: f64, vehicle: &OracleVehicle, stages: Stages)
         stages,
         ..OracleSettings::default()
     };
-    let airspace = OracleAirspace::of(world);
+    let airspace = airspace_of(world);
     best_margin_within(&OracleStart::ORIGIN, vehicle, &ahead, airspace, &settings)
 }
 
@@ -111,7 +111,7 @@ fn walls_stand_over_the_ground_while_the_air_moves() {
             &OracleStart::ORIGIN,
             &OracleVehicle::table_4().planar(),
             &[],
-            OracleAirspace::of(&world),
+            airspace_of(&world),
             &OracleSettings::default(),
         );
         let held_m = answer.do_nothing_margin_m;

@@ -1,9 +1,6 @@
 //! A piece of flight with constant course rate and constant climb rate, in closed form.
 
-use core::f64::consts::TAU;
-
-use fga::Vec3;
-use fga::angle::direction;
+use fga_proof::Vec3;
 
 /// A piece of flown path: course and climb angle change linearly in time (Eq. 10–12 integrated
 /// exactly), carried along by a constant wind.
@@ -40,6 +37,13 @@ fn sinc(x: f64) -> f64 {
     } else {
         libm::sin(x) / x
     }
+}
+
+/// The unit vector of a course and a climb angle (Eq. 10–12 with V = 1).
+fn direction(course_rad: f64, climb_rad: f64) -> Vec3 {
+    let (sin_course, cos_course) = libm::sincos(course_rad);
+    let (sin_climb, cos_climb) = libm::sincos(climb_rad);
+    Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
 }
 
 impl Arc {
@@ -103,11 +107,6 @@ impl Arc {
     pub fn speed_bound_mps(&self) -> f64 {
         self.airspeed_mps + self.wind_mps.length()
     }
-}
-
-/// The course nearest to `around_rad` that points like `course_rad`.
-pub fn unwrap_near(course_rad: f64, around_rad: f64) -> f64 {
-    around_rad + libm::remainder(course_rad - around_rad, TAU)
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@
 
 use alloc::sync::Arc;
 
-use fga::Vec3;
-use fga::situation::ProtectedVolume;
+use fga_proof::Vec3;
+use fga_proof::situation::ProtectedVolume;
 
 use super::airspace::{COARSE_M, EXACT_M, OracleAirspace};
 use super::flight::{FlightNode, OracleFlight, hermite};
+use crate::separation::{bounding_m, margin_m};
+
 use super::{OracleManeuver, OracleObstacle, OracleStart, OracleTrack, OracleVehicle};
 
 /// Accepted deviation of a curved piece from its chord, metres.
@@ -28,7 +30,7 @@ struct StraightPiece {
 }
 
 /// The motion of an obstacle.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 enum BodyMotion {
     Straight(StraightPiece),
     /// Pieces in the order of time.
@@ -38,13 +40,11 @@ enum BodyMotion {
 }
 
 /// An obstacle with precomputed values for the loops.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) struct OracleBody {
     motion: BodyMotion,
-    radius: f64,
-    /// Half height of a cylinder; `None` for a sphere.
-    half_height: Option<f64>,
-    bounding: f64,
+    volume: ProtectedVolume,
+    bounding_m: f64,
 }
 
 impl OracleBody {
@@ -86,23 +86,10 @@ impl OracleBody {
     }
 
     fn with(volume: &ProtectedVolume, motion: BodyMotion) -> Self {
-        let (radius, half_height) = match *volume {
-            ProtectedVolume::Sphere { radius_m } => (radius_m, None),
-            ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
-            } => (radius_m, Some(half_height_m)),
-        };
-        let half = half_height.unwrap_or(0.0);
         Self {
             motion,
-            radius,
-            half_height,
-            bounding: if half_height.is_some() {
-                libm::sqrt(radius * radius + half * half)
-            } else {
-                radius
-            },
+            volume: *volume,
+            bounding_m: bounding_m(volume),
         }
     }
 
@@ -127,21 +114,8 @@ impl OracleBody {
         }
         self.pieces(time_s, time_s)
             .iter()
-            .map(|piece| self.distance(own - piece.position - piece.velocity * time_s))
+            .map(|piece| margin_m(&self.volume, own - piece.position - piece.velocity * time_s))
             .fold(f64::INFINITY, f64::min)
-    }
-
-    fn distance(&self, offset: Vec3) -> f64 {
-        let Some(half) = self.half_height else {
-            return libm::sqrt(offset.dot(offset)) - self.radius;
-        };
-        let wall = libm::sqrt(offset.x * offset.x + offset.y * offset.y) - self.radius;
-        let face = offset.z.abs() - half;
-        if wall > 0.0 && face > 0.0 {
-            libm::sqrt(wall * wall + face * face)
-        } else {
-            wall.max(face)
-        }
     }
 
     /// The lesser of `running` and the margin on the straight line flown from `p0` at `t0` to
@@ -196,12 +170,12 @@ impl OracleBody {
         } else {
             a.dot(a) - ad * ad / dd
         };
-        let limit = self.bounding + running;
+        let limit = self.bounding_m + running;
         if limit <= 0.0 || square >= limit * limit {
             return running;
         }
-        if self.half_height.is_none() {
-            return (libm::sqrt(square.max(0.0)) - self.radius).min(running);
+        if let ProtectedVolume::Sphere { radius_m } = self.volume {
+            return (libm::sqrt(square.max(0.0)) - radius_m).min(running);
         }
         self.golden(a, d).min(running)
     }
@@ -210,7 +184,7 @@ impl OracleBody {
     fn golden(&self, a: Vec3, d: Vec3) -> f64 {
         const RATIO: f64 = 0.618_033_988_749_894_9;
         let length = libm::sqrt(d.dot(d));
-        let at = |s: f64| self.distance(a + d * s);
+        let at = |s: f64| margin_m(&self.volume, a + d * s);
         let (mut low, mut high) = (0.0, 1.0);
         let (mut s1, mut s2) = (1.0 - RATIO, RATIO);
         let (mut f1, mut f2) = (at(s1), at(s2));

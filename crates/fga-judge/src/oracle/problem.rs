@@ -1,8 +1,8 @@
 //! What the oracle is asked, and what it answers.
 
-use fga::Vec3;
-use fga::situation::{Obstacle, Ownship, ProtectedVolume};
-use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use fga_proof::Vec3;
+use fga_proof::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga_proof::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 /// An encounter counts as avoidable from this margin on, metres.
 pub const AVOIDABLE_MARGIN_M: f64 = 0.1;
@@ -56,7 +56,7 @@ impl OracleVehicle {
             climb_min_rad: -15.0_f64.to_radians(),
             climb_max_rad: 15.0_f64.to_radians(),
             climb_rate_radps: 0.2,
-            response: fga::vehicle::Response::default(),
+            response: fga_proof::vehicle::Response::default(),
         })
     }
 

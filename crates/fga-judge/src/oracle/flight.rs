@@ -5,8 +5,8 @@
 
 use core::f64::consts::TAU;
 
-use fga::Vec3;
-use fga::vehicle::STANDARD_GRAVITY_MPS2;
+use fga_proof::Vec3;
+use fga_proof::vehicle::STANDARD_GRAVITY_MPS2;
 
 use super::{OracleManeuver, OracleStart, OracleVehicle};
 

@@ -5,14 +5,14 @@
 //! from its chord by at most a·h²/8, and a distant obstacle needs no check for the time that
 //! closing the distance takes. This measures flights; nothing that decides uses it.
 
-use fga::Vec3;
-use fga::situation::ProtectedVolume;
+use fga_proof::Vec3;
+use fga_proof::situation::ProtectedVolume;
 
-use crate::plant::Arc;
+use crate::arc::Arc;
 use crate::track::Track;
 
 /// Below this departure from the chord a piece counts as straight, metres.
-pub(crate) const STRAIGHT_M: f64 = 1e-4;
+pub const STRAIGHT_M: f64 = 1e-4;
 
 /// The measured quantity.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ impl Measure {
     fn of(&self, offset_m: Vec3) -> f64 {
         match self {
             Self::Distance => offset_m.length(),
-            Self::Margin(volume) => volume.margin_m(offset_m),
+            Self::Margin(volume) => margin_m(volume, offset_m),
         }
     }
 
@@ -46,13 +46,13 @@ impl Measure {
             Self::Distance => (distance, share),
             Self::Margin(ProtectedVolume::Sphere { radius_m }) => (distance - radius_m, share),
             Self::Margin(volume) => {
-                if distance - volume.bounding_radius_m() >= below_m
+                if distance - bounding_m(volume) >= below_m
                     || self.at_least_on_chord(from_m, to_m) >= below_m
                 {
                     return (f64::INFINITY, share);
                 }
                 // The signed distance to a convex body is convex along a line.
-                let value = |share: f64| volume.margin_m(from_m + along * share);
+                let value = |share: f64| self.of(from_m + along * share);
                 // To 1e-12 of the line. Tests the ends too: the search stays inside.
                 [0.0, least_at(value, 1.0, 69), 1.0]
                     .map(|share| (value(share), share))
@@ -84,8 +84,38 @@ impl Measure {
     }
 }
 
+/// Signed distance from the surface of a volume to a point at an offset from its centre, metres: negative inside.
+pub(crate) fn margin_m(volume: &ProtectedVolume, offset_m: Vec3) -> f64 {
+    match *volume {
+        ProtectedVolume::Sphere { radius_m } => offset_m.length() - radius_m,
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => {
+            let wall_m = libm::sqrt(across(offset_m, offset_m)) - radius_m;
+            let face_m = offset_m.z.abs() - half_height_m;
+            if wall_m > 0.0 && face_m > 0.0 {
+                libm::sqrt(wall_m * wall_m + face_m * face_m)
+            } else {
+                wall_m.max(face_m)
+            }
+        }
+    }
+}
+
+/// Radius of the smallest sphere about the centre that contains a volume, metres.
+pub(crate) fn bounding_m(volume: &ProtectedVolume) -> f64 {
+    match *volume {
+        ProtectedVolume::Sphere { radius_m } => radius_m,
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => libm::sqrt(radius_m * radius_m + half_height_m * half_height_m),
+    }
+}
+
 /// Where a convex function is least between 0 and an end, by leaving out a third of the rest some times.
-pub(crate) fn least_at(value: impl Fn(f64) -> f64, end: f64, times: u32) -> f64 {
+pub fn least_at(value: impl Fn(f64) -> f64, end: f64, times: u32) -> f64 {
     let (mut low, mut high) = (0.0, end);
     for _ in 0..times {
         let third = (high - low) / 3.0;
@@ -114,13 +144,14 @@ pub struct Least {
 }
 
 impl Least {
-    pub(crate) const NONE: Self = Self {
+    /// Nothing measured yet.
+    pub const NONE: Self = Self {
         value_m: f64::INFINITY,
         time_s: 0.0,
     };
 
     /// Takes a value that is less.
-    pub(crate) fn note(&mut self, value_m: f64, time_s: f64) {
+    pub fn note(&mut self, value_m: f64, time_s: f64) {
         if value_m < self.value_m {
             *self = Self { value_m, time_s };
         }
@@ -167,7 +198,7 @@ impl Separation {
     /// Measures a single moment.
     pub fn observe_moment(&mut self, time_s: f64, offset_m: Vec3) {
         self.distance.note(offset_m.length(), time_s);
-        self.margin.note(self.volume.margin_m(offset_m), time_s);
+        self.margin.note(margin_m(&self.volume, offset_m), time_s);
     }
 
     /// Measures a flown arc that ends at `end_m`.
@@ -231,7 +262,7 @@ impl Separation {
             let closing = arc.speed_bound_mps() + speed_bound;
             let mut room = offset.length() - self.distance.value_m;
             if let ProtectedVolume::Cylinder { .. } = self.volume {
-                room = room.min(self.volume.margin_m(offset) - self.margin.value_m);
+                room = room.min(margin_m(&self.volume, offset) - self.margin.value_m);
             }
             self.skip_until_s = if closing > 0.0 {
                 end_s + (room - STRAIGHT_M).max(0.0) / closing

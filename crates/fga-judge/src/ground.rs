@@ -1,11 +1,10 @@
-//! The height that a flight of a world keeps above the ground.
+//! The height that a flight keeps above the ground, looked up along the flown track.
 //!
-//! It is looked up along the flown track with code of its own: it shares nothing with the certificate.
+//! The ground is a function: the height of a place above it, metres; `None` where the ground is unknown.
 
-use fga::Vec3;
-pub use fga_formats::terrain::LocalGround as WorldGround;
+use fga_proof::Vec3;
 
-use crate::plant::Arc;
+use crate::arc::Arc;
 use crate::separation::Least;
 
 /// A track is looked at each time it has flown as far as this, metres.
@@ -22,28 +21,28 @@ pub struct GroundSeparation {
 
 impl GroundSeparation {
     /// Measured at the start of a flight.
-    pub(crate) fn begun(ground: &WorldGround, at_m: Vec3) -> Self {
+    pub fn begun(above_m: impl Fn(Vec3) -> Option<f64>, at_m: Vec3) -> Self {
         let mut separation = Self {
             least: Least::NONE,
             unknown_s: None,
         };
-        separation.note(ground, at_m, 0.0);
+        separation.note(above_m(at_m), 0.0);
         separation
     }
 
     /// Measures a flown arc.
-    pub(crate) fn observe(&mut self, ground: &WorldGround, arc: &Arc) {
+    pub fn observe(&mut self, above_m: impl Fn(Vec3) -> Option<f64>, arc: &Arc) {
         let steps = libm::ceil(arc.speed_bound_mps() * arc.duration_s / LOOK_M).max(1.0);
         let mut step = 1.0;
         while step <= steps {
             let after_s = arc.duration_s * step / steps;
-            self.note(ground, arc.position_at_m(after_s), arc.start_s + after_s);
+            self.note(above_m(arc.position_at_m(after_s)), arc.start_s + after_s);
             step += 1.0;
         }
     }
 
-    fn note(&mut self, ground: &WorldGround, at_m: Vec3, time_s: f64) {
-        match ground.above_m(at_m) {
+    fn note(&mut self, above_m: Option<f64>, time_s: f64) {
+        match above_m {
             Some(value_m) => self.least.note(value_m, time_s),
             None => {
                 self.unknown_s.get_or_insert(time_s);

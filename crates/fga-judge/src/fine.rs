@@ -6,10 +6,10 @@
 //! The bank follows its command exponentially. The command is the bank of the largest course rate
 //! until the remaining turn equals the turn made while rolling out to level, then level.
 
-use fga::Vec3;
-use fga::maneuver::{Maneuver, Stage};
-use fga::situation::{Ownship, ProtectedVolume};
-use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use fga_proof::Vec3;
+use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::situation::{Ownship, ProtectedVolume};
+use fga_proof::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 /// Integration step, seconds.
 const STEP_S: f64 = 1e-3;

@@ -3,7 +3,7 @@
 //! below the best found. Its best leaves, one of each kind, are the seeds of the exact
 //! refinement.
 
-use fga::Vec3;
+use fga_proof::Vec3;
 
 use super::airspace::OracleAirspace;
 use super::arc::{ArcNode, TurnArc};
@@ -363,4 +363,82 @@ fn at_its_limit(scene: &OracleScene<'_>, found: &OracleAscent<'_>) -> bool {
     let best = ascent.best;
     ascent.refine(&[best], true);
     ascent.best.0 < more
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga_proof::situation::ProtectedVolume;
+
+    const VOLUME: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
+
+    fn track(points_m: &[(f64, Vec3)]) -> OracleTrack {
+        OracleTrack {
+            points_m: points_m.to_vec(),
+            volume: VOLUME,
+        }
+    }
+
+    #[test]
+    fn a_straight_track_is_the_same_as_a_straight_mover() {
+        let (from_m, velocity_mps) = (Vec3::new(250.0, 8.0, 0.0), Vec3::new(-12.0, 1.0, 0.0));
+        let obstacle = OracleObstacle {
+            position_m: from_m,
+            velocity_mps,
+            volume: VOLUME,
+        };
+        let vehicle = OracleVehicle::table_4();
+        let settings = OracleSettings::default();
+        let straight = best_margin(&OracleStart::ORIGIN, &vehicle, &[obstacle], &settings);
+        let points: Vec<(f64, Vec3)> = (0..=60)
+            .map(|second| (f64::from(second), from_m + velocity_mps * f64::from(second)))
+            .collect();
+        let tracked = best_margin_on_tracks(
+            &OracleStart::ORIGIN,
+            &vehicle,
+            &[track(&points)],
+            None,
+            &settings,
+        );
+        assert!((straight.best_margin_m - tracked.best_margin_m).abs() < 0.02);
+        assert!((straight.do_nothing_margin_m - tracked.do_nothing_margin_m).abs() < 1e-3);
+    }
+
+    /// Level flight at 15 m/s along x. The other aircraft stands at (300, 0) until t = 10 s and is gone then:
+    /// it is never nearer than 150 m, less its radius. If it comes back at t = 18 s, it is 30 m away.
+    #[test]
+    fn an_aircraft_counts_only_while_its_track_exists() {
+        let place = Vec3::X * 300.0;
+        let hold = |points: &[OracleTrack]| {
+            let settings = OracleSettings::default();
+            let vehicle = OracleVehicle::table_4();
+            best_margin_on_tracks(&OracleStart::ORIGIN, &vehicle, points, None, &settings)
+                .do_nothing_margin_m
+        };
+        let gone = track(&[(0.0, place), (10.0, place)]);
+        assert!((hold(core::slice::from_ref(&gone)) - 120.0).abs() < 1e-3);
+        let back = track(&[(18.0, place), (18.5, place)]);
+        assert!((hold(&[gone, back]) + 7.5).abs() < 1e-3);
+        // It turns away before it gets near: a straight mover would have hit.
+        let turned = track(&[
+            (0.0, Vec3::X * 600.0),
+            (10.0, Vec3::X * 450.0),
+            (30.0, Vec3::new(450.0, 600.0, 0.0)),
+        ]);
+        let margin_m = hold(&[turned]);
+        // Nearest where 15 m/s along x and 30 m/s along y balance: by hand, at t = 14 s.
+        let by_hand = (0..=3000)
+            .map(|k| f64::from(k) * 0.01)
+            .map(|t| {
+                let own = Vec3::X * (15.0 * t);
+                let its = if t < 10.0 {
+                    Vec3::X * (600.0 - 15.0 * t)
+                } else {
+                    Vec3::new(450.0, 30.0 * (t - 10.0), 0.0)
+                };
+                own.distance(its) - 30.0
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!((margin_m - by_hand).abs() < 0.01, "{margin_m} {by_hand}");
+    }
 }

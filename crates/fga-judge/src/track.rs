@@ -1,6 +1,6 @@
 //! The true position of an obstacle: on a straight line for ever, or on a recorded track.
 
-use fga::Vec3;
+use fga_proof::Vec3;
 
 /// Two times this close are one, seconds.
 const SAME_TIME_S: f64 = 1e-6;
@@ -77,14 +77,14 @@ impl Track {
     }
 
     /// Goes another way from a time on.
-    pub(crate) fn leave_at(&mut self, time_s: f64) {
+    pub fn leave_at(&mut self, time_s: f64) {
         if let Self::Points { points, .. } = self {
             points.truncate(points.partition_point(|point| point.time_s <= time_s));
         }
     }
 
     /// Adds a point; one that is not later than the last is none.
-    pub(crate) fn push(&mut self, point: TrackPoint) {
+    pub fn push(&mut self, point: TrackPoint) {
         if let Self::Points {
             points,
             speed_bound_mps,

@@ -1,6 +1,6 @@
 //! The tree's state and steps: chords against the bodies, leaves, pruning.
 
-use fga::Vec3;
+use fga_proof::Vec3;
 
 use super::OracleManeuver;
 use super::arc::{ArcNode, TurnArc};
