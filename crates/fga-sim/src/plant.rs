@@ -20,7 +20,7 @@ use fga::situation::Ownship;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 pub use autopilot::Autopilot;
-pub use difference::PlantDifference;
+pub use difference::{PlantDifference, at_airspeed};
 pub use fga_judge::arc::Arc;
 
 use pi_controller::PiController;
@@ -339,20 +339,6 @@ impl Plant {
             course_rate_radps * self.vehicle.airspeed_mps
                 / (STANDARD_GRAVITY_MPS2 * self.vehicle.response.turn_rate_factor),
         )
-    }
-}
-
-/// The vehicle at another airspeed, with the same largest bank angle (ρ ∝ V², Eq. 8); unchanged
-/// for a speed that is not positive.
-pub fn at_airspeed(vehicle: &Vehicle, airspeed_mps: f64) -> Vehicle {
-    if !(airspeed_mps.is_finite() && airspeed_mps > 0.0) {
-        return *vehicle;
-    }
-    let ratio = airspeed_mps / vehicle.airspeed_mps;
-    Vehicle {
-        airspeed_mps,
-        turn_radius_m: vehicle.turn_radius_m * ratio * ratio,
-        ..*vehicle
     }
 }
 

@@ -5,8 +5,6 @@ use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
 use serde::{Deserialize, Serialize};
 
-use super::at_airspeed;
-
 /// How the aircraft and the air of a flight differ from the vehicle and the wind that its pilot knows: `[plant]` of a file. `None`
 /// is no difference. Simulation and oracle know it, pilots do not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -112,5 +110,19 @@ impl PlantDifference {
             Some(real_mps) => airspeed_mps * (known.airspeed_mps / real_mps),
             None => airspeed_mps,
         }
+    }
+}
+
+/// The vehicle at another airspeed, with the same largest bank angle (ρ ∝ V², Eq. 8); unchanged
+/// for a speed that is not positive.
+pub fn at_airspeed(vehicle: &Vehicle, airspeed_mps: f64) -> Vehicle {
+    if !(airspeed_mps.is_finite() && airspeed_mps > 0.0) {
+        return *vehicle;
+    }
+    let ratio = airspeed_mps / vehicle.airspeed_mps;
+    Vehicle {
+        airspeed_mps,
+        turn_radius_m: vehicle.turn_radius_m * ratio * ratio,
+        ..*vehicle
     }
 }
