@@ -370,6 +370,11 @@ impl Companion {
         self.keeper.commands()
     }
 
+    /// Whether the vehicle has confirmed that it flies what the companion commands.
+    const fn is_in_command(&self) -> bool {
+        matches!(self.keeper.state(), Authority::InCommand { .. })
+    }
+
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
         self.voice.at(now_s).tell_trouble(words);

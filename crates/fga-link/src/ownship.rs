@@ -12,8 +12,7 @@ mod take;
 use fga::Vec3;
 use fga::situation::Ownship;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-
-pub use take::turn_rate_radps;
+use mavlink::dialects::ardupilotmega::ATTITUDE_DATA;
 
 use crate::clock::BootClock;
 
@@ -87,6 +86,14 @@ pub struct OwnState {
     pub pitch_rad: f64,
     /// Rate of turn ψ̇, radians per second, positive to the left.
     pub course_rate_radps: f64,
+}
+
+/// Rate of turn about the vertical, radians per second, clockwise positive: ψ̇ = (q sin φ + r cos φ) / cos θ, from the rates about the
+/// body's axes. In a steep turn that settles, r / cos φ alone shows the rate of a coordinated turn that is not flown yet.
+pub fn turn_rate_radps(data: &ATTITUDE_DATA) -> f64 {
+    let (sin, cos) = libm::sincos(f64::from(data.roll));
+    let level = libm::cos(f64::from(data.pitch)).max(0.3);
+    (f64::from(data.pitchspeed) * sin + f64::from(data.yawspeed) * cos) / level
 }
 
 /// Collects telemetry of one vehicle.
@@ -207,7 +214,7 @@ mod tests {
     use core::f64::consts::FRAC_PI_2;
 
     use fga::vehicle::Response;
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
+    use mavlink::dialects::ardupilotmega::GLOBAL_POSITION_INT_DATA;
 
     use super::*;
     use crate::commanded::Commanded;

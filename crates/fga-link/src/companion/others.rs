@@ -4,12 +4,9 @@
 //! target where GUIDED began; and so does a command that is heard on its way.
 
 use fga::Vec3;
-use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage, POSITION_TARGET_GLOBAL_INT_DATA};
+use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 
-use super::Companion;
-use crate::authority::{Authority, Fault};
 use crate::mode::Mode;
-use crate::number::place_from_e7;
 
 /// The vehicle's target is the one of GUIDED from this long after the change of mode, milliseconds of its clock.
 const SETTLES_MS: u32 = 700;
@@ -28,7 +25,7 @@ pub(super) struct OtherOrders {
 impl OtherOrders {
     /// Takes a target, and when the vehicle reported it, milliseconds of its clock; `boot_ms` is the newest time of that clock. Whether
     /// somebody else has set it: twice in a row it is another one than at first.
-    fn is_set_by_others(&mut self, target_m: Vec3, at_ms: u32, boot_ms: u32) -> bool {
+    pub(super) fn is_set_by_others(&mut self, target_m: Vec3, at_ms: u32, boot_ms: u32) -> bool {
         let confirmed_ms = *self.confirmed_ms.get_or_insert(boot_ms);
         if at_ms < confirmed_ms.saturating_add(SETTLES_MS) {
             return false;
@@ -40,49 +37,20 @@ impl OtherOrders {
     }
 }
 
-impl Companion {
-    /// Takes the vehicle's target: one that moves while the companion commands is somebody else's order.
-    pub(super) fn watch_target(&mut self, data: &POSITION_TARGET_GLOBAL_INT_DATA, now_s: f64) {
-        let in_command = matches!(self.keeper.state(), Authority::InCommand { .. });
-        if !in_command || self.keeper.target() != Mode::GUIDED {
-            self.others = OtherOrders::default();
-            return;
+/// Whether a message from another system orders something of a vehicle in the mode of the manoeuvre.
+pub(super) fn is_order(message: &MavMessage, vehicle: Option<u8>, mode: Mode) -> bool {
+    let is_ours = |system: u8| vehicle == Some(system);
+    match message {
+        MavMessage::SET_MODE(data) => is_ours(data.target_system) && data.custom_mode == mode.0,
+        MavMessage::COMMAND_LONG(data) => {
+            is_ours(data.target_system)
+                && data.command == MavCmd::MAV_CMD_DO_SET_MODE
+                && f64::from(data.param2) == f64::from(mode.0)
         }
-        let place = place_from_e7(data.lat_int, data.lon_int, 0.0);
-        let Some((place, frame)) = place.zip(self.ownship.frame()) else {
-            return;
-        };
-        let (target_m, boot_ms) = (frame.to_local_m(place), self.session.boot_ms());
-        if self
-            .others
-            .is_set_by_others(target_m, data.time_boot_ms, boot_ms)
-        {
-            self.fault(Fault::OthersCommand, now_s);
+        MavMessage::COMMAND_INT(data) => {
+            is_ours(data.target_system) && data.command == MavCmd::MAV_CMD_DO_REPOSITION
         }
-    }
-
-    /// Takes a message to the vehicle from another system: an order in the mode of the manoeuvre ends the manoeuvre.
-    pub(super) fn overhear(&mut self, message: &MavMessage, now_s: f64) {
-        let (own, target) = (self.vehicle_system(), self.keeper.target());
-        let is_ours = |system: u8| own == Some(system);
-        let orders = match message {
-            MavMessage::SET_MODE(data) => {
-                is_ours(data.target_system) && data.custom_mode == target.0
-            }
-            MavMessage::COMMAND_LONG(data) => {
-                let sets_mode = data.command == MavCmd::MAV_CMD_DO_SET_MODE;
-                is_ours(data.target_system)
-                    && sets_mode
-                    && f64::from(data.param2) == f64::from(target.0)
-            }
-            MavMessage::COMMAND_INT(data) => {
-                is_ours(data.target_system) && data.command == MavCmd::MAV_CMD_DO_REPOSITION
-            }
-            _ => false,
-        };
-        if orders && matches!(self.keeper.state(), Authority::InCommand { .. }) {
-            self.fault(Fault::OthersCommand, now_s);
-        }
+        _ => false,
     }
 }
 

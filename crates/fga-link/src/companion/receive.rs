@@ -3,16 +3,19 @@
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, GPS_RAW_INT_DATA, GpsFixType, HEARTBEAT_DATA, MavCmd, MavMessage, MavResult,
+    POSITION_TARGET_GLOBAL_INT_DATA,
 };
 use serde_json::json;
 
 use super::Companion;
+use super::others::{OtherOrders, is_order};
 use super::over_ground::distance_m;
 use super::session::{News, Noted, SILENT_S};
 use super::traffic::{ReportContext, TrafficReports};
 use crate::authority::{Beat, Fault, reaction};
 use crate::config::CommandMode;
 use crate::mode::Mode;
+use crate::number::place_from_e7;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
 use crate::parameters::FENCE_OPTIONS;
@@ -46,8 +49,10 @@ impl Companion {
         if self.hear_vehicle(system, header.component_id, message) {
             self.take_telemetry(header.sequence, message, now_s);
             self.take_held_reports();
-        } else {
-            self.overhear(message, now_s);
+        } else if self.is_in_command()
+            && is_order(message, self.vehicle_system(), self.keeper.target())
+        {
+            self.fault(Fault::OthersCommand, now_s);
         }
         self.take_request(system, header.component_id, message, now_s);
     }
@@ -196,6 +201,25 @@ impl Companion {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Takes the vehicle's target: one that moves while the companion commands is somebody else's order.
+    fn watch_target(&mut self, data: &POSITION_TARGET_GLOBAL_INT_DATA, now_s: f64) {
+        if !self.is_in_command() || self.keeper.target() != Mode::GUIDED {
+            self.others = OtherOrders::default();
+            return;
+        }
+        let place = place_from_e7(data.lat_int, data.lon_int, 0.0);
+        let Some((place, frame)) = place.zip(self.ownship.frame()) else {
+            return;
+        };
+        let (target_m, boot_ms) = (frame.to_local_m(place), self.session.boot_ms());
+        if self
+            .others
+            .is_set_by_others(target_m, data.time_boot_ms, boot_ms)
+        {
+            self.fault(Fault::OthersCommand, now_s);
         }
     }
 

@@ -200,7 +200,7 @@ impl Companion {
         let (vehicle, bank_limit_rad) = in_need.unwrap_or((pilot.vehicle(), normal_rad));
         let vehicle = *vehicle;
         let elapsed_s = (self.lead.acts_s(now_s) - decided.for_s).max(0.0);
-        let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
+        let is_confirmed = self.is_in_command();
         self.with_hand(now_s, |hand, reach| {
             let target = HandTarget {
                 maneuver: &decided.decision.command,
@@ -257,7 +257,7 @@ impl Companion {
     }
 
     fn watch_following(&mut self, now_s: f64) {
-        let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
+        let commands = self.is_in_command();
         let is_watched = commands && !self.session.is_recorded() && !self.is_blind(now_s);
         let bank_rad = self.ownship.bank_rad().filter(|_| is_watched);
         let tolerance_rad = self.config.safety.follow_tolerance_deg.to_radians();

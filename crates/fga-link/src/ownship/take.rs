@@ -7,7 +7,7 @@ use fga::angle::wrap_pi;
 use fga_formats::geodesy::{Earth, LocalFrame};
 use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
 
-use super::{Arrival, Attitude, FASTEST_MPS, OwnshipEstimate, Position, Update};
+use super::{Arrival, Attitude, FASTEST_MPS, OwnshipEstimate, Position, Update, turn_rate_radps};
 use crate::clock::BootStamp;
 use crate::number::flown;
 
@@ -39,14 +39,6 @@ const fn stamped(stamp: BootStamp) -> Option<(f64, Update)> {
         BootStamp::Restarted { measured_s } => Some((measured_s, Update::Restarted)),
         BootStamp::Old => None,
     }
-}
-
-/// Rate of turn about the vertical, radians per second, clockwise positive: ψ̇ = (q sin φ + r cos φ) / cos θ, from the rates about the
-/// body's axes. In a steep turn that settles, r / cos φ alone shows the rate of a coordinated turn that is not flown yet.
-pub fn turn_rate_radps(data: &ATTITUDE_DATA) -> f64 {
-    let (sin, cos) = libm::sincos(f64::from(data.roll));
-    let level = libm::cos(f64::from(data.pitch)).max(0.3);
-    (f64::from(data.pitchspeed) * sin + f64::from(data.yawspeed) * cos) / level
 }
 
 impl OwnshipEstimate {
