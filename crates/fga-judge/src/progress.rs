@@ -174,11 +174,6 @@ fn share_of(offset_m: Vec3, step_m: Vec3) -> f64 {
 }
 
 impl MissionProgress {
-    /// An aircraft on the first leg of some waypoints.
-    pub fn new(waypoints_m: &[Vec3], position_m: Vec3) -> Self {
-        Self::along(waypoints_m.to_vec(), waypoints_m, position_m, 0.0, false)
-    }
-
     /// An aircraft at the start of a line that leads by waypoints; it may rejoin the line at a point this far ahead, metres.
     /// `notes_visits`: a waypoint that the aircraft comes to far from its place on the line counts as well.
     pub fn along(
@@ -457,6 +452,10 @@ impl MissionProgress {
 mod tests {
     use super::*;
 
+    fn along_legs(waypoints_m: &[Vec3]) -> MissionProgress {
+        MissionProgress::along(waypoints_m.to_vec(), waypoints_m, Vec3::ZERO, 0.0, false)
+    }
+
     #[test]
     fn progress_follows_the_legs() {
         let mission = [
@@ -465,7 +464,7 @@ mod tests {
             Vec3::new(100.0, 40.0, 0.0),
             Vec3::new(0.0, 40.0, 0.0),
         ];
-        let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
+        let mut progress = along_legs(&mission);
         progress.follow(0.0, Vec3::new(30.0, 25.0, 0.0), None, || Vec3::X);
         // Nearer to the third leg, but on the first.
         assert_eq!((progress.along_m(), progress.cross_track_m()), (30.0, 25.0));
@@ -486,7 +485,7 @@ mod tests {
             Vec3::new(100.0, 40.0, 0.0),
             Vec3::new(0.0, 40.0, 0.0),
         ];
-        let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
+        let mut progress = along_legs(&mission);
         // Abreast of the third leg, but not along it: still on the first.
         progress.follow(0.0, Vec3::new(60.0, 30.0, 0.0), None, || Vec3::X);
         assert_eq!(progress.cross_track_m(), 30.0);

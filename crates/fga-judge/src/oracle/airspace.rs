@@ -21,29 +21,17 @@ pub type OracleBoundary = Arc<dyn Fn(Vec3) -> f64 + Send + Sync>;
 /// Ground, zones and altitude limits for the oracle.
 #[derive(Clone)]
 pub struct OracleAirspace {
-    ground: Option<OracleBoundary>,
-    zones: Vec<OracleBoundary>,
-    limits_m: (f64, f64),
-    wind_mps: Vec3,
+    /// The ground, with what is asked for above it.
+    pub ground: Option<OracleBoundary>,
+    /// The zones.
+    pub zones: Vec<OracleBoundary>,
+    /// The lowest and the highest altitude, metres; infinite without a limit.
+    pub limits_m: (f64, f64),
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
 }
 
 impl OracleAirspace {
-    /// Margins from the ground, with what is asked for above it, and from zones; a lowest and a highest altitude, metres; in
-    /// air that moves.
-    pub fn new(
-        ground: Option<OracleBoundary>,
-        zones: Vec<OracleBoundary>,
-        limits_m: (f64, f64),
-        wind_mps: Vec3,
-    ) -> Self {
-        Self {
-            ground,
-            zones,
-            limits_m,
-            wind_mps,
-        }
-    }
-
     /// Without what an aircraft that begins at a place is on the wrong side of.
     pub(super) fn seen_from(mut self, start_m: Vec3) -> Self {
         let (floor_m, ceiling_m) = self.limits_m;

@@ -35,15 +35,12 @@ pub(super) fn airspace_among(
         let margin_m = move |above_m: f64| above_m - asked_m;
         Arc::new(move |at_m| ground.above_m(at_m).map_or(UNKNOWN_M, margin_m))
     });
-    let zones = scenery
-        .zones
-        .iter()
-        .cloned()
-        .map(|zone| -> OracleBoundary { Arc::new(move |at_m| zone.margin_m(at_m)) });
-    Some(OracleAirspace::new(
+    let zones = scenery.zones.iter().cloned();
+    let zones = zones.map(|zone| -> OracleBoundary { Arc::new(move |at_m| zone.margin_m(at_m)) });
+    Some(OracleAirspace {
         ground,
-        zones.collect(),
+        zones: zones.collect(),
         limits_m,
         wind_mps,
-    ))
+    })
 }
