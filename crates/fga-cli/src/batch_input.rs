@@ -6,7 +6,7 @@ use fga_sim::batch::{
     BatchError, BatchRow, BatchSettings, EncounterTracks, MoreColumns, empty_world, fly_all,
     fly_tracks, plan, show,
 };
-use fga_sim::drawn::{self, Content, RowTable};
+use fga_sim::drawn::{self, DrawnContent, RowTable};
 use fga_sim::run::RunLog;
 use fga_sim::vehicle_file::VehicleModel;
 
@@ -43,8 +43,8 @@ impl Input {
         let path = &args.encounters;
         let content = drawn::content(path)?;
         let (model, longest_s) = match content {
-            Content::Rows => (args.vehicle.model()?, HORIZON_S),
-            Content::Tracks => (
+            DrawnContent::Rows => (args.vehicle.model()?, HORIZON_S),
+            DrawnContent::Tracks => (
                 args.vehicle
                     .given()?
                     .map_or_else(VehicleModel::recorded, Ok)?,
@@ -59,7 +59,7 @@ impl Input {
             tracks: args.tracks,
         };
         Ok(match content {
-            Content::Rows => {
+            DrawnContent::Rows => {
                 let rows = drawn::read_rows(path)?;
                 Self {
                     sha256: rows.sha256.clone(),
@@ -67,7 +67,7 @@ impl Input {
                     settings,
                 }
             }
-            Content::Tracks => {
+            DrawnContent::Tracks => {
                 let tracks = EncounterTracks::find(path, &settings)?;
                 tell_left_out(&tracks.damaged, &tracks.tally, PARTS);
                 Self {

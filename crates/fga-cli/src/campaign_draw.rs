@@ -11,7 +11,7 @@ use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, CampaignScene};
 use fga_sim::drawn::{
-    Content, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
+    DrawnContent, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
 };
 use serde_json::json;
 
@@ -130,7 +130,9 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<DrawnFiles, Failure> {
                 origin.mark(&mut recording);
                 let table = match &mut tracks {
                     Some(table) => table,
-                    None => tracks.insert(DrawnTable::create(folder, TRACKS, Content::Tracks)?),
+                    None => {
+                        tracks.insert(DrawnTable::create(folder, TRACKS, DrawnContent::Tracks)?)
+                    }
                 };
                 let pushed = table.writer.push_tracks(&recording, &origin);
                 pushed.map_err(|error| table.failed(error))?;
@@ -150,7 +152,7 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<DrawnFiles, Failure> {
     }
     if !rows.is_empty() {
         encounters::write(&folder.join("encounters.csv"), &rows)?;
-        let mut table = DrawnTable::create(folder, ROWS, Content::Rows)?;
+        let mut table = DrawnTable::create(folder, ROWS, DrawnContent::Rows)?;
         for encounter in &rows {
             let pushed = table.writer.push_rows(encounter);
             pushed.map_err(|error| table.failed(error))?;
@@ -174,7 +176,7 @@ struct DrawnTable {
 }
 
 impl DrawnTable {
-    fn create(folder: &Path, name: &str, content: Content) -> Result<Self, OutputError> {
+    fn create(folder: &Path, name: &str, content: DrawnContent) -> Result<Self, OutputError> {
         let path = folder.join(name);
         let file = AtomicFile::create(&path)?;
         match DrawnWriter::new(file, content) {

@@ -18,7 +18,7 @@ use fga_formats::{
 use fga_results::flight_file;
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
-use fga_sim::drawn::{self, Content};
+use fga_sim::drawn::{self, DrawnContent};
 use fga_sim::recorded;
 use fga_sim::run::Plan;
 use fga_sim::scenario;
@@ -348,7 +348,7 @@ fn flight_log_of(log: &FlightLog) -> Usable {
 /// Encounters as `fga batch` reads them, or a flight log as `fga identify` does.
 fn encounters_in(path: &Path) -> Result<Usable, Failure> {
     match drawn::content(path)? {
-        Content::Rows => {
+        DrawnContent::Rows => {
             let rows = drawn::read_rows(path)?;
             let encounters = &rows.encounters;
             for encounter in encounters {
@@ -362,7 +362,7 @@ fn encounters_in(path: &Path) -> Result<Usable, Failure> {
             );
             Ok(Usable::new("file of encounters", holds))
         }
-        Content::Tracks => {
+        DrawnContent::Tracks => {
             let found = match recorded::find(&[path.to_owned()], &VehicleModel::recorded()?) {
                 Ok(found) => found,
                 Err(error) => {

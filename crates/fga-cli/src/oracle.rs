@@ -10,7 +10,7 @@ use fga_formats::atomic::AtomicFile;
 use fga_formats::number::push_fixed;
 use fga_formats::words::{counted, push_csv_field};
 use fga_sim::batch::{BatchSettings, EncounterTracks};
-use fga_sim::drawn::{self, Content};
+use fga_sim::drawn::{self, DrawnContent};
 use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
@@ -69,7 +69,7 @@ const WHOLE_TRACKS: &str = "whole tracks";
 pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
     let path = &args.encounters;
     match drawn::content(path)? {
-        Content::Rows => {
+        DrawnContent::Rows => {
             let model = args.vehicle.model()?;
             let rows = drawn::read_rows(path)?;
             let judge = Judge::new(&model, args.horizon).map_err(Failure::Input)?;
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
             search_all(args, &model, found, search)?;
             Ok(ExitCode::SUCCESS)
         }
-        Content::Tracks => {
+        DrawnContent::Tracks => {
             let given = args.vehicle.given()?;
             let model = given.map_or_else(VehicleModel::recorded, Ok)?;
             let settings = BatchSettings {

@@ -86,7 +86,7 @@ impl Flown {
 
 /// Counts of flights.
 #[derive(Default)]
-struct Count {
+struct BoundCount {
     flights: usize,
     /// Those in which a threat is seen: they are no flights without traffic.
     threatened: usize,
@@ -94,7 +94,7 @@ struct Count {
     most_m: f64,
 }
 
-impl Count {
+impl BoundCount {
     fn and(mut self, other: Self) -> Self {
         self.flights += other.flights;
         self.threatened += other.threatened;
@@ -301,15 +301,15 @@ fn drawn(seed: u64, number: u64, kind: usize) -> Result<Option<[World; 2]>, Stri
     Ok(Some([free, bounded]))
 }
 
-fn fly(seed: u64, number: u64, kind: usize) -> Result<Count, String> {
+fn fly(seed: u64, number: u64, kind: usize) -> Result<BoundCount, String> {
     let Some([free, bounded]) = drawn(seed, number, kind)? else {
-        return Ok(Count::default());
+        return Ok(BoundCount::default());
     };
     let (free, bounded) = (Flown::of(&free)?, Flown::of(&bounded)?);
     let is_threatened = free.words.iter().any(|(state, _)| *state != State::Cruise);
     let off_m = free.off_m(&bounded);
     let is_other = off_m > SAME_M && !is_threatened;
-    Ok(Count {
+    Ok(BoundCount {
         flights: 1,
         threatened: usize::from(is_threatened),
         differ: if is_other { vec![number] } else { Vec::new() },
@@ -317,11 +317,11 @@ fn fly(seed: u64, number: u64, kind: usize) -> Result<Count, String> {
     })
 }
 
-fn counted(kind: usize, count: u64, seed: u64) -> Result<Count, String> {
+fn counted(kind: usize, count: u64, seed: u64) -> Result<BoundCount, String> {
     let numbers = (0..count).into_par_iter();
     numbers
         .map(|number| fly(seed, number * KINDS.len() as u64 + kind as u64, kind))
-        .try_reduce(Count::default, |one, other| Ok(one.and(other)))
+        .try_reduce(BoundCount::default, |one, other| Ok(one.and(other)))
 }
 
 /// Runs the experiment.

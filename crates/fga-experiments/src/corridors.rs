@@ -56,15 +56,14 @@ pub(crate) struct CorridorArgs {
 
 /// A flight along the x axis.
 #[derive(Default)]
-struct Watch {
+struct CorridorFlight {
     shows: bool,
     intruder: Option<Track>,
     samples: Vec<(Sample, f64)>,
-    /// The course over the ground of the last sample, radians.
     words: Vec<(f64, State, String)>,
 }
 
-impl Observer for Watch {
+impl Observer for CorridorFlight {
     fn sample(&mut self, sample: &Sample) {
         let there = self
             .intruder
@@ -100,7 +99,7 @@ impl Observer for Watch {
 
 /// What happened.
 #[derive(Default, Clone)]
-struct Count {
+struct CorridorCount {
     flights: usize,
     avoided: usize,
     /// Left the fence, entered the volume; of them avoidable.
@@ -111,7 +110,7 @@ struct Count {
     open: Vec<u64>,
 }
 
-impl Count {
+impl CorridorCount {
     fn and(mut self, other: Self) -> Self {
         self.flights += other.flights;
         self.avoided += other.avoided;
@@ -249,30 +248,30 @@ fn oracle_m(world: &World) -> f64 {
     best_margin_within(&start, &vehicle, &[there], airspace_of(world), &settings).best_margin_m
 }
 
-fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<Count, String> {
+fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<CorridorCount, String> {
     let Some(world) = drawn(seed, number, course)? else {
-        return Ok(Count::default());
+        return Ok(CorridorCount::default());
     };
     let policy = PolicyChoice::Avoider(Start::Free);
     let mut pilot = policy
         .pilot(&world.settings, &world.vehicle)
         .map_err(|error| error.to_string())?;
-    let mut watch = Watch {
+    let mut watch = CorridorFlight {
         shows,
         intruder: world
             .obstacles
             .first()
             .map(|intruder| intruder.track.clone()),
 
-        ..Watch::default()
+        ..CorridorFlight::default()
     };
     if shows {
         println!("{world:#?}");
     }
     let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut watch);
-    let mut count = Count {
+    let mut count = CorridorCount {
         flights: 1,
-        ..Count::default()
+        ..CorridorCount::default()
     };
     let samples = &watch.samples;
     count.avoided = usize::from(
@@ -325,7 +324,7 @@ fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<Count, String
     Ok(count)
 }
 
-fn counted(of: usize, (count, seed): (u64, u64)) -> Result<Count, String> {
+fn counted(of: usize, (count, seed): (u64, u64)) -> Result<CorridorCount, String> {
     let (_, course) = COURSES[of];
     (0..count)
         .into_par_iter()
@@ -337,7 +336,7 @@ fn counted(of: usize, (count, seed): (u64, u64)) -> Result<Count, String> {
                 false,
             )
         })
-        .try_reduce(Count::default, |one, other| Ok(one.and(other)))
+        .try_reduce(CorridorCount::default, |one, other| Ok(one.and(other)))
 }
 
 /// Runs the experiment.

@@ -110,9 +110,9 @@ pub struct CellGrid {
     /// Numbers of intruders.
     pub count: Spanned<Vec<Spanned<u32>>>,
     /// Distances at which they are first seen, metres.
-    pub first_seen_m: Spanned<Vec<Spanned<Interval>>>,
+    pub first_seen_m: Spanned<Vec<Spanned<NumberOrRange>>>,
     /// Their speeds, metres per second.
-    pub speed_mps: Spanned<Vec<Spanned<Interval>>>,
+    pub speed_mps: Spanned<Vec<Spanned<NumberOrRange>>>,
     /// Whether all stay at one altitude.
     #[serde(default)]
     pub planar: Option<Spanned<Vec<bool>>>,
@@ -124,14 +124,14 @@ pub struct CellGrid {
 /// A number, or a range.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "expected a number or [from, to]")]
-pub enum Interval {
+pub enum NumberOrRange {
     /// `v`
     One(f64),
     /// `[from, to]`
     FromTo([f64; 2]),
 }
 
-impl core::fmt::Display for Interval {
+impl core::fmt::Display for NumberOrRange {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::One(value) => write!(f, "{value}"),

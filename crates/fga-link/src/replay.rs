@@ -69,13 +69,13 @@ pub fn replay(
             early.clear();
             replayed.repeats = configuration == companion.fingerprint();
             companion.set_dry_run(dry_run);
-            Player::Steps(Steps {
+            Player::Steps(StepReplay {
                 begin_us,
                 is_copy: false,
                 order: None,
             })
         }
-        _ => Player::Frames(Frames::new(&mut reader, &mut early)?),
+        _ => Player::Frames(FrameReplay::new(&mut reader, &mut early)?),
     };
     if !replayed.repeats {
         companion.set_recorded();
@@ -98,8 +98,8 @@ pub fn replay(
 }
 
 enum Player {
-    Steps(Steps),
-    Frames(Frames),
+    Steps(StepReplay),
+    Frames(FrameReplay),
 }
 
 /// The step of a frame of the log.
@@ -111,7 +111,7 @@ fn step_of(logged: &Logged) -> Option<Step> {
 }
 
 /// A flight with its steps.
-struct Steps {
+struct StepReplay {
     /// When the flight's clock began, microseconds since 1970.
     begin_us: u64,
     /// The next frame repeats a report for other readers.
@@ -120,7 +120,7 @@ struct Steps {
     order: Option<GroundOrder>,
 }
 
-impl Steps {
+impl StepReplay {
     /// Takes a frame; whether it is one of the vehicle's or another system's.
     fn take(&mut self, logged: &Logged, companion: &mut Companion) -> bool {
         #[expect(
@@ -162,7 +162,7 @@ impl Steps {
 }
 
 /// A flight without steps.
-struct Frames {
+struct FrameReplay {
     elapsed: Elapsed,
     /// The flight's clock at the first frame, seconds: the vehicle's answers name times of that clock.
     first_s: f64,
@@ -173,7 +173,7 @@ struct Frames {
     mode: u32,
 }
 
-impl Frames {
+impl FrameReplay {
     /// Looks among the first frames for a request of the flight for the vehicle's clock, which has the time of the flight's.
     fn new(reader: &mut TlogReader<impl Read>, early: &mut VecDeque<Logged>) -> io::Result<Self> {
         let mut elapsed = Elapsed::default();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fga_report::interval::Estimate;
 use fga_sim::campaign::{
-    Campaign, CampaignConfiguration, CampaignFlyer, Flown, Row, Summary, Totals,
+    Campaign, CampaignConfiguration, CampaignFlyer, Row, Summary, TimedRow, Totals,
 };
 use rayon::prelude::*;
 
@@ -104,7 +104,7 @@ pub(crate) fn fly(
             times.longest_s += flown.decision_max_ns as f64 * share_s;
         }
     }
-    let only_rows = |flown: &Vec<Flown>| flown.iter().map(|flown| flown.row).collect();
+    let only_rows = |flown: &Vec<TimedRow>| flown.iter().map(|flown| flown.row).collect();
     Ok(Flights {
         rows: flown.iter().map(only_rows).collect(),
         campaign,

@@ -49,7 +49,7 @@ pub use configuration::{
 };
 pub use error::CampaignError;
 pub use expected::Expected;
-pub use flight::{CampaignFlyer, Flown};
+pub use flight::{CampaignFlyer, TimedRow};
 pub use folder::{Folder, Manifest, RESULTS, Shard};
 pub use interval::Interval;
 pub use judge::{FlownPath, metrics_of};

@@ -18,7 +18,7 @@ use fga_formats::encounters::{self, Encounter};
 use fga_formats::error::read_bytes;
 use fga_formats::recordings::{self, Encounters};
 
-pub use origin::{Content, Origin};
+pub use origin::{DrawnContent, Origin};
 pub use surroundings::{SURROUNDINGS, SceneryFolder, write_surroundings};
 pub use tables::DrawnWriter;
 
@@ -32,7 +32,7 @@ pub const ROWS: &str = "encounters.parquet";
 ///
 /// # Errors
 /// An unreadable path; a folder with encounters of both kinds; an unusable Parquet file.
-pub fn content(path: &Path) -> Result<Content, InputError> {
+pub fn content(path: &Path) -> Result<DrawnContent, InputError> {
     let unreadable = |error| InputError::unreadable(path, &error);
     if std::fs::metadata(path).map_err(unreadable)?.is_dir() {
         let [rows, tracks] = [ROWS, TRACKS].map(|name| path.join(name).is_file());
@@ -43,8 +43,8 @@ pub fn content(path: &Path) -> Result<Content, InputError> {
                     "holds obstacles around a line as well as aircraft with tracks, expected one of its files: {ROWS} or {TRACKS}"
                 ),
             )),
-            (true, false) => Ok(Content::Rows),
-            (false, _) => Ok(Content::Tracks),
+            (true, false) => Ok(DrawnContent::Rows),
+            (false, _) => Ok(DrawnContent::Tracks),
         };
     }
     if path.extension().is_some_and(|ending| ending == "toml") {
@@ -58,9 +58,9 @@ pub fn content(path: &Path) -> Result<Content, InputError> {
         return read::content(bytes, path);
     }
     Ok(if recordings::is_recording(&bytes, path) {
-        Content::Tracks
+        DrawnContent::Tracks
     } else {
-        Content::Rows
+        DrawnContent::Rows
     })
 }
 

@@ -45,7 +45,7 @@ pub struct OwnReport {
 
 /// The belief about one track.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Belief {
+pub struct OwnTransponder {
     since_s: Option<f64>,
     held: bool,
     misses: u8,
@@ -91,7 +91,7 @@ impl FlownWay {
     }
 }
 
-impl Belief {
+impl OwnTransponder {
     /// Whether it counts as our transponder.
     pub const fn holds(&self) -> bool {
         self.held
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_late_transponder_is_believed_and_then_not() {
         let flown = flown();
-        let mut belief = Belief::default();
+        let mut belief = OwnTransponder::default();
         // 2 s late.
         belief.check(&seen(7.8, 145.0, 25.0), &flown, false, 0.0);
         assert!(!belief.holds());
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn an_aircraft_that_meets_the_vehicle_is_not_its_transponder() {
         let flown = flown();
-        let mut belief = Belief::default();
+        let mut belief = OwnTransponder::default();
         for now_s in 0..20_u8 {
             belief.check(&seen(7.8, 195.0, -25.0), &flown, true, f64::from(now_s));
             assert!(!belief.holds());

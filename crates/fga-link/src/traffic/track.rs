@@ -13,7 +13,7 @@ use fga::situation::{Movement, Uncertainty};
 
 use super::class::AircraftClass;
 use super::motion::{self, ReportedPlace};
-use super::own::Belief;
+use super::own::OwnTransponder;
 use super::report::{AltitudeReference, PlaceReport, Quality, ReportSource, TrackKey};
 
 /// A report continues a track if it is within this distance of it, metres, …
@@ -96,7 +96,7 @@ pub struct AircraftTrack {
     /// How much room it gets.
     pub class: AircraftClass,
     pub(super) key: TrackKey,
-    pub(super) own: Belief,
+    pub(super) own: OwnTransponder,
     /// The sender that opened it, and all that have continued it, as bits.
     pub(super) slot: u8,
     pub(super) senders: u8,
@@ -139,7 +139,7 @@ impl AircraftTrack {
             movement: report.movement,
             class: report.class,
             key: report.key(),
-            own: Belief::default(),
+            own: OwnTransponder::default(),
             slot: seen.slot,
             senders: bit(seen.slot),
             hits: 1,

@@ -10,7 +10,7 @@ use crate::prediction::{Flyer, MotionState, Piece};
 const MOST_BANK_RAD: f64 = 0.01;
 
 /// The bounds at a moment of a predicted flight.
-pub(super) struct Drift {
+pub(super) struct DriftBounds {
     /// Of the difference of the courses once both have the same bank, radians.
     course_rad: f64,
     /// Of the difference of the banks, radians.
@@ -23,7 +23,7 @@ pub(super) struct Drift {
     place_m: f64,
 }
 
-impl Drift {
+impl DriftBounds {
     pub(super) fn new(flyer: &Flyer, start: &MotionState) -> Self {
         let steepest_rad = start.bank_rad.abs().max(flyer.full_bank_rad()) + MOST_BANK_RAD;
         let per_bank = if flyer.is_ideal() {

@@ -8,7 +8,7 @@ use crate::limit::whole;
 use crate::list::List;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{Meter, SETUP};
-use crate::prediction::drift::Drift;
+use crate::prediction::drift::DriftBounds;
 use crate::prediction::{Flyer, MotionState, Piece};
 
 /// Most nodes of a path: a slow turn round and its rolls, twice over. A flight that needs more is not proven.
@@ -256,7 +256,7 @@ impl FlightPath {
         }
         let mut state = *start;
         let mut pieces = Pieces::new(flyer, start, maneuver.stages());
-        let mut drift = Drift::new(flyer, start);
+        let mut drift = DriftBounds::new(flyer, start);
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;

@@ -7,7 +7,7 @@ use fga_formats::atomic::{self, AtomicFile};
 use fga_sim::campaign::CampaignError;
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::policy_called;
-use fga_sim::drawn::{Content, DrawnWriter, Origin, TRACKS};
+use fga_sim::drawn::{DrawnContent, DrawnWriter, Origin, TRACKS};
 use fga_sim::encounters::fleet::fleet;
 use fga_sim::policy::PolicyChoice;
 
@@ -304,7 +304,7 @@ fn draw_fleets(folder: &Path, count: u64) -> Result<(), OutputError> {
     let path = folder.join(TRACKS);
     let failed = |error| OutputError::new(&path, std::io::Error::other(error));
     let mut table =
-        DrawnWriter::new(AtomicFile::create(&path)?, Content::Tracks).map_err(failed)?;
+        DrawnWriter::new(AtomicFile::create(&path)?, DrawnContent::Tracks).map_err(failed)?;
     for number in 0..count {
         let origin = Origin {
             number: Some(number),

@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::flight::CampaignFlyer;
-use super::{Campaign, CampaignError, Flown};
+use super::{Campaign, CampaignError, TimedRow};
 
 /// The sample is at most one in this many encounters.
 const ONE_IN: u64 = 50;
@@ -46,7 +46,7 @@ impl Expected {
 }
 
 /// The rows of flown encounters by their numbers.
-pub(super) type FlownSample = BTreeMap<u64, Vec<Flown>>;
+pub(super) type FlownSample = BTreeMap<u64, Vec<TimedRow>>;
 
 /// Flies a sample of the encounters in `blocks`, `left` altogether; says nothing where there are too few or where `go_on`
 /// ends it.

@@ -24,7 +24,7 @@ use crate::world::World;
 
 /// A row with the durations of its decisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Flown {
+pub struct TimedRow {
     /// The row.
     pub row: Row,
     /// Median time of a decision, nanoseconds.
@@ -82,7 +82,7 @@ impl<'a> CampaignFlyer<'a> {
     ///
     /// # Errors
     /// A number past the last, or a recording that is gone.
-    pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
+    pub fn fly(&mut self, number: u64, take: &mut Vec<TimedRow>) -> Result<(), CampaignError> {
         let drawn = self.campaign.draw(number)?;
         match &drawn.scene {
             CampaignScene::Rows(encounter) => {
@@ -99,7 +99,7 @@ impl<'a> CampaignFlyer<'a> {
         number: u64,
         drawn: &Drawn,
         recording: &Recording,
-        take: &mut Vec<Flown>,
+        take: &mut Vec<TimedRow>,
     ) -> Result<(), CampaignError> {
         let campaign = self.campaign;
         let mut world = plan_of(recording, "", &campaign.model)
@@ -158,7 +158,7 @@ impl<'a> CampaignFlyer<'a> {
         number: u64,
         drawn: &Drawn,
         encounter: &Encounter,
-        take: &mut Vec<Flown>,
+        take: &mut Vec<TimedRow>,
     ) {
         self.world.seed = drawn.seed;
         drawn.scenery.place(&mut self.world);
@@ -238,13 +238,13 @@ struct Made<'a> {
 
 impl Made<'_> {
     /// The row of a flight; `held` has the margins of holding the course, obstacle by obstacle.
-    fn flown(&self, flown: &BatchRow, held: &[f64], separations: &[Separation]) -> Flown {
+    fn flown(&self, flown: &BatchRow, held: &[f64], separations: &[Separation]) -> TimedRow {
         let outcome = &flown.outcome;
         let caused = separations
             .iter()
             .zip(held)
             .any(|(separation, held)| kept(separation.margin().value_m) < 0.0 && *held >= 0.0);
-        Flown {
+        TimedRow {
             row: Row {
                 encounter: self.number,
                 source_encounter: self.drawn.source_encounter,

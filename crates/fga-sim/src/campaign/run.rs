@@ -14,7 +14,7 @@ use std::time::Instant;
 use super::expected::{Expected, FlownSample, expect};
 use super::flight::CampaignFlyer;
 use super::folder::{Manifest, read_block};
-use super::{Campaign, CampaignError, CampaignStamp, Flown, Folder, Quantiles, Row, Shard};
+use super::{Campaign, CampaignError, CampaignStamp, Folder, Quantiles, Row, Shard, TimedRow};
 
 /// The work and its folder.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub struct PolicyTimes {
 }
 
 impl PolicyTimes {
-    fn take(&mut self, flown: &Flown) {
+    fn take(&mut self, flown: &TimedRow) {
         self.encounters += 1;
         self.decisions += flown.decisions;
         self.median_us
@@ -187,7 +187,7 @@ struct RunWork<'a> {
 
 struct WorkState<'a> {
     /// Flown encounters of unfinished blocks.
-    running: BTreeMap<u64, BTreeMap<u64, Vec<Flown>>>,
+    running: BTreeMap<u64, BTreeMap<u64, Vec<TimedRow>>>,
     times: Vec<PolicyTimes>,
     progress: CampaignProgress,
     show: &'a mut (dyn FnMut(&CampaignProgress) + Send),
@@ -256,7 +256,7 @@ impl<'a> RunWork<'a> {
     }
 
     /// Adds encounters to their block; all of its rows in order once it is whole.
-    fn add(&self, block: u64, flown: Vec<(u64, Vec<Flown>)>) -> Option<Vec<Flown>> {
+    fn add(&self, block: u64, flown: Vec<(u64, Vec<TimedRow>)>) -> Option<Vec<TimedRow>> {
         let range = self.task.campaign.configuration.range_of(block);
         let mut state = self.state();
         let running = state.running.entry(block).or_default();
@@ -268,7 +268,7 @@ impl<'a> RunWork<'a> {
         Some(whole.into_values().flatten().collect())
     }
 
-    fn write(&self, block: u64, flown: &[Flown]) -> Result<(), CampaignError> {
+    fn write(&self, block: u64, flown: &[TimedRow]) -> Result<(), CampaignError> {
         let task = self.task;
         let rows: Vec<Row> = flown.iter().map(|flown| flown.row).collect();
         task.folder

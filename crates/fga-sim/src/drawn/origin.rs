@@ -91,7 +91,7 @@ impl Origin {
 
 /// The content of a file of encounters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Content {
+pub enum DrawnContent {
     /// Obstacles around the line of the ownship.
     Rows,
     /// Aircraft with tracks.

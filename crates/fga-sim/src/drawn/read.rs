@@ -15,7 +15,7 @@ use fga_formats::tally::Tally;
 
 use super::columns::{ColumnGroup, ColumnTable, reading};
 use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
-use super::{Content, Origin};
+use super::{DrawnContent, Origin};
 use crate::values::columns;
 
 /// The largest plausible position and time, metres and seconds, and speed, metres per second.
@@ -29,11 +29,11 @@ fn column_names(table: &'static str, which: Range<usize>) -> impl Iterator<Item 
 }
 
 /// The content of a table, by its columns.
-pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
+pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<DrawnContent, InputError> {
     let table = reading(path, || ColumnTable::open(bytes, path))?;
     match (table.has("aircraft"), table.has("obstacle")) {
-        (true, false) => Ok(Content::Tracks),
-        (false, true) => Ok(Content::Rows),
+        (true, false) => Ok(DrawnContent::Tracks),
+        (false, true) => Ok(DrawnContent::Rows),
         _ => Err(InputError::in_file(
             path,
             "holds no encounters, expected a column aircraft (tracks) or obstacle (obstacles around a line)",

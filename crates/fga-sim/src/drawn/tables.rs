@@ -22,7 +22,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
-use super::{Content, Origin};
+use super::{DrawnContent, Origin};
 use crate::values::{columns, put};
 
 /// Columns of the tracks: each as in the schema, and behind the semicolon its meaning.
@@ -82,7 +82,7 @@ pub struct DrawnWriter<W: Write + Send> {
     numbers: Vec<Vec<f64>>,
     air: Vec<Option<[f64; 2]>>,
     texts: Vec<ByteArray>,
-    content: Content,
+    content: DrawnContent,
 }
 
 impl<W: Write + Send> DrawnWriter<W> {
@@ -90,10 +90,10 @@ impl<W: Write + Send> DrawnWriter<W> {
     ///
     /// # Errors
     /// Errors of the output.
-    pub fn new(output: W, content: Content) -> Result<Self, ParquetError> {
+    pub fn new(output: W, content: DrawnContent) -> Result<Self, ParquetError> {
         let table = match content {
-            Content::Rows => ROW_COLUMNS,
-            Content::Tracks => TRACK_COLUMNS,
+            DrawnContent::Rows => ROW_COLUMNS,
+            DrawnContent::Tracks => TRACK_COLUMNS,
         };
         let schema: Vec<&str> = columns(table).map(|(column, ..)| column).collect();
         let words: serde_json::Map<_, _> = columns(table)
@@ -178,14 +178,14 @@ impl<W: Write + Send> DrawnWriter<W> {
         for column in &self.wholes {
             put::<W, Int64Type>(&mut group, column, None)?;
         }
-        if self.content == Content::Tracks {
+        if self.content == DrawnContent::Tracks {
             put::<W, DoubleType>(&mut group, &self.weights, None)?;
             put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         }
         for column in self.numbers.iter().filter(|column| !column.is_empty()) {
             put::<W, DoubleType>(&mut group, column, None)?;
         }
-        if self.content == Content::Rows {
+        if self.content == DrawnContent::Rows {
             put::<W, ByteArrayType>(&mut group, &self.texts, None)?;
         } else {
             let air = &self.air;
@@ -263,7 +263,7 @@ mod tests {
     }
 
     fn table(recordings: &[Recording]) -> Vec<u8> {
-        let mut writer = DrawnWriter::new(Vec::new(), Content::Tracks).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), DrawnContent::Tracks).unwrap();
         for recording in recordings {
             let origin = Origin::of(recording).unwrap();
             writer.push_tracks(recording, &origin).unwrap();
@@ -278,7 +278,10 @@ mod tests {
         let read = tracks(table(core::slice::from_ref(&written)), path).unwrap();
         assert_eq!((read.named.len(), read.tally.read()), (1, 6));
         assert_eq!(read.named[0].recording, written);
-        assert_eq!(content(table(&[written]), path).unwrap(), Content::Tracks);
+        assert_eq!(
+            content(table(&[written]), path).unwrap(),
+            DrawnContent::Tracks
+        );
     }
 
     #[test]
@@ -324,11 +327,11 @@ mod tests {
             id: 12,
             obstacles: vec![Obstacle::straight(4, place, Vec3::X * -0.7, volume)],
         };
-        let mut writer = DrawnWriter::new(Vec::new(), Content::Rows).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), DrawnContent::Rows).unwrap();
         writer.push_rows(&written).unwrap();
         let bytes = writer.finish().unwrap();
         let path = Path::new("e.parquet");
-        assert_eq!(content(bytes.clone(), path).unwrap(), Content::Rows);
+        assert_eq!(content(bytes.clone(), path).unwrap(), DrawnContent::Rows);
         assert_eq!(rows(bytes, path).unwrap(), [written]);
     }
 
@@ -337,7 +340,7 @@ mod tests {
     #[test]
     fn l14_no_corrupt_table_makes_a_reader_panic() {
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        let mut writer = DrawnWriter::new(Vec::new(), Content::Rows).unwrap();
+        let mut writer = DrawnWriter::new(Vec::new(), DrawnContent::Rows).unwrap();
         for id in 0..20 {
             let obstacle = Obstacle::straight(4, Vec3::X * 700.0, Vec3::X * -0.7, volume);
             let obstacles = vec![obstacle];

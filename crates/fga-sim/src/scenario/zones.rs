@@ -33,7 +33,7 @@ pub(super) fn all(
             zones.push(zone(entry, number, (places, terrain))?);
             continue;
         };
-        let mut file = AreaFile {
+        let mut file = ZoneFile {
             entry,
             path,
             places,
@@ -53,7 +53,7 @@ pub(super) fn all(
 type OutlineAndHoles = (WorldOutline, Vec<Vec<Vec2>>);
 
 /// The zones of a file of areas, each with what else its table says.
-struct AreaFile<'a> {
+struct ZoneFile<'a> {
     entry: &'a Spanned<ZoneTable>,
     path: &'a Spanned<PathBuf>,
     places: &'a FilePlaces<'a>,
@@ -66,7 +66,7 @@ struct AreaFile<'a> {
     open: usize,
 }
 
-impl AreaFile<'_> {
+impl ZoneFile<'_> {
     /// Takes all zones, and says what counts otherwise than it is written.
     fn take(
         &mut self,

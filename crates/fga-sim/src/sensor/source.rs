@@ -11,7 +11,7 @@ use crate::tracker::TrackEstimate;
 
 /// What a source keeps about an obstacle of the world.
 #[derive(Debug, Clone, Default)]
-struct KnownAircraft {
+struct KeptObstacle {
     /// Its track, where looks are noisy.
     track: Option<TrackEstimate>,
     /// The belief about it, where beliefs make the tracks.
@@ -46,7 +46,7 @@ pub(super) struct SourceInUse {
     carried_to_s: f64,
     /// What is visible at that time.
     pub(super) seen: Vec<Obstacle>,
-    known: Vec<KnownAircraft>,
+    known: Vec<KeptObstacle>,
     /// First sight of each obstacle of the world, seconds.
     pub(super) first_seen_s: Vec<Option<f64>>,
 }
@@ -72,7 +72,7 @@ impl SourceInUse {
         self.first_seen_s.clear();
         self.first_seen_s.resize(obstacles, None);
         self.known.clear();
-        self.known.resize(obstacles, KnownAircraft::default());
+        self.known.resize(obstacles, KeptObstacle::default());
         if settings.bias_m() > 0.0 {
             let mut biases = Noise::new(seed ^ BIASES, stream);
             let across_m = settings.position_bias_m;
@@ -251,7 +251,7 @@ fn with_noise(
     time_s: f64,
     settings: &SensorSettings,
     noise: &mut Option<Noise>,
-    known: &mut KnownAircraft,
+    known: &mut KeptObstacle,
 ) -> Obstacle {
     if let Some(noise) = noise {
         let sigma_m = settings.position_sigma_m;
@@ -292,7 +292,7 @@ fn believed(
     mut seen: Obstacle,
     time_s: f64,
     settings: &SensorSettings,
-    known: &mut KnownAircraft,
+    known: &mut KeptObstacle,
 ) -> Obstacle {
     #[expect(clippy::cast_possible_truncation, reason = "an age of seconds")]
     let carried_s = seen.age_s as f32;
