@@ -1,6 +1,6 @@
 //! What a flight was worth, and what an encounter allowed: measured and searched by code that nothing that decides uses.
 //!
-//! Of the crates that fly it takes plain types of [`fga_proof`] by their fields, and none of their functions.
+//! Of the crates that fly it takes plain types of [`fga_proof`] as they stand: it computes nothing by their functions.
 //!
 //! | module | question |
 //! |---|---|

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What it takes of `fga-proof`, module by module: types that are read by their fields, and a constant.
+/// What it takes of `fga-proof`, module by module: types that are only read, and a constant.
 const TAKEN: &str = "Vec2 Vec3 maneuver Maneuver Stage situation Obstacle Ownship ProtectedVolume \
                      vehicle Response default STANDARD_GRAVITY_MPS2 Vehicle zone Outline Zone";
 
