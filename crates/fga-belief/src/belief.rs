@@ -17,7 +17,7 @@ const STEP_S: f64 = 1.0;
 const MOST_STEPS: usize = 8;
 
 /// A belief ends after this time without a report, seconds.
-const ENDS_AFTER_S: f64 = 8.0;
+pub const ENDS_AFTER_S: f64 = 8.0;
 
 /// Least σ of a report, metres and metres per second: a report is rounded, and flight is no model.
 const ROUNDED: f32 = 0.05;

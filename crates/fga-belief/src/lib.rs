@@ -38,6 +38,6 @@ pub mod report;
 mod table;
 mod turn;
 
-pub use belief::{Belief, Estimate};
+pub use belief::{Belief, ENDS_AFTER_S, Estimate};
 pub use future::{FUTURES, Future, Futures};
 pub use report::{Errors, Report, Sigma, Source};

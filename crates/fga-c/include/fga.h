@@ -76,6 +76,9 @@
 // Most obstacles and most waypoints for which an avoider can have room.
 #define FGA_CAPACITY_MOST 65536
 
+// Bytes of storage for beliefs.
+#define FGA_BELIEFS_BYTES 61440
+
 // Most stages of a command.
 #define FGA_STAGES_MOST 40
 
@@ -101,6 +104,12 @@
 // Bit of `fga_decision::has`: the aircraft is already in a volume; what is proven is that it leaves it, and keeps clear of all
 // others, `certified_...`. It excludes `FGA_HAS_CERTIFICATE`.
 #define FGA_HAS_LEAVING 64
+
+// Bit of `fga_decision::has`: chances of a loss are known, `p_loss_hold` and `p_loss`.
+#define FGA_HAS_CHANCES 128
+
+// Bit of `fga_decision::has`: the share of what aircraft may do that the certificate covers is known, `proven_share`.
+#define FGA_HAS_PROVEN_SHARE 256
 
 // Bytes of storage for a learner.
 #define FGA_LEARNED_BYTES 5120
@@ -396,6 +405,9 @@ typedef uint32_t fga_movement;
 // Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything outside of that.
 typedef struct fga_avoider fga_avoider;
 
+// What is believed of at most 16 aircraft, in storage of the caller, for one avoider. It holds no address of anything outside of that.
+typedef struct fga_beliefs fga_beliefs;
+
 // What the aircraft's own flight shows of it and the wind, in storage of the caller. It holds no address of anything outside of that.
 typedef struct fga_learned fga_learned;
 
@@ -434,6 +446,8 @@ typedef struct fga_settings {
   uint32_t objective;
   // Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9; by default 100000.
   uint32_t work_limit;
+  // Price of a loss of a protected volume on beliefs, in metres of departure from the mission: 100 to 1e7; by default 42000.
+  double loss_price_m;
 } fga_settings;
 
 // The limits of the aircraft at its airspeed. `fga_vehicle_from_bank` fills it; then adapt it.
@@ -712,6 +726,12 @@ typedef struct fga_decision {
   uint32_t clock_set_back;
   // Index of the waypoint at the start of the present leg.
   uint32_t leg_index;
+  // Chance to enter a protected volume on the mission, 0 to 1.
+  double p_loss_hold;
+  // The same on what is flown.
+  double p_loss;
+  // Weight of what aircraft may do of which the manoeuvre keeps clear by its certificate, 0 to 1.
+  double proven_share;
 } fga_decision;
 
 // What an avoider has done and refused since it was initialized. The counts stay at their largest value.
@@ -729,6 +749,48 @@ typedef struct fga_counts {
   // Obstacles without effect, because there was no room for them, all steps together.
   uint32_t obstacles_left_out;
 } fga_counts;
+
+// A report of an aircraft or another obstacle, raw as it came, over the ground.
+typedef struct fga_report {
+  // `sizeof(fga_report)`.
+  uint32_t size;
+  // Its identifier, the same in each report, such as the ICAO address.
+  uint32_t id;
+  // Its possible motion: an `fga_movement` but `FGA_MOVEMENT_BOUNDED`. There is no default.
+  uint32_t movement;
+  // Whether the report has a velocity (1), or not (0).
+  uint32_t has_velocity;
+  // The moment of its position, seconds, on the clock of the caller.
+  double time_s;
+  // Position, metres.
+  struct fga_enu position_m;
+  // Velocity over the ground, metres per second; without one not read.
+  struct fga_enu velocity_mps;
+  // Standard deviation of the position along any axis, metres, 0 or more.
+  double position_sigma_m;
+  // Standard deviation of the velocity along any axis, metres per second, 0 or more.
+  double velocity_sigma_mps;
+  // Standard deviation of the altitude, metres; 0 where it is that of the position.
+  double altitude_sigma_m;
+  // Standard deviation of an error of the position that lasts from report to report, metres, 0 or more.
+  double lasting_position_sigma_m;
+  // The same of the altitude, as of pressure altitude, metres, 0 or more.
+  double lasting_altitude_sigma_m;
+} fga_report;
+
+// What became of reports. The counts stay at their largest value.
+typedef struct fga_report_counts {
+  // `sizeof(fga_report_counts)`.
+  uint32_t size;
+  // Reports given.
+  uint32_t heard;
+  // Of these, refused: a number that is not finite or negative, no such movement, or from the future.
+  uint32_t unusable;
+  // Of these, older than one of the same aircraft, or than the lifetime.
+  uint32_t late;
+  // Times that an aircraft had no room: the farthest one was left out.
+  uint32_t left_out;
+} fga_report_counts;
 
 // A measured state of the aircraft, as raw as there is: what a filter has delayed adds to the lag.
 typedef struct fga_seen_state {
@@ -814,42 +876,6 @@ typedef struct fga_certificate {
   // Work done, in the unit of `work_limit`.
   uint32_t work;
 } fga_certificate;
-
-// A report of an aircraft or another obstacle, raw as it came, over the ground.
-typedef struct fga_report {
-  // `sizeof(fga_report)`.
-  uint32_t size;
-  // Its identifier, the same in each report, such as the ICAO address.
-  uint32_t id;
-  // Its possible motion: an `fga_movement` but `FGA_MOVEMENT_BOUNDED`. There is no default.
-  uint32_t movement;
-  // Whether the report has a velocity (1), or not (0).
-  uint32_t has_velocity;
-  // The moment of its position, seconds, on the clock of the caller.
-  double time_s;
-  // Position, metres.
-  struct fga_enu position_m;
-  // Velocity over the ground, metres per second; without one not read.
-  struct fga_enu velocity_mps;
-  // Standard deviation of the position along any axis, metres, 0 or more.
-  double position_sigma_m;
-  // Standard deviation of the velocity along any axis, metres per second, 0 or more.
-  double velocity_sigma_mps;
-} fga_report;
-
-// What became of reports. The counts stay at their largest value.
-typedef struct fga_report_counts {
-  // `sizeof(fga_report_counts)`.
-  uint32_t size;
-  // Reports given.
-  uint32_t heard;
-  // Of these, refused: a number that is not finite or negative, no such movement, or from the future.
-  uint32_t unusable;
-  // Of these, older than one of the same aircraft, or than the lifetime.
-  uint32_t late;
-  // Times that an aircraft had no room: the farthest one was left out.
-  uint32_t left_out;
-} fga_report_counts;
 
 #ifdef __cplusplus
 extern "C" {
@@ -954,10 +980,57 @@ fga_status fga_avoider_step(struct fga_avoider *avoider,
                             struct fga_decision *decision,
                             struct fga_refusal *why);
 
+// Decides like `fga_avoider_step`, among aircraft by expected cost: what the reports that `beliefs` has heard say that they may do, and what
+// that costs. Obstacles of the situation that are aircraft count as reports of this moment too. The same beliefs go with the same avoider.
+//
+// Refuses what `fga_avoider_step` refuses, of either object.
+fga_status fga_avoider_step_on_beliefs(struct fga_avoider *avoider,
+                                       struct fga_beliefs *beliefs,
+                                       const struct fga_situation *situation,
+                                       struct fga_decision *decision,
+                                       struct fga_refusal *why);
+
 // What the avoider has done and refused since it was initialized.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`.
 fga_status fga_avoider_counts(struct fga_avoider *avoider, struct fga_counts *counts);
+
+// Bytes of storage for beliefs: `FGA_BELIEFS_BYTES`.
+size_t fga_beliefs_size(void);
+
+// Constructs beliefs about nobody in storage of the caller, as `fga_avoider_init` does an avoider.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`.
+fga_status fga_beliefs_init(void *storage,
+                            size_t storage_size,
+                            uint32_t abi_version,
+                            struct fga_beliefs **beliefs,
+                            struct fga_refusal *why);
+
+// Takes a report of an aircraft now, with a volume around it, of `half_height_m` 0 for a sphere, and the own aircraft at `own_m`; `now_s` is on
+// the clock of the reports and of the situations. It counts each report. A late one changes nothing else. An aircraft without a report for 8 s is
+// forgotten. What rests or flies straight by contract is an obstacle of the situation.
+//
+// `FGA_STATUS_INCOMPLETE`: 16 others are nearer.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`.
+fga_status fga_beliefs_hear(struct fga_beliefs *beliefs,
+                            const struct fga_report *report,
+                            double radius_m,
+                            double half_height_m,
+                            double now_s,
+                            struct fga_enu own_m,
+                            struct fga_refusal *why);
+
+// Forgets what was chosen, as at the begin of another flight; who is around stays known. Call it where `fga_avoider_restart` is called.
+//
+// Refuses `NULL`, `MISALIGNED`, `NOT_INITIALIZED`, `BUSY`.
+fga_status fga_beliefs_restart(struct fga_beliefs *beliefs);
+
+// What became of the reports since it was initialized.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`.
+fga_status fga_beliefs_counts(struct fga_beliefs *beliefs, struct fga_report_counts *counts);
 
 // The name of an `fga_state`, for logs; never null, and valid for ever.
 const char *fga_state_text(uint32_t state);
@@ -1075,6 +1148,14 @@ fga_status fga_predict(struct fga_prover *prover,
 // Bytes of storage for the reports of this number of aircraft; 0 where it is above `FGA_CAPACITY_MOST`. For static storage the macro
 // `FGA_REPORTS_BYTES` gives the same.
 size_t fga_reports_size(uint32_t aircraft_most);
+
+// Fills the standard deviations of a report by the `NACp` and `NACv` that ADS-B states (RTCA DO-260B; 14 CFR 91.217 for the altitude). A
+// category without a bound counts as the worst with one.
+//
+// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`.
+fga_status fga_report_set_adsb(struct fga_report *report,
+                               uint8_t nac_p,
+                               uint8_t nac_v);
 
 // Constructs a filter of reports in storage of the caller, as `fga_avoider_init` does an avoider. An aircraft that is heard no more is
 // forgotten after `lifetime_s`, above 0, to 600 seconds; what rests is not.

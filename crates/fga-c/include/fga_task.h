@@ -14,7 +14,8 @@
 // gives the mode back. After either the task asks for nothing for FGA_TASK_PAUSE_S.
 //
 // TRAFFIC. Reports may be raw: the task filters them (fga_reports of fga.h), carries each aircraft on by the age of its last report, and
-// lets it go after `traffic_lifetime_s`. Do not give it the reports of the aircraft itself.
+// lets it go after `traffic_lifetime_s`. With `beliefs` it decides by expected cost on what they say, see there. Do not give it the reports
+// of the aircraft itself.
 //
 // THREADS. One call at a time on one task: where the watchdog runs in another thread, the autopilot locks.
 
@@ -99,6 +100,9 @@ typedef struct fga_task_settings {
   // A learner of `vehicle`, see fga_learned_init; null for none. The task shows it each fresh state but in the pilot's modes, and plans
   // with what was learned from the next manoeuvre on.
   fga_learned *learned;
+  // Beliefs, see fga_beliefs_init; null for none. With them the task decides by expected cost among aircraft, whose reports they hear, and
+  // `traffic_lifetime_s` is that of what rests or flies straight by contract alone.
+  fga_beliefs *beliefs;
 } fga_task_settings;
 
 // The state of one period.
@@ -144,7 +148,7 @@ typedef struct fga_task_output {
   uint32_t alarms;
 } fga_task_output;
 
-// What a task has done; fga_reports_counts(task->reports, ...) has what became of reports. The counts never fall.
+// What a task has done; fga_reports_counts(task->reports, ...), or fga_beliefs_counts, has what became of reports. The counts never fall.
 typedef struct fga_task_counts {
   uint32_t maneuvers;           // manoeuvres that the autopilot let the task fly
   uint32_t refusals;            // requests for the mode of avoidance that were not followed in time
@@ -210,6 +214,7 @@ static inline fga_status fga_task_settings_default(fga_task_settings *settings, 
 // Forgets the flight, not the traffic: the next step is the first of another one.
 static inline void fga_task_restart(fga_task *task) {
   (void)fga_avoider_restart(task->avoider);
+  if (task->settings.beliefs) (void)fga_beliefs_restart(task->settings.beliefs);
   if (task->settings.learned) (void)fga_avoider_set_vehicle(task->avoider, &task->settings.vehicle, &task->why);
   if (task->settings.in_need.size) (void)fga_avoider_set_vehicle_in_need(task->avoider, &task->settings.in_need, &task->why);
   task->decided_s = -INFINITY;
@@ -277,7 +282,12 @@ static inline void fga_task_follow_leg(fga_task *task, uint32_t next_waypoint, d
 // Takes a report of traffic. Each is counted; of more aircraft than there is room for, the nearest stay. A report that cannot be used is
 // refused, and `task->why` says why.
 static inline void fga_task_hear(fga_task *task, const fga_report *report, double now_s) {
-  const fga_status status = fga_reports_hear(task->reports, report, now_s, task->ownship.position_m, &task->why);
+  const fga_task_settings *settings = &task->settings;
+  const fga_enu own_m = task->ownship.position_m;
+  const int is_believed = settings->beliefs && report->movement >= FGA_MOVEMENT_CREWED;
+  const fga_status status = is_believed ? fga_beliefs_hear(settings->beliefs, report, settings->radius_m, settings->half_height_m, now_s,
+                                                           own_m, &task->why)
+                                        : fga_reports_hear(task->reports, report, now_s, own_m, &task->why);
   if (status != FGA_STATUS_OK) task->incomplete = 1;
 }
 
@@ -371,7 +381,11 @@ static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
   situation.zone_count = in->zone_count;
   situation.zones = in->zones;
   situation.ground = in->ground;
-  if (status == FGA_STATUS_OK) status = fga_avoider_step(task->avoider, &situation, &task->decision, &task->why);
+  if (status == FGA_STATUS_OK) {
+    status = settings->beliefs
+                 ? fga_avoider_step_on_beliefs(task->avoider, settings->beliefs, &situation, &task->decision, &task->why)
+                 : fga_avoider_step(task->avoider, &situation, &task->decision, &task->why);
+  }
   if (status != FGA_STATUS_OK && status != FGA_STATUS_INCOMPLETE) {
     task->counts.steps_refused += 1;
     return;

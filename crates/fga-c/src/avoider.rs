@@ -13,6 +13,7 @@ use fga::vehicle::Vehicle;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
 use crate::airspace::{ZoneRoom, ground, zones};
+use crate::beliefs::{Believing, fga_beliefs};
 use crate::decision::fga_decision;
 use crate::growable::{Growable, size_word};
 use crate::input::{
@@ -489,8 +490,45 @@ pub unsafe extern "C" fn fga_avoider_step(
     why: *mut fga_refusal,
 ) -> fga_status {
     // SAFETY: the caller's word, in the header.
+    unsafe { step(avoider, None, (situation, decision), why) }
+}
+
+/// Decides like `fga_avoider_step`, among aircraft by expected cost: what the reports that `beliefs` has heard say that they may do, and what
+/// that costs. Obstacles of the situation that are aircraft count as reports of this moment too. The same beliefs go with the same avoider.
+///
+/// Refuses what `fga_avoider_step` refuses, of either object.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_step_on_beliefs(
+    avoider: *mut fga_avoider,
+    beliefs: *mut fga_beliefs,
+    situation: *const fga_situation,
+    decision: *mut fga_decision,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe { step(avoider, Some(beliefs), (situation, decision), why) }
+}
+
+/// Decides, on beliefs where there are some.
+///
+/// # Safety
+/// The caller's word, in the header.
+unsafe fn step(
+    avoider: *mut fga_avoider,
+    beliefs: Option<*mut fga_beliefs>,
+    (situation, decision): (*const fga_situation, *mut fga_decision),
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: as this function.
     unsafe {
         work(avoider, why, |at_work, why| {
+            let mut believing = match beliefs {
+                Some(beliefs) => Some(Object::<Believing>::enter(beliefs.cast())?),
+                None => None,
+            };
+            let beliefs = believing
+                .as_ref()
+                .map_or(LentSpan::NONE, |at_work| at_work.span);
             let ((situation, span), answer) = (given(situation)?, sized(decision)?);
             let count = situation.obstacle_count;
             if count > FGA_CAPACITY_MOST {
@@ -498,9 +536,9 @@ pub unsafe extern "C" fn fga_avoider_step(
                 return Err(Refused::too_many("obstacle_count", count, expected));
             }
             let (obstacles, of) = list(situation.obstacles, count)?;
-            apart(&[at_work.span, span, of, answer, why])?;
+            apart(&[at_work.span, beliefs, span, of, answer, why])?;
             fga_obstacle::sized(obstacles)?;
-            let written = [at_work.span, answer, why];
+            let written = [at_work.span, beliefs, answer, why];
             let room: &mut ZoneRoom<'_> = &mut *at_work.list(ZONES_AT);
             let zones = zones((situation.zones, situation.zone_count), &written, room)?;
             let ground = ground(situation.ground, &written)?;
@@ -521,7 +559,13 @@ pub unsafe extern "C" fn fga_avoider_step(
                 zones,
                 ground: ground.as_ref(),
             };
-            flying.avoider.step_into(&now, &mut flying.decided);
+            match &mut believing {
+                Some(believing) => {
+                    let decider = &mut believing.value().decider;
+                    decider.step_into(&mut flying.avoider, &now, &mut flying.decided);
+                }
+                None => flying.avoider.step_into(&now, &mut flying.decided),
+            }
             let is_incomplete = ignored > 0 || left_out > 0;
             let counts = &mut flying.counts;
             counts.steps = counts.steps.saturating_add(1);

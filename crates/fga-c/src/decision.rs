@@ -163,6 +163,11 @@ pub const FGA_HAS_RESILIENCE: u32 = 32;
 /// others, `certified_...`. It excludes `FGA_HAS_CERTIFICATE`.
 pub const FGA_HAS_LEAVING: u32 = 64;
 
+/// Bit of `fga_decision::has`: chances of a loss are known, `p_loss_hold` and `p_loss`.
+pub const FGA_HAS_CHANCES: u32 = 128;
+/// Bit of `fga_decision::has`: the share of what aircraft may do that the certificate covers is known, `proven_share`.
+pub const FGA_HAS_PROVEN_SHARE: u32 = 256;
+
 /// The obstacle that a decision is about.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -230,6 +235,12 @@ pub struct fga_decision {
     pub clock_set_back: u32,
     /// Index of the waypoint at the start of the present leg.
     pub leg_index: u32,
+    /// Chance to enter a protected volume on the mission, 0 to 1.
+    pub p_loss_hold: f64,
+    /// The same on what is flown.
+    pub p_loss: f64,
+    /// Weight of what aircraft may do of which the manoeuvre keeps clear by its certificate, 0 to 1.
+    pub proven_share: f64,
 }
 
 // SAFETY: `repr(C)`, the size first, then numbers and enumerations with a value 0.
@@ -279,6 +290,14 @@ impl fga_decision {
         if let Some(resilience) = record.resilience {
             self.has |= FGA_HAS_RESILIENCE;
             self.resilience = resilience;
+        }
+        if let (Some(p_loss_hold), Some(p_loss)) = (record.p_loss_hold, record.p_loss) {
+            self.has |= FGA_HAS_CHANCES;
+            (self.p_loss_hold, self.p_loss) = (p_loss_hold, p_loss);
+        }
+        if let Some(proven_share) = record.proven_share {
+            self.has |= FGA_HAS_PROVEN_SHARE;
+            self.proven_share = proven_share;
         }
         self.straight_aircraft = record.straight_aircraft;
         self.obstacles_tracked = record.work.tracked;

@@ -172,6 +172,8 @@ pub struct fga_settings {
     pub objective: u32,
     /// Most work of one step, in tests of a line against four obstacles: 10,000 to 1e9; by default 100000.
     pub work_limit: u32,
+    /// Price of a loss of a protected volume on beliefs, in metres of departure from the mission: 100 to 1e7; by default 42000.
+    pub loss_price_m: f64,
 }
 
 // SAFETY: `repr(C)`, the size first, then numbers.
@@ -206,6 +208,7 @@ impl fga_settings {
             pitch_cost: self.pitch_cost,
             objective,
             work_limit: self.work_limit,
+            loss_price_m: self.loss_price_m,
             ..Settings::default()
         };
         settings.check()?;
@@ -234,6 +237,7 @@ impl fga_settings {
             Objective::ShortestPath => fga_objective::ShortestPath as u32,
         };
         self.work_limit = settings.work_limit;
+        self.loss_price_m = settings.loss_price_m;
     }
 }
 

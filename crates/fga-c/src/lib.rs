@@ -39,6 +39,7 @@ extern crate std;
 mod abi;
 mod airspace;
 mod avoider;
+mod beliefs;
 mod decision;
 mod floating;
 mod growable;
@@ -55,6 +56,7 @@ pub use airspace::{
     fga_ground_fill_peaks, fga_ground_peak_count, fga_place, fga_zone, fga_zone_kind,
 };
 pub use avoider::*;
+pub use beliefs::*;
 pub use decision::*;
 pub use input::{
     fga_bounds, fga_enu, fga_mission, fga_movement, fga_objective, fga_obstacle, fga_ownship,

@@ -55,6 +55,12 @@ pub struct fga_report {
     pub position_sigma_m: f64,
     /// Standard deviation of the velocity along any axis, metres per second, 0 or more.
     pub velocity_sigma_mps: f64,
+    /// Standard deviation of the altitude, metres; 0 where it is that of the position.
+    pub altitude_sigma_m: f64,
+    /// Standard deviation of an error of the position that lasts from report to report, metres, 0 or more.
+    pub lasting_position_sigma_m: f64,
+    /// The same of the altitude, as of pressure altitude, metres, 0 or more.
+    pub lasting_altitude_sigma_m: f64,
 }
 
 // SAFETY: `repr(C)`, the size first, then numbers.
@@ -112,11 +118,7 @@ const fn rests(movement: u32) -> bool {
 impl FilteredAircraft {
     /// An aircraft after its first report, or after another one.
     fn after(before: Option<&Self>, of: &fga_report, report: &Report) -> Self {
-        let bounds = if of.movement == fga_movement::SmallUas as u32 {
-            MovementBounds::SMALL_UAS
-        } else {
-            MovementBounds::CREWED
-        };
+        let bounds = of.bounds();
         let belief = before.map(|before| before.belief);
         let belief = belief.filter(|belief| *belief.bounds() == bounds);
         let belief = Belief::after(belief, report, &bounds);
@@ -176,8 +178,17 @@ impl FilteredAircraft {
 }
 
 impl fga_report {
+    /// The bounds of the aircraft.
+    pub(crate) const fn bounds(&self) -> MovementBounds {
+        if self.movement == fga_movement::SmallUas as u32 {
+            MovementBounds::SMALL_UAS
+        } else {
+            MovementBounds::CREWED
+        }
+    }
+
     /// The report for the filter, if it can be used now.
-    fn report(&self, now_s: f64) -> Result<Report, Refused> {
+    pub(crate) fn report(&self, now_s: f64) -> Result<Report, Refused> {
         const POSITION: [&str; 3] = ["position_m.east", "position_m.north", "position_m.up"];
         const VELOCITY: [&str; 3] = ["velocity_mps.east", "velocity_mps.north", "velocity_mps.up"];
         let movements = fga_movement::AtRest as u32..=fga_movement::SmallUas as u32;
@@ -192,6 +203,9 @@ impl fga_report {
         for (field, sigma) in [
             ("position_sigma_m", self.position_sigma_m),
             ("velocity_sigma_mps", self.velocity_sigma_mps),
+            ("altitude_sigma_m", self.altitude_sigma_m),
+            ("lasting_position_sigma_m", self.lasting_position_sigma_m),
+            ("lasting_altitude_sigma_m", self.lasting_altitude_sigma_m),
         ] {
             usable(field, sigma)?;
             if sigma < 0.0 {
@@ -206,6 +220,11 @@ impl fga_report {
         #[expect(clippy::cast_possible_truncation, reason = "single precision suffices")]
         let sigma = |value: f64| Sigma::new(value as f32, Source::Report);
         let (position, velocity) = (sigma(self.position_sigma_m), sigma(self.velocity_sigma_mps));
+        let altitude = if self.altitude_sigma_m > 0.0 {
+            sigma(self.altitude_sigma_m)
+        } else {
+            position
+        };
         Ok(Report {
             time_s: self.time_s,
             position_m: self.position_m.usable(POSITION)?,
@@ -213,10 +232,11 @@ impl fga_report {
             carried_s: 0.0,
             errors: Errors {
                 position_m: position,
-                altitude_m: position,
+                altitude_m: altitude,
                 velocity_mps: velocity,
                 climb_mps: velocity,
-                ..Errors::default()
+                lasting_position_m: sigma(self.lasting_position_sigma_m),
+                lasting_altitude_m: sigma(self.lasting_altitude_sigma_m),
             },
         })
     }
@@ -294,6 +314,31 @@ pub const extern "C" fn fga_reports_size(aircraft_most: u32) -> usize {
         return 0;
     }
     FGA_REPORTS_FIXED_BYTES + aircraft_most as usize * FGA_REPORTS_AIRCRAFT_BYTES
+}
+
+/// Fills the standard deviations of a report by the `NACp` and `NACv` that ADS-B states (RTCA DO-260B; 14 CFR 91.217 for the altitude). A
+/// category without a bound counts as the worst with one.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_report_set_adsb(
+    report: *mut fga_report,
+    nac_p: u8,
+    nac_v: u8,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    if let Err(status) = unsafe { sized(report) } {
+        return status;
+    }
+    let errors = Errors::of_adsb(nac_p, nac_v);
+    // SAFETY: checked above.
+    let report = unsafe { &mut *report };
+    report.position_sigma_m = errors.position_m.value.into();
+    report.velocity_sigma_mps = errors.velocity_mps.value.into();
+    report.altitude_sigma_m = errors.altitude_m.value.into();
+    report.lasting_position_sigma_m = errors.lasting_position_m.value.into();
+    report.lasting_altitude_sigma_m = errors.lasting_altitude_m.value.into();
+    fga_status::Ok
 }
 
 /// Constructs a filter of reports in storage of the caller, as `fga_avoider_init` does an avoider. An aircraft that is heard no more is

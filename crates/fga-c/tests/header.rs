@@ -54,6 +54,7 @@ fn the_header_says_the_defaults() {
         ("heading_cost", of.heading_cost),
         ("pitch_cost", of.pitch_cost),
         ("work_limit", of.work_limit.into()),
+        ("loss_price_m", of.loss_price_m),
     ] {
         let said = ["double", "uint32_t"]
             .map(|kind| header.contains(&format!("by default {default}.\n  {kind} {field};")));

@@ -1,7 +1,9 @@
 //! The aircraft that are known: reports in, a belief of each.
 
-use fga_belief::{Belief, Errors, Report, Sigma, Source};
-use fga_index::situation::{Movement, Obstacle, ProtectedVolume, Situation, Uncertainty};
+use fga_belief::{Belief, ENDS_AFTER_S, Errors, Report, Sigma, Source};
+use fga_index::situation::{
+    Movement, MovementBounds, Obstacle, ProtectedVolume, Situation, Uncertainty,
+};
 use fga_proof::Vec3;
 use fga_proof::list::List;
 
@@ -51,7 +53,8 @@ fn errors_of(uncertainty: Uncertainty, errors: &Errors) -> Errors {
 #[derive(Debug, Clone)]
 pub struct Beliefs {
     known: List<Option<Known>, MOST_KNOWN>,
-    left_out: u32,
+    /// When an aircraft was last heard that found no room, seconds.
+    left_out_s: f64,
 }
 
 impl Default for Beliefs {
@@ -65,14 +68,14 @@ impl Beliefs {
     pub const fn new() -> Self {
         Self {
             known: List::new(None),
-            left_out: 0,
+            left_out_s: f64::NEG_INFINITY,
         }
     }
 
     /// Forgets all.
     pub const fn forget(&mut self) {
         self.known.clear();
-        self.left_out = 0;
+        self.left_out_s = f64::NEG_INFINITY;
     }
 
     /// Forgets the aircraft that a situation does not have.
@@ -102,9 +105,9 @@ impl Beliefs {
         known.map(|known| (known.id, known.volume, &known.belief))
     }
 
-    /// Aircraft of the last step that found no room, farther away than all others.
-    pub const fn left_out(&self) -> u32 {
-        self.left_out
+    /// Whether an aircraft may be around that found no room, farther away than all that are known.
+    pub fn leaves_out(&self, time_s: f64) -> bool {
+        time_s - self.left_out_s <= ENDS_AFTER_S
     }
 
     /// Takes the reports of aircraft, whose errors are these: whether there is a new one. A σ that these only assume gives way to that of
@@ -112,7 +115,6 @@ impl Beliefs {
     /// velocity by contract, or rests, is no aircraft.
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
-        self.left_out = 0;
         self.retain(|known| !known.belief.has_ended(situation.time_s) || known.is_in(situation));
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
@@ -127,48 +129,49 @@ impl Beliefs {
                 carried_s: age_s as f32,
                 errors: errors_of(obstacle.uncertainty, errors),
             };
-            let mut known = self.known.iter_mut().flatten();
-            if let Some(known) = known.find(|known| known.id == obstacle.id) {
-                known.volume = obstacle.volume;
-                if report.time_s > known.belief.time_s() + LATER_S {
-                    let before = Some(known.belief).filter(|belief| *belief.bounds() == bounds);
-                    known.belief = Belief::after(before, &report, &bounds);
-                    has_news = true;
-                }
-                continue;
-            }
-            has_news |= self.add(
-                situation.ownship.position_m,
-                &Known {
-                    id: obstacle.id,
-                    volume: obstacle.volume,
-                    belief: Belief::new(&report, &bounds),
-                },
-            );
+            let aircraft = (obstacle.id, obstacle.volume);
+            let heard = self.take(aircraft, &report, &bounds, situation.ownship.position_m);
+            has_news |= heard == Some(true);
         }
         has_news
     }
 
-    /// Adds an aircraft, in place of the farthest one if that is farther away; whether it did.
-    fn add(&mut self, own_m: Vec3, new: &Known) -> bool {
-        if let Some(slot) = self.known.iter_mut().find(|slot| slot.is_none()) {
-            *slot = Some(*new);
-            return true;
-        }
-        if self.known.push(Some(*new)).is_some() {
-            return true;
-        }
-        self.left_out = self.left_out.saturating_add(1);
-        let away_m = |known: &Known| known.belief.reported_m().distance_squared(own_m);
-        let known = self.known.iter_mut().flatten();
-        let farthest = known.max_by(|a, b| away_m(a).total_cmp(&away_m(b)));
-        match farthest.filter(|farthest| away_m(farthest) > away_m(new)) {
-            Some(farthest) => {
-                *farthest = *new;
-                true
+    /// Takes a report of an aircraft with a volume: whether it is new; `None` where there is no room, because those that are known are nearer to
+    /// the own aircraft. The report must be [valid](Report::is_valid).
+    pub fn take(
+        &mut self,
+        (id, volume): (u32, ProtectedVolume),
+        report: &Report,
+        bounds: &MovementBounds,
+        own_m: Vec3,
+    ) -> Option<bool> {
+        let mut known = self.known.iter_mut().flatten();
+        if let Some(known) = known.find(|known| known.id == id) {
+            known.volume = volume;
+            let is_new = report.time_s > known.belief.time_s() + LATER_S;
+            if is_new {
+                let before = Some(known.belief).filter(|belief| belief.bounds() == bounds);
+                known.belief = Belief::after(before, report, bounds);
             }
-            None => false,
+            return Some(is_new);
         }
+        let belief = Belief::new(report, bounds);
+        self.add(own_m, &Known { id, volume, belief })
+    }
+
+    /// Adds an aircraft, in place of the farthest one if that is farther away.
+    fn add(&mut self, own_m: Vec3, new: &Known) -> Option<bool> {
+        let free = self.known.iter_mut().find(|slot| slot.is_none());
+        if let Some(slot) = free {
+            *slot = Some(*new);
+        } else if self.known.push(Some(*new)).is_none() {
+            self.left_out_s = new.belief.time_s();
+            let away_m = |known: &Known| known.belief.reported_m().distance_squared(own_m);
+            let known = self.known.iter_mut().flatten();
+            let farthest = known.max_by(|a, b| away_m(a).total_cmp(&away_m(b)));
+            *farthest.filter(|farthest| away_m(farthest) > away_m(new))? = *new;
+        }
+        Some(true)
     }
 
     /// The aircraft that a situation does not have, as they are expected to be now.

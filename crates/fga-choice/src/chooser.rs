@@ -152,6 +152,11 @@ impl Chooser {
         }
     }
 
+    /// Forgets the flight.
+    pub const fn forget(&mut self) {
+        (self.course_rad, self.leg_rad, self.left_out) = (0.0, 0.0, 0);
+    }
+
     /// How many of what was around were not weighed last, because more than [`MOST_WEIGHED`] are nearer.
     pub const fn left_out(&self) -> u32 {
         self.left_out

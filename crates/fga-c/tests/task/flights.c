@@ -10,6 +10,8 @@ typedef enum {
   NO_FAULT,
   SHOWN_LATE,
   NOISY_REPORTS,
+  ON_BELIEFS,
+  ON_NOISY_BELIEFS,
   ANOTHER_LEG,
   TRAFFIC_SILENT_BEFORE,
   TRAFFIC_SILENT_IN_THE_TURN,
@@ -28,6 +30,8 @@ typedef enum {
 static const char *const NAMES[] = {"no fault",
                                     "shown 300 m ahead, a steep bank in need",
                                     "reports off by 20 m and 3 m/s",
+                                    "on beliefs",
+                                    "on beliefs, the least ADS-B",
                                     "another leg",
                                     "traffic falls silent before",
                                     "traffic falls silent in the turn",
@@ -48,12 +52,16 @@ static const fga_waypoint WAY[] = {{{0, 0, 100}, FGA_PASSING_FLY_BY},
 static const fga_waypoint LEG[] = {{{0, 0, 100}, FGA_PASSING_FLY_BY}, {{4000, 0, 100}, FGA_PASSING_FLY_BY}};
 
 static unsigned char storage[FGA_TASK_BYTES(4) + 1];
+static union {
+  unsigned char bytes[FGA_BELIEFS_BYTES];
+  long double aligned;
+} believed;
 
 typedef struct {
   double least_m, off_m, asked_s, taken_s, back_s, back_beside_m, back_angle_rad;
   unsigned requests, pilot_requests;
   uint32_t alarms;
-  double bank_rad;
+  double bank_rad, p_loss_hold, p_loss;  // and the largest chance of a loss on the mission, the least one as flown beside it
 } seen;
 
 // The state of the plant after a period.
@@ -103,15 +111,17 @@ static double drawn(void) {
   return sum - 6.0;
 }
 
+// Off by the standard deviations that it says.
 static void make_noisy(fga_report *report) {
   double *const positions[] = {&report->position_m.east, &report->position_m.north, &report->position_m.up};
   double *const velocities[] = {&report->velocity_mps.east, &report->velocity_mps.north, &report->velocity_mps.up};
-  report->position_sigma_m = 20.0;
-  report->velocity_sigma_mps = 3.0;
+  const double lasting_m = report->lasting_altitude_sigma_m;  // one draw of it: above by as much
   for (int k = 0; k < 3; ++k) {
-    *positions[k] += 20.0 * drawn();
-    *velocities[k] += 3.0 * drawn();
+    const int is_up = k == 2 && report->altitude_sigma_m > 0.0;
+    *positions[k] += (is_up ? report->altitude_sigma_m : report->position_sigma_m) * drawn();
+    *velocities[k] += report->velocity_sigma_mps * drawn();
   }
+  report->position_m.up += lasting_m;
 }
 
 // A flight on which an intruder on this track, degrees from east towards north, is at the same place at the same time.
@@ -131,6 +141,9 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     if (fga_vehicle_from_bank(SPEED_MPS, 1.1, &settings.in_need, NULL)) return "no limits in need";
     settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
     settings.in_need.turn_rate_factor = 0.95 * factor;
+  }
+  if (fault == ON_BELIEFS || fault == ON_NOISY_BELIEFS) {
+    if (fga_beliefs_init(&believed, sizeof believed, FGA_ABI_VERSION, &settings.beliefs, NULL)) return "no beliefs";
   }
   // Storage is aligned by the task.
   if (fga_task_begin(&task, &settings, storage, 8, 4, NULL) != FGA_STATUS_STORAGE_TOO_SMALL ||
@@ -171,7 +184,12 @@ static const char *flight(fault fault, double track_deg, double factor, double w
                                       .velocity_mps = rate_mps,
                                       .position_sigma_m = 3.0,
                                       .velocity_sigma_mps = 0.5};
-      if (fault == NOISY_REPORTS) make_noisy(&report);
+      if (fault == NOISY_REPORTS) {
+        report.position_sigma_m = 20.0;
+        report.velocity_sigma_mps = 3.0;
+      }
+      if (fault == ON_NOISY_BELIEFS && fga_report_set_adsb(&report, 8, 1)) return "no errors";
+      if (fault == NOISY_REPORTS || fault == ON_NOISY_BELIEFS) make_noisy(&report);
       fga_task_hear(&task, &report, now_s);
     }
     if (fault == PILOT_CHOOSES && faulty) mode = FGA_TASK_MODE_OTHER;
@@ -197,6 +215,10 @@ static const char *flight(fault fault, double track_deg, double factor, double w
       if (fga_task_watch(&task, now_s, mode) != FGA_TASK_REQUEST_NONE) return "the watchdog acts beside a task that runs";
     }
     seen.alarms |= out.alarms;
+    if ((task.decision.has & FGA_HAS_CHANCES) && task.decision.p_loss_hold > seen.p_loss_hold) {
+      seen.p_loss_hold = task.decision.p_loss_hold;
+      seen.p_loss = task.decision.p_loss;
+    }
     if (request != FGA_TASK_REQUEST_NONE) {
       seen.requests += 1;
       seen.asked_s = fmin(seen.asked_s, now_s);
@@ -240,7 +262,10 @@ static const char *flight(fault fault, double track_deg, double factor, double w
          track_deg, seen.taken_s, seen.back_s, seen.back_beside_m, seen.least_m, seen.off_m, fga_task_alarm_text(seen.alarms));
   const fga_task_counts *counts = &task.counts;
   fga_report_counts heard = {.size = sizeof heard};
-  if (fga_reports_counts(task.reports, &heard) || heard.unusable || heard.late || heard.left_out) return "a report is lost";
+  const fga_status counted =
+      settings.beliefs ? fga_beliefs_counts(settings.beliefs, &heard) : fga_reports_counts(task.reports, &heard);
+  if (counted || !heard.heard || heard.unusable || heard.late || heard.left_out) return "a report is lost";
+  if (settings.beliefs && !(seen.p_loss_hold > 0.3 && seen.p_loss < 0.1 * seen.p_loss_hold)) return "no chance is said";
   switch (fault) {
     case AVOID_IS_THE_PILOTS:
       return seen.requests || counts->maneuvers ? "it acts in the pilot's mode" : NULL;

@@ -6,7 +6,7 @@
 //! of what is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
 use fga_belief::future::{Future, Futures};
-pub use fga_belief::{Errors, Sigma, Source};
+pub use fga_belief::{Errors, Report, Sigma, Source};
 pub use fga_choice::Beliefs;
 use fga_choice::{Chooser, Plan, Ranked, Scene};
 
@@ -22,7 +22,7 @@ use crate::list::List;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
 use crate::mission::Route;
-use crate::situation::{Obstacle, Obstacles, ProtectedVolume, Situation};
+use crate::situation::{MovementBounds, Obstacle, Obstacles, ProtectedVolume, Situation};
 use crate::vehicle::Vehicle;
 use crate::{Vec3, assumptions::Assumptions};
 
@@ -41,11 +41,19 @@ const MOST_SEEN: usize = 64;
 #[derive(Debug, Clone)]
 pub struct BeliefAvoider {
     avoider: Avoider,
+    decider: BeliefDecider,
+}
+
+/// What decides on beliefs, beside an [`Avoider`] that lives elsewhere.
+#[derive(Debug, Clone)]
+pub struct BeliefDecider {
     errors: Errors,
     beliefs: Beliefs,
     chooser: Chooser,
     choice: Choice,
     seen: List<Obstacle, MOST_SEEN>,
+    /// What the avoider's clock, which never goes back, is ahead of the situation's, seconds.
+    ahead_s: f64,
 }
 
 /// What was chosen last.
@@ -100,19 +108,9 @@ impl BeliefAvoider {
         vehicle: Vehicle,
         errors: Errors,
     ) -> Result<Self, SettingsError> {
-        let nobody = Obstacle::straight(
-            0,
-            Vec3::ZERO,
-            Vec3::ZERO,
-            ProtectedVolume::Sphere { radius_m: 0.0 },
-        );
         Ok(Self {
             avoider: Avoider::new(settings, vehicle)?,
-            errors,
-            beliefs: Beliefs::new(),
-            chooser: Chooser::new(),
-            choice: Choice::NONE,
-            seen: List::new(nobody),
+            decider: BeliefDecider::new(errors),
         })
     }
 
@@ -128,29 +126,84 @@ impl BeliefAvoider {
 
     /// What it believes of the aircraft around.
     pub const fn beliefs(&self) -> &Beliefs {
-        &self.beliefs
+        &self.decider.beliefs
     }
 
     /// Forgets the aircraft that the next situation does not have, as where a tracker says which reports are of one aircraft. Without it an
     /// aircraft without reports is believed to be there for 8 s.
     pub fn forget_absent(&mut self, situation: &Situation<'_>) {
-        self.beliefs.forget_absent(situation);
+        self.decider.beliefs.forget_absent(situation);
     }
 
     /// Forgets everything but its settings, its errors and the limits of its vehicle.
     pub(crate) fn forget_flight(&mut self) {
         self.avoider.forget_flight();
-        self.beliefs.forget();
-        self.chooser = Chooser::new();
-        self.choice = Choice::NONE;
+        self.decider.beliefs.forget();
+        self.decider.restart();
     }
 
     /// Decides into the place of another decision, which is large.
     pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
-        if !situation.is_usable() {
-            return self.avoider.step_into(situation, decision);
+        self.decider
+            .step_into(&mut self.avoider, situation, decision);
+    }
+}
+
+impl BeliefDecider {
+    /// One that knows nobody; reports of aircraft in a situation have these errors, as of [`BeliefAvoider::new`].
+    pub const fn new(errors: Errors) -> Self {
+        const NOBODY: Obstacle = Obstacle::straight(
+            0,
+            Vec3::ZERO,
+            Vec3::ZERO,
+            ProtectedVolume::Sphere { radius_m: 0.0 },
+        );
+        Self {
+            errors,
+            beliefs: Beliefs::new(),
+            chooser: Chooser::new(),
+            choice: Choice::NONE,
+            seen: List::new(NOBODY),
+            ahead_s: 0.0,
         }
-        let (time_s, is_far) = self.avoider.in_order_s(situation.time_s);
+    }
+
+    /// Forgets what was chosen, as at the begin of another flight; who is around stays known.
+    pub const fn restart(&mut self) {
+        self.chooser.forget();
+        self.choice = Choice::NONE;
+    }
+
+    /// Takes a report of an aircraft with a volume, whose time is on the clock of the situations, beside those of a situation: whether it is new;
+    /// `None` where there is no room. The report must be [valid](Report::is_valid).
+    pub fn hear(
+        &mut self,
+        aircraft: (u32, ProtectedVolume),
+        report: &Report,
+        bounds: &MovementBounds,
+        own_m: Vec3,
+    ) -> Option<bool> {
+        let report = Report {
+            time_s: report.time_s + self.ahead_s,
+            ..*report
+        };
+        let heard = self.beliefs.take(aircraft, &report, bounds, own_m);
+        self.choice.has_news |= heard == Some(true);
+        heard
+    }
+
+    /// Decides what an avoider flies, into the place of another decision, which is large.
+    pub fn step_into<P: Places + 'static>(
+        &mut self,
+        avoider: &mut Avoider<P>,
+        situation: &Situation<'_>,
+        decision: &mut Decision,
+    ) {
+        if !situation.is_usable() {
+            return avoider.step_into(situation, decision);
+        }
+        let (time_s, is_far) = avoider.in_order_s(situation.time_s);
+        self.ahead_s = time_s - situation.time_s;
         if is_far {
             self.beliefs.forget();
             self.choice = Choice::NONE;
@@ -162,14 +215,14 @@ impl BeliefAvoider {
         self.choice.has_news |= self.beliefs.hear(ordered, &self.errors);
         if self.beliefs.is_empty() {
             self.choice = Choice::NONE;
-            return self.avoider.step_into(situation, decision);
+            return avoider.step_into(situation, decision);
         }
         self.seen.clear();
-        let mut left_out = self.beliefs.left_out();
+        let mut is_left_out = self.beliefs.leaves_out(time_s);
         let reported = situation.obstacles.iter().filter(Obstacle::is_valid);
         let expected = reported.map(|obstacle| self.beliefs.expected(&obstacle, time_s));
         for expected in expected.chain(self.beliefs.absent(ordered)) {
-            left_out += u32::from(self.seen.push(expected).is_none());
+            is_left_out |= self.seen.push(expected).is_none();
         }
         let expected = Situation {
             obstacles: Obstacles::Rows(&self.seen),
@@ -180,14 +233,14 @@ impl BeliefAvoider {
             chooser: &mut self.chooser,
             choice: &mut self.choice,
         };
-        self.avoider.step_by(
+        avoider.step_by(
             &expected,
             decision,
             &mut |avoider, situation, now, decision| {
                 chooses.step(avoider, situation, now, decision);
             },
         );
-        decision.record.work.limit_met |= left_out + self.chooser.left_out() > 0;
+        decision.record.work.limit_met |= is_left_out || self.chooser.left_out() > 0;
     }
 }
 
@@ -319,7 +372,7 @@ impl Chooses<'_> {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
-                    if is_wanted && self.beliefs.left_out() == 0 {
+                    if is_wanted && !self.beliefs.leaves_out(scene.time_s) {
                         choice.proven_share = Some(proven_share(avoider, self.beliefs, situation));
                     }
                     *self.choice = choice;
