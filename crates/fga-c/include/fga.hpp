@@ -90,6 +90,11 @@ class Avoider {
     return fga_avoider_step(avoider_, &situation, &decision, &why_);
   }
 
+  // The same on beliefs, see `Beliefs`.
+  [[nodiscard]] fga_status step(fga_beliefs *beliefs, const fga_situation &situation, fga_decision &decision) noexcept {
+    return fga_avoider_step_on_beliefs(avoider_, beliefs, &situation, &decision, &why_);
+  }
+
   [[nodiscard]] fga_status counts(fga_counts &counts) noexcept { return fga_avoider_counts(avoider_, &counts); }
 
   // What the last call refused, if it named a value.
@@ -161,6 +166,40 @@ class Learned {
  private:
   alignas(FGA_ALIGN) unsigned char storage_[FGA_LEARNED_BYTES];
   fga_learned *learned_ = nullptr;
+  fga_refusal why_ = sized<fga_refusal>();
+};
+
+// Beliefs about aircraft by their raw reports, on which an avoider decides by expected cost.
+class Beliefs {
+ public:
+  Beliefs() noexcept = default;
+  Beliefs(const Beliefs &) = delete;
+  Beliefs &operator=(const Beliefs &) = delete;
+
+  // Constructs them about nobody, or constructs them again and so forgets all.
+  [[nodiscard]] fga_status init() noexcept {
+    beliefs_ = nullptr;
+    return fga_beliefs_init(storage_, sizeof storage_, FGA_ABI_VERSION, &beliefs_, &why_);
+  }
+
+  // Takes a report of an aircraft, with a volume around it.
+  [[nodiscard]] fga_status hear(const fga_report &report, double radius_m, double half_height_m, double now_s,
+                                fga_enu own_m) noexcept {
+    return fga_beliefs_hear(beliefs_, &report, radius_m, half_height_m, now_s, own_m, &why_);
+  }
+
+  [[nodiscard]] fga_status restart() noexcept { return fga_beliefs_restart(beliefs_); }
+
+  [[nodiscard]] fga_status counts(fga_report_counts &counts) noexcept { return fga_beliefs_counts(beliefs_, &counts); }
+
+  // The beliefs as Avoider::step and fga_task_settings take them; null before they are constructed.
+  [[nodiscard]] fga_beliefs *get() noexcept { return beliefs_; }
+
+  [[nodiscard]] const fga_refusal &why() const noexcept { return why_; }
+
+ private:
+  alignas(FGA_ALIGN) unsigned char storage_[FGA_BELIEFS_BYTES];
+  fga_beliefs *beliefs_ = nullptr;
   fga_refusal why_ = sized<fga_refusal>();
 };
 

@@ -165,6 +165,7 @@ impl Fuzz {
         settings.horizon_s = self.number(10.0, 90.0);
         settings.margin_m = self.number(0.0, 10.0);
         settings.drift_mps = self.number(0.0, 2.0);
+        settings.loss_price_m = self.number(100.0, 1e6);
         settings.work_limit = 10_000 + self.below(10_000);
         settings
     }
@@ -300,6 +301,7 @@ fn fga_settings_of(size: usize) -> fga_settings {
         heading_cost: 0.0,
         pitch_cost: 0.0,
         objective: 0,
+        loss_price_m: 42_000.0,
         work_limit: 0,
     }
 }

@@ -8,6 +8,7 @@
 #![allow(unsafe_code, reason = "calls the interface as C does")]
 
 mod airspace;
+mod beliefs;
 mod drawn;
 #[path = "../built/known.rs"]
 mod known;
@@ -54,6 +55,7 @@ struct Fuzz {
     around: airspace::Airspace,
     listener: reports::Listener,
     learner: learned::Learner,
+    believer: beliefs::Believer,
     results: u64,
     refusals: u64,
 }
@@ -83,6 +85,7 @@ impl Fuzz {
             around: airspace::Airspace::default(),
             listener: reports::Listener::default(),
             learner: learned::Learner::default(),
+            believer: beliefs::Believer::default(),
             results: 0,
             refusals: 0,
         }
@@ -255,9 +258,15 @@ impl Fuzz {
         let decision: *mut fga_decision = self.apart(right, storage);
         let before = self.decision.content().to_vec();
         let (flying, why) = (self.flying(), self.why());
-        // SAFETY: as above.
-        let status = unsafe { fga_avoider_step(flying, situation, decision, why) };
-        if !self.check(status, "fga_avoider_step") {
+        let beliefs = self.believer.beliefs;
+        let status = if beliefs.is_null() || self.one_in(2) {
+            // SAFETY: as above.
+            unsafe { fga_avoider_step(flying, situation, decision, why) }
+        } else {
+            // SAFETY: as above.
+            unsafe { fga_avoider_step_on_beliefs(flying, beliefs, situation, decision, why) }
+        };
+        if !self.check(status, "a step") {
             assert!(
                 before == self.decision.content(),
                 "a refused step wrote a decision"
@@ -429,6 +438,8 @@ impl Fuzz {
             56..66 => self.hear(),
             66 => self.init_learner(),
             67..77 => self.learn(),
+            77 => self.init_beliefs(),
+            78..83 => self.believe(),
             _ => self.step(),
         }
     }

@@ -59,14 +59,12 @@ impl Fuzz {
         }
     }
 
-    pub(crate) fn hear(&mut self) {
-        if self.listener.reports.is_null() {
-            return self.init_reports();
-        }
-        let mut report = fga_report {
+    /// A report, plausible or wild, of a movement from a least one on.
+    pub(crate) fn report(&mut self, least_movement: u32) -> fga_report {
+        let report = fga_report {
             size: self.size::<fga_report>(),
             id: self.below(36),
-            movement: self.enumerated(1, 4),
+            movement: self.enumerated(least_movement, 4),
             has_velocity: self.below(2),
             time_s: self.time_s - self.real(0.0, 30.0),
             position_m: enu(
@@ -81,11 +79,22 @@ impl Fuzz {
             ),
             position_sigma_m: self.wild(0.0, 50.0),
             velocity_sigma_mps: self.wild(0.0, 10.0),
+            altitude_sigma_m: self.wild(0.0, 50.0),
+            lasting_position_sigma_m: self.wild(0.0, 30.0),
+            lasting_altitude_sigma_m: self.wild(0.0, 30.0),
         };
         if self.expected == Expected::Result {
             // What is wild may be beyond what is usable.
             self.expected = Expected::Either;
         }
+        report
+    }
+
+    pub(crate) fn hear(&mut self) {
+        if self.listener.reports.is_null() {
+            return self.init_reports();
+        }
+        let mut report = self.report(1);
         let storage = self.listener.storage.at();
         let given = self.apart(&raw mut report, storage);
         let (now_s, own_m, why) = (self.time_s, self.own.position_m, self.why());

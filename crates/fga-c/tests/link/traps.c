@@ -19,6 +19,7 @@ enum { OBSTACLES = 14, WAYPOINTS = 8, ZONES = 4, POSTS = 33, STEPS = 40 };
 static _Alignas(FGA_ALIGN) unsigned char storage[FGA_AVOIDER_BYTES(OBSTACLES, WAYPOINTS)];
 static _Alignas(FGA_ALIGN) unsigned char proof[FGA_PROVER_BYTES];
 static _Alignas(FGA_ALIGN) unsigned char evidence[FGA_LEARNED_BYTES];
+static _Alignas(FGA_ALIGN) unsigned char believed[FGA_BELIEFS_BYTES];
 static fga_refusal why = {.size = sizeof why};
 
 static unsigned long world, maneuvers;
@@ -159,6 +160,24 @@ static void learn(fga_learned *learned, const fga_ownship *own, double time_s, i
   }
 }
 
+// Beliefs hear the aircraft as raw reports.
+static void hear(fga_beliefs *beliefs, const fga_obstacle *rows, uint32_t count, const fga_ownship *own, double time_s) {
+  for (uint32_t at = 0; at < count; ++at) {
+    const fga_obstacle *row = &rows[at];
+    fga_report report = {.size = sizeof report, .id = row->id, .movement = row->movement, .has_velocity = (uint32_t)one_in(2), .time_s = time_s};
+    if (row->movement != FGA_MOVEMENT_CREWED && row->movement != FGA_MOVEMENT_SMALL_UAS) {
+      continue;
+    }
+    report.position_m = row->position_m;
+    report.velocity_mps = row->velocity_mps;
+    done("adsb", fga_report_set_adsb(&report, (uint8_t)(unit() * 12.0), (uint8_t)(unit() * 5.0)));
+    if (one_in(3)) {
+      report.position_sigma_m = report.velocity_sigma_mps = report.altitude_sigma_m = 0.0;
+    }
+    done("hear", fga_beliefs_hear(beliefs, &report, row->radius_m, row->half_height_m, time_s, own->position_m, &why));
+  }
+}
+
 // Flies the world; a hash of its decisions.
 static unsigned long long fly(int rounding) {
   unsigned long long hash = 14695981039346656037ULL;
@@ -166,6 +185,7 @@ static unsigned long long fly(int rounding) {
   fga_avoider *avoider;
   fga_prover *prover;
   fga_learned *learned;
+  fga_beliefs *beliefs;
   fga_settings settings = {.size = sizeof settings};
   fga_vehicle vehicle = draw_vehicle(), in_need = vehicle;
   done("settings", fga_settings_default(&settings));
@@ -180,6 +200,8 @@ static unsigned long long fly(int rounding) {
   done("init", fga_avoider_init(storage, sizeof storage, FGA_ABI_VERSION, OBSTACLES, WAYPOINTS, &settings, &vehicle, &avoider, &why));
   done("prover", fga_prover_init(proof, sizeof proof, FGA_ABI_VERSION, &vehicle, &prover, &why));
   done("learned", fga_learned_init(evidence, sizeof evidence, FGA_ABI_VERSION, &vehicle, &learned, &why));
+  done("beliefs", fga_beliefs_init(believed, sizeof believed, FGA_ABI_VERSION, &beliefs, &why));
+  int is_believed = one_in(3), are_reports = one_in(2);
   if (one_in(3)) {
     in_need.turn_radius_m *= 0.8;
     in_need.turn_radius_m += vehicle.airspeed_mps * vehicle.airspeed_mps / 90.0;
@@ -219,8 +241,12 @@ static unsigned long long fly(int rounding) {
   for (int step = 0; step < STEPS; ++step) {
     fga_situation situation = {sizeof situation, count, rows, time_s, own, wind_mps, zone_count, zones, has_ground ? &ground : NULL};
     fga_decision decision = {.size = sizeof decision};
+    if (is_believed && are_reports && step % 3 == 0) {
+      hear(beliefs, rows, count, &own, time_s);
+    }
     fesetround(rounding);
-    fga_status status = fga_avoider_step(avoider, &situation, &decision, &why);
+    fga_status status = is_believed ? fga_avoider_step_on_beliefs(avoider, beliefs, &situation, &decision, &why)
+                                    : fga_avoider_step(avoider, &situation, &decision, &why);
     if (fegetround() != rounding) {
       exit(5);
     }
@@ -240,6 +266,7 @@ static unsigned long long fly(int rounding) {
       mission.waypoint_count = one_in(3) ? 0 : WAYPOINTS;
     } else if (one_in(60)) {
       done("restart", fga_avoider_restart(avoider));
+      done("restart", fga_beliefs_restart(beliefs));
     }
     fga_ownship then;
     done("predict", fga_predict(prover, &own, decision.stages, decision.stage_count, wind_mps, period_s, &then, &why));

@@ -5,6 +5,7 @@
 extern crate alloc;
 
 mod airspace;
+mod beliefs;
 mod flight;
 #[path = "../built/known.rs"]
 mod known;
