@@ -10,8 +10,11 @@ pub use crate::table::FUTURES;
 use crate::table::{TABLE, normal, unit};
 use crate::turn::{Kind, Turn};
 
-/// A turn is followed by chords that bow by this, metres.
+/// A turn is followed by chords that bow by this, metres,
 const BOW_M: f32 = 3.0;
+
+/// ... but last this long at least, seconds, however fast an aircraft says it is.
+const LEAST_CHORD_S: f32 = 1.0;
 
 /// A turn rate above this is a turn, radians per second: six σ of what wanders, less than any turn that begins.
 const TURNS_RADPS: f32 = 0.015;
@@ -145,7 +148,7 @@ impl Future {
                 .map_or(until_s, |next| next.from_s.min(until_s));
             // The way to the side, a t² / 2, bows by a t² / 8.
             let across_mps2 = libm::sqrtf(leg.velocity.squared()) * leg.turn_radps.abs();
-            let chord_s = libm::sqrtf(8.0 * BOW_M / across_mps2.max(1e-3));
+            let chord_s = libm::sqrtf(8.0 * BOW_M / across_mps2.max(1e-3)).max(LEAST_CHORD_S);
             let to_s = ends_s.min(from_s + chord_s);
             let lasts_s = to_s - from_s;
             let chord = ([from_s, to_s], across_mps2 * lasts_s * lasts_s / 8.0);

@@ -262,3 +262,21 @@ fn recorded_flights_are_where_their_futures_say() {
         }
     }
 }
+
+/// A report may say any speed: what it costs to look at the futures does not grow with it.
+#[test]
+fn a_future_has_few_chords_whatever_a_report_says() {
+    for speed_mps in [0.0, 60.0, 1e4, 1e9, 1e15] {
+        let report = fga_belief::Report {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            velocity_mps: Some(Vec3::new(speed_mps, 0.0, 0.0)),
+            carried_s: 0.0,
+            errors: fga_belief::Errors::of_adsb(8, 1),
+        };
+        let belief = Belief::new(&report, &MovementBounds::SMALL_UAS);
+        for future in belief.futures(1.0).all {
+            assert!(future.chords(60.0).count() <= 63, "{speed_mps}");
+        }
+    }
+}
