@@ -204,11 +204,18 @@ pub struct Futures {
     pub otherwise: Otherwise,
     /// How well place and velocity are known now: variances along a horizontal axis and of the altitude, m² and m²/s².
     pub known: [[f32; 2]; 2],
-    /// The futures; the first of them need not be the most likely one.
-    pub all: [Future; FUTURES],
+    /// The belief at that moment; the mode that each future begins in, and its weight.
+    now: Belief,
+    begins: [(usize, f32); FUTURES],
 }
 
 impl Futures {
+    /// The futures, each made as it is asked for; the first of them need not be the most likely one.
+    pub fn each(&self) -> impl Iterator<Item = Future> {
+        let rows = TABLE.iter().zip(&self.begins).zip(0..);
+        rows.map(|((row, begin), n)| self.now.drawn(*row, n, *begin))
+    }
+
     /// The chance that what is off by a distance in `least_m..=most_m` comes within `half_m`, given its σ, metres.
     pub fn comes_within(least_m: f32, most_m: f32, half_m: f32, sigma_m: f32) -> f32 {
         let sigma_m = sigma_m.max(0.01);
@@ -243,18 +250,12 @@ impl Belief {
         let errors = now.errors();
         let lasting_m2 =
             [errors.lasting_position_m, errors.lasting_altitude_m].map(|sigma| sigma.variance(0.0));
-        let brief = now.bounds.brief_turn_rate_radps as f32;
-        let mut begins = now.begins().into_iter().zip(0..);
-        let all = TABLE.map(|row| {
-            let (begin, n) = begins.next().unwrap_or_default();
-            now.drawn(row, n, begin, brief)
-        });
         let turn = Turn::mixed(&now.turns);
         let speed_mps = libm::sqrtf(turn.at[1].squared());
         let otherwise = Otherwise {
             share: prior::OTHERWISE,
             speed_mps,
-            across_mps2: speed_mps * brief,
+            across_mps2: speed_mps * now.bounds.brief_turn_rate_radps as f32,
             along_mps2: now.bounds.acceleration_mps2 as f32,
             climb_mps: now.bounds.climb_change_mps as f32,
         };
@@ -263,7 +264,8 @@ impl Belief {
             lasting_m2,
             otherwise,
             known: [[turn.own[0], turn.own[1]], Climb::mixed(&now.climbs).own],
-            all,
+            begins: now.begins(),
+            now,
         }
     }
 
@@ -297,7 +299,7 @@ impl Belief {
 
     /// A future by the `n`th row of the table: of a mode and with a weight, with two changes. Place, velocity and altitude are the means of
     /// that mode: how far they may be off is integrated, not drawn.
-    fn drawn(&self, row: [u8; 8], n: u8, (mode, weight): (usize, f32), brief_radps: f32) -> Future {
+    fn drawn(&self, row: [u8; 8], n: u8, (mode, weight): (usize, f32)) -> Future {
         let [a0, a1, t1, what1, how1, t2, what2, how2] = row;
         let kind = Kind::ALL.get(mode).copied().unwrap_or(Kind::Steady);
         let (_, turn) = self.turns.get(mode).unwrap_or(&self.turns[0]);
@@ -318,7 +320,8 @@ impl Belief {
             } else {
                 let change = prior::TURN_CHANGE * self.bounds.turn_rate_radps as f32;
                 let off = normal(a0) * libm::hypotf(sigma / libm::sqrtf(speed2), change);
-                (rate + off).max(-brief_radps).min(brief_radps)
+                let brief = self.bounds.brief_turn_rate_radps as f32;
+                (rate + off).max(-brief).min(brief)
             },
         };
         let second = self.changed(&first, [t1, what1, how1].map(unit));

@@ -14,7 +14,7 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
     #[expect(clippy::cast_possible_truncation, reason = "metres")]
     let [x, y, z] = [off.x as f32, off.y as f32, off.z as f32];
     let [beside_m2, above_m2] = futures.lasting_m2;
-    let one = |future: &fga_belief::Future| {
+    let one = |future: fga_belief::Future| {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         let (mut least_m, mut at_s) = (f32::INFINITY, 0.0);
         for quarter in 0..=4 * u16::from(seconds) {
@@ -45,7 +45,7 @@ fn said(futures: &Futures, place: Vec3, (radius_m, half_m): (f32, f32), seconds:
         let other = within(otherwise.off_m(at_s));
         future.weight * ((1.0 - otherwise.share) * within([0.0; 2]) + otherwise.share * other)
     };
-    futures.all.iter().map(one).sum()
+    futures.each().map(one).sum()
 }
 
 fn happened(track: &[Moment], place: Vec3, (radius_m, half_m): (f32, f32)) -> bool {
@@ -148,12 +148,12 @@ fn weights_add_up_and_the_same_belief_has_the_same_futures() {
     }
     let futures = belief.futures(60.0);
     assert_eq!(futures, belief.futures(60.0));
-    assert_eq!(futures.all.len(), FUTURES);
-    let sum: f32 = futures.all.iter().map(|future| future.weight).sum();
+    assert_eq!(futures.each().count(), FUTURES);
+    let sum: f32 = futures.each().map(|future| future.weight).sum();
     assert!((sum - 1.0).abs() < 1e-5);
     // Where they begin is where the belief is.
     let estimate = belief.at(60.0);
-    let drawn = futures.all.iter();
+    let drawn = futures.each();
     let drawn = drawn.map(|future| (future.position_m(0.0), future.weight));
     let mean = drawn.fold([0.0; 3], |sum, (at, weight)| {
         [0, 1, 2].map(|k| sum[k] + at[k] * weight)
@@ -184,7 +184,7 @@ fn no_bounds_end_a_program() {
         for moment in track.iter().step_by(10).skip(1) {
             belief.update(&sight.report(moment, &mut draw).unwrap());
         }
-        assert_eq!(belief.futures(20.0).all.len(), FUTURES);
+        assert_eq!(belief.futures(20.0).each().count(), FUTURES);
     }
 }
 
@@ -216,7 +216,7 @@ fn recorded_flights_are_where_their_futures_say() {
                         continue;
                     };
                     let mut said = [0.0; 3];
-                    for future in &futures.all {
+                    for future in futures.each() {
                         let at = future.position_m(f32::from(*ahead_s)).map(f64::from);
                         let off = later.position_m - futures.origin_m - Vec3::from(at);
                         let after_s = f32::from(*ahead_s);
@@ -275,7 +275,7 @@ fn a_future_has_few_chords_whatever_a_report_says() {
             errors: fga_belief::Errors::of_adsb(8, 1),
         };
         let belief = Belief::new(&report, &MovementBounds::SMALL_UAS);
-        for future in belief.futures(1.0).all {
+        for future in belief.futures(1.0).each() {
             assert!(future.chords(60.0).count() <= 63, "{speed_mps}");
         }
     }

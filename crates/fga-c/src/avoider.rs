@@ -8,7 +8,7 @@ use fga::avoider::{
 use fga::certificate::Hazard;
 use fga::command::Command;
 use fga::pilot::Pilot as _;
-use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing};
+use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
@@ -90,9 +90,12 @@ pub struct fga_counts {
 // SAFETY: `repr(C)`, the size first, then numbers.
 unsafe impl Growable for fga_counts {}
 
+/// The avoider in places that the caller lends.
+type Flown = Avoider<Lent<'static>>;
+
 /// The avoider and what it keeps for the caller.
 struct Flying {
-    avoider: Avoider<Lent<'static>>,
+    avoider: Flown,
     decided: Decision,
     counts: fga_counts,
     /// Room for obstacles and waypoints, which lie behind the object: first all places of obstacles, then what the avoider knows of
@@ -490,7 +493,15 @@ pub unsafe extern "C" fn fga_avoider_step(
     why: *mut fga_refusal,
 ) -> fga_status {
     // SAFETY: the caller's word, in the header.
-    unsafe { step(avoider, None, (situation, decision), why) }
+    unsafe {
+        step(
+            avoider,
+            LentSpan::NONE,
+            (situation, decision),
+            why,
+            |avoider, now, decided| avoider.step_into(now, decided),
+        )
+    }
 }
 
 /// Decides like `fga_avoider_step`, among aircraft by expected cost: what the reports that `beliefs` has heard say that they may do, and what
@@ -506,29 +517,38 @@ pub unsafe extern "C" fn fga_avoider_step_on_beliefs(
     why: *mut fga_refusal,
 ) -> fga_status {
     // SAFETY: the caller's word, in the header.
-    unsafe { step(avoider, Some(beliefs), (situation, decision), why) }
+    let mut believing = match unsafe { Object::<Believing>::enter(beliefs.cast()) } {
+        Ok(believing) => believing,
+        Err(status) => return status,
+    };
+    let span = believing.span;
+    let decider = &mut believing.value().decider;
+    // SAFETY: the same.
+    unsafe {
+        step(
+            avoider,
+            span,
+            (situation, decision),
+            why,
+            |avoider, now, decided| decider.step_into(avoider, now, decided),
+        )
+    }
 }
 
-/// Decides, on beliefs where there are some.
+/// Decides by a function, with the memory of what that uses.
 ///
 /// # Safety
 /// The caller's word, in the header.
 unsafe fn step(
     avoider: *mut fga_avoider,
-    beliefs: Option<*mut fga_beliefs>,
+    beliefs: LentSpan,
     (situation, decision): (*const fga_situation, *mut fga_decision),
     why: *mut fga_refusal,
+    decide: impl FnOnce(&mut Flown, &Situation<'_>, &mut Decision),
 ) -> fga_status {
     // SAFETY: as this function.
     unsafe {
         work(avoider, why, |at_work, why| {
-            let mut believing = match beliefs {
-                Some(beliefs) => Some(Object::<Believing>::enter(beliefs.cast())?),
-                None => None,
-            };
-            let beliefs = believing
-                .as_ref()
-                .map_or(LentSpan::NONE, |at_work| at_work.span);
             let ((situation, span), answer) = (given(situation)?, sized(decision)?);
             let count = situation.obstacle_count;
             if count > FGA_CAPACITY_MOST {
@@ -559,13 +579,7 @@ unsafe fn step(
                 zones,
                 ground: ground.as_ref(),
             };
-            match &mut believing {
-                Some(believing) => {
-                    let decider = &mut believing.value().decider;
-                    decider.step_into(&mut flying.avoider, &now, &mut flying.decided);
-                }
-                None => flying.avoider.step_into(&now, &mut flying.decided),
-            }
+            decide(&mut flying.avoider, &now, &mut flying.decided);
             let is_incomplete = ignored > 0 || left_out > 0;
             let counts = &mut flying.counts;
             counts.steps = counts.steps.saturating_add(1);

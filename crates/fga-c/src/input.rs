@@ -209,7 +209,6 @@ impl fga_settings {
             objective,
             work_limit: self.work_limit,
             loss_price_m: self.loss_price_m,
-            ..Settings::default()
         };
         settings.check()?;
         Ok(settings)

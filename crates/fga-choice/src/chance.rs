@@ -113,6 +113,19 @@ pub(crate) struct Looks {
     pub(crate) futures: [[f32; FUTURES]; FUTURES],
 }
 
+impl Looks {
+    pub(crate) const NONE: Self = Self {
+        chances: [0.0; FUTURES],
+        futures: [[0.0; FUTURES]; FUTURES],
+    };
+
+    /// The mean of a number over the looks that there may be.
+    pub(crate) fn mean(&self, each: &[f64; FUTURES]) -> f64 {
+        let all = each.iter().zip(&self.chances);
+        all.map(|(each, chance)| each * f64::from(*chance)).sum()
+    }
+}
+
 /// The positions of an aircraft's futures, second by second, metres from where the own aircraft is now.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
@@ -143,7 +156,7 @@ impl Ahead {
         above_m: [[0.0; FUTURES]; SECONDS + 1],
         other: 0.0,
         other_m: [[0.0; 2]; SECONDS + 1],
-        known: [[1.0; 2]; 2],
+        known: [[0.0; 2]; 2],
         radius_m: 0.0,
         half_height_m: 0.0,
     };
@@ -160,24 +173,30 @@ impl Ahead {
         let off = futures.origin_m - own_m;
         let [ox, oy, oz] = [off.x as f32, off.y as f32, off.z as f32];
         let [lasting_m2, above_m2] = futures.lasting_m2;
-        let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
-        let rows = rows.zip(&mut self.beside_m).zip(&mut self.above_m);
-        for (((((xs, ys), zs), besides), aboves), second) in rows.zip(0_u8..) {
-            let row = xs.iter_mut().zip(ys).zip(zs).zip(besides).zip(aboves);
-            for (((((x, y), z), beside), above), future) in row.zip(&futures.all) {
+        for (n, future) in futures.each().enumerate() {
+            if let Some(weight) = self.weights.get_mut(n) {
+                *weight = future.weight;
+            }
+            let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
+            let rows = rows.zip(&mut self.beside_m).zip(&mut self.above_m);
+            for (((((xs, ys), zs), besides), aboves), second) in rows.zip(0_u8..) {
                 let after_s = f32::from(second);
                 let [dx, dy, dz] = future.position_m(after_s);
                 let [nx, ny, nz] = future.off;
-                let (learned_m, left_m2) = future.beside.parted(after_s, learned_s);
-                (*x, *y) = (ox + dx + nx * learned_m, oy + dy + ny * learned_m);
-                *beside = libm::sqrtf(left_m2 + lasting_m2);
-                let (learned_m, left_m2) = future.above.parted(after_s, learned_s);
-                *z = oz + dz + nz * learned_m;
-                *above = libm::sqrtf(left_m2 + above_m2);
+                let (beside_m, beside_m2) = future.beside.parted(after_s, learned_s);
+                let (up_m, up_m2) = future.above.parted(after_s, learned_s);
+                for (of, number) in [
+                    (xs, ox + dx + nx * beside_m),
+                    (ys, oy + dy + ny * beside_m),
+                    (zs, oz + dz + nz * up_m),
+                    (besides, libm::sqrtf(beside_m2 + lasting_m2)),
+                    (aboves, libm::sqrtf(up_m2 + above_m2)),
+                ] {
+                    if let Some(place) = of.get_mut(n) {
+                        *place = number;
+                    }
+                }
             }
-        }
-        for (weight, future) in self.weights.iter_mut().zip(&futures.all) {
-            *weight = future.weight;
         }
         let known = self.known.iter_mut().zip(futures.known).zip(SAME);
         for ((known, variances), [place_m, velocity_mps]) in known {
@@ -237,6 +256,11 @@ impl Ahead {
                 let (dx, dy) = (fx - x, fy - y);
                 *away = dx * dx + dy * dy;
             }
+            let near = away.iter().zip(sigmas).any(|(away, sigma)| {
+                let reach_m = radius_m + NEAR_SIGMAS * sigma;
+                *away < reach_m * reach_m
+            });
+            let sizes = if near { sizes.as_slice() } else { &[] };
             for (((low, high), (radius_m, _)), leaves) in
                 low.iter_mut().zip(&mut high).zip(sizes).zip(leaves)
             {
@@ -298,10 +322,10 @@ impl Ahead {
     }
 
     /// How the futures may look after some seconds. What is known then of place and velocity is as sharp as what is known now.
-    pub(crate) fn looks_after(&self, after_s: usize) -> Looks {
+    pub(crate) fn looks_after(&self, after_s: usize, looks: &mut Looks) {
         let axes = [&self.x, &self.y, &self.z];
         let [beside, above] = self.known;
-        let mut futures = [[0.0; FUTURES]; FUTURES];
+        let Looks { chances, futures } = looks;
         for (look, row) in futures.iter_mut().enumerate() {
             for (future, like) in row.iter_mut().enumerate() {
                 let mut apart = 0.0;
@@ -320,9 +344,11 @@ impl Ahead {
             }
         }
         // A future looks like any of them, in proportion; what it looks like says how likely each is (Bayes).
-        let sums = futures.map(|row| row.iter().sum::<f32>());
-        let mut chances = [0.0; FUTURES];
-        for (row, chance) in futures.iter_mut().zip(&mut chances) {
+        let mut sums = [0.0; FUTURES];
+        for (row, sum) in futures.iter().zip(&mut sums) {
+            *sum = row.iter().sum::<f32>();
+        }
+        for (row, chance) in futures.iter_mut().zip(chances) {
             for ((like, sum), weight) in row.iter_mut().zip(&sums).zip(&self.weights) {
                 *like *= weight / sum.max(f32::MIN_POSITIVE);
             }
@@ -331,7 +357,6 @@ impl Ahead {
                 *like /= chance.max(f32::MIN_POSITIVE);
             }
         }
-        Looks { chances, futures }
     }
 
     /// Weights of the futures.
@@ -419,7 +444,9 @@ mod tests {
             ys[0] = 20.0 * f32::from(second);
             ys[1] = 0.5 * f32::from(second);
         }
-        let Looks { chances, futures } = ahead.looks_after(5);
+        let mut looks = Looks::NONE;
+        ahead.looks_after(5, &mut looks);
+        let Looks { chances, futures } = looks;
         for row in futures {
             assert!((row.iter().sum::<f32>() - 1.0).abs() < 1e-4);
         }
@@ -443,7 +470,9 @@ mod tests {
         for (ys, second) in ahead.y.iter_mut().zip(0_u8..) {
             ys[0] = 20.0 * f32::from(second.saturating_sub(5));
         }
-        let looks = ahead.looks_after(5).futures;
+        let mut looks = Looks::NONE;
+        ahead.looks_after(5, &mut looks);
+        let looks = looks.futures;
         assert!((looks[1][0] / looks[1][1] - 1.0).abs() < 1e-3);
     }
 

@@ -11,7 +11,7 @@ use fga_proof::prediction::FlightPath;
 
 use crate::beliefs::{Beliefs, Known};
 use crate::candidate::{Plan, Scene, TURNS_DEG, Up, Way};
-use crate::chance::{Ahead, Chance, Path, SECONDS};
+use crate::chance::{Ahead, Chance, Looks, Path, SECONDS};
 use crate::price;
 
 /// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
@@ -123,6 +123,7 @@ pub(crate) type Others<'a> = List<Nearby<'a>, MOST_WEIGHED>;
 #[derive(Debug, Clone)]
 pub struct Chooser {
     pub(crate) ahead: Ahead,
+    pub(crate) looks: Looks,
     path: Path,
     pub(crate) looked: List<Looked, TOGETHER>,
     pub(crate) ranked: List<Ranked, RANKED>,
@@ -143,6 +144,7 @@ impl Chooser {
     pub const fn new() -> Self {
         Self {
             ahead: Ahead::NONE,
+            looks: Looks::NONE,
             path: [[0.0; 3]; SECONDS + 1],
             looked: List::new(Looked::new(Plan::Mission)),
             ranked: List::new(Ranked::NONE),
@@ -177,6 +179,7 @@ impl Chooser {
 
     /// Weighs the plans of a moment, while `present` is flown, for some seconds away from the mission. Returns the chances of the mission.
     /// The plans are in [`Self::ranked`]: the mission alone where its chance of a loss counts as 0.
+    #[inline(never)]
     pub fn weigh(
         &mut self,
         scene: &Scene<'_>,

@@ -10,7 +10,7 @@ use fga_proof::limit::whole;
 use fga_proof::prediction::FlightPath;
 
 use crate::candidate::{Plan, Scene};
-use crate::chance::{Chance, Looks, SECONDS};
+use crate::chance::{Chance, SECONDS};
 use crate::chooser::{Aside, Chooser, Nearby, Others};
 use crate::price;
 
@@ -33,15 +33,9 @@ struct Studied<'a> {
     is_away: bool,
 }
 
-/// What is learned by some later moment.
-struct Outlook {
-    looks: Looks,
-    /// The price of a start by each look, metres.
-    starts_m: Each,
-}
-
 impl Chooser {
     /// Weighs the mission and the cheapest ways again: after its first step each may be left for another one, by what reports show then.
+    #[inline(never)]
     pub(crate) fn weigh_recourse(
         &mut self,
         scene: &Scene<'_>,
@@ -74,22 +68,22 @@ impl Chooser {
             };
             let plans = ways.clone().flat_map(three);
             self.begin([Plan::Mission].into_iter().chain(plans));
-            let (outlook, mut least_m) = self.learn(scene, &studied, later_s, flight);
+            let (starts_m, mut least_m) = self.learn(scene, &studied, later_s, flight);
             let mut always_m = [f64::INFINITY; WAYS];
             let places = (1..self.looked.len()).step_by(3);
             let all = ways_m.iter_mut().zip(&mut always_m);
             for ((way_m, always_m), place) in all.zip(places.clone()) {
-                let on_m = self.by_looks(scene, &studied, &outlook, place, flight);
-                let back_m = self.by_looks(scene, &studied, &outlook, place + 1, flight);
-                *way_m = way_m.min(outlook.mean_m(&least(&on_m, &back_m)));
-                let mut off_m = self.by_looks(scene, &studied, &outlook, place + 2, flight);
-                for (off_m, starts_m) in off_m.iter_mut().zip(&outlook.starts_m) {
+                let on_m = self.by_looks(scene, &studied, place, flight);
+                let back_m = self.by_looks(scene, &studied, place + 1, flight);
+                *way_m = way_m.min(self.looks.mean(&least(&on_m, &back_m)));
+                let mut off_m = self.by_looks(scene, &studied, place + 2, flight);
+                for (off_m, starts_m) in off_m.iter_mut().zip(&starts_m) {
                     *off_m += starts_m;
                 }
                 least_m = least(&least_m, &off_m);
-                *always_m = outlook.mean_m(&off_m);
+                *always_m = self.looks.mean(&off_m);
             }
-            let cost_m = outlook.mean_m(&least_m);
+            let cost_m = self.looks.mean(&least_m);
             let cheapest_m = always_m.into_iter().fold(f64::INFINITY, f64::min);
             for (((way, _), always_m), place) in ways.clone().zip(always_m).zip(places) {
                 let cost_m = cost_m + always_m - cheapest_m;
@@ -103,46 +97,49 @@ impl Chooser {
         }
     }
 
-    /// Meets the others on the plans, and takes what is learned after some seconds, and what the mission costs by that, metres. It is the first
-    /// of the plans.
+    /// Meets the others on the plans, and takes what is learned after some seconds: by each look, what a start and what the mission costs, which
+    /// is the first of the plans, metres.
+    #[inline(never)]
     fn learn(
         &mut self,
         scene: &Scene<'_>,
         studied: &Studied<'_>,
         after_s: f64,
         flight: &mut FlightPath,
-    ) -> (Outlook, Each) {
+    ) -> (Each, Each) {
         self.look(scene, &studied.rest, flight);
         let known_s = (after_s - studied.threat.age_s(scene)).max(0.0);
         (studied.threat).ahead(scene, known_s as f32, &mut self.ahead);
-        let mut outlook = Outlook {
-            looks: self.ahead.looks_after(whole(known_s, SECONDS - 1)),
-            starts_m: [0.0; FUTURES],
-        };
+        let second = whole(known_s, SECONDS - 1);
+        self.ahead.looks_after(second, &mut self.looks);
         let (each, rest_m) = self.met(scene, studied, 0, flight);
-        let mut costs_m = [0.0; FUTURES];
+        let (mut starts_m, mut costs_m) = ([0.0; FUTURES], [0.0; FUTURES]);
         for ((cost_m, starts_m), looks) in (costs_m.iter_mut())
-            .zip(&mut outlook.starts_m)
-            .zip(&outlook.looks.futures)
+            .zip(&mut starts_m)
+            .zip(&self.looks.futures)
         {
             let expected = Chance::mean(&each, looks);
             *starts_m = price::starts_m(&expected, studied.is_away);
             *cost_m = studied.back_m + rest_m + scene.price_m(&expected);
         }
-        (outlook, costs_m)
+        (starts_m, costs_m)
     }
 
     /// What a plan costs by each look, metres.
+    #[inline(never)]
     fn by_looks(
         &mut self,
         scene: &Scene<'_>,
         studied: &Studied<'_>,
-        outlook: &Outlook,
         place: usize,
         flight: &mut FlightPath,
     ) -> Each {
         let (each, rest_m) = self.met(scene, studied, place, flight);
-        (outlook.looks.futures).map(|looks| rest_m + scene.price_m(&Chance::mean(&each, &looks)))
+        let mut costs_m = [0.0; FUTURES];
+        for (cost_m, looks) in costs_m.iter_mut().zip(&self.looks.futures) {
+            *cost_m = rest_m + scene.price_m(&Chance::mean(&each, looks));
+        }
+        costs_m
     }
 
     /// The chances of a plan with the aircraft that is studied, for each of its futures, and what it costs beside that, metres.
@@ -180,15 +177,6 @@ impl<'a> Studied<'a> {
             back_m,
             is_away,
         })
-    }
-}
-
-impl Outlook {
-    /// The mean of a number over the looks that there may be.
-    fn mean_m(&self, each_m: &Each) -> f64 {
-        let all = each_m.iter().zip(&self.looks.chances);
-        all.map(|(each_m, chance)| each_m * f64::from(*chance))
-            .sum()
     }
 }
 

@@ -320,8 +320,7 @@ fn a_proven_share_is_the_weight_of_the_futures_that_are_kept_clear_of() {
         };
         let weigh = |least_from_m: f64| {
             let kept = futures
-                .all
-                .iter()
+                .each()
                 .filter(|future| least_m(future) >= least_from_m);
             kept.map(|future| f64::from(future.weight)).sum::<f64>()
         };

@@ -1,4 +1,4 @@
-//! Flies ten encounters on an emulated Cortex-M7, and compares what they take with a committed table.
+//! Flies nineteen encounters on an emulated Cortex-M7, and compares what they take with a committed table.
 //!
 //! The emulator counts instructions; a painted stack shows its depth. Drawn situations are decided there and here, and the
 //! hash over all decisions must be one.
@@ -43,7 +43,11 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
     let mut numbers = BTreeMap::new();
     for (profile, name) in [("release", "for speed"), ("small", "for size")] {
         let mut largest = 0;
-        for (program, part) in [("flash", ""), ("certificate", " of the certificate alone")] {
+        for (program, part) in [
+            ("flash", ""),
+            ("beliefs", " with beliefs"),
+            ("certificate", " of the certificate alone"),
+        ] {
             let linked = build(&root, TARGET, profile, program, drawn)?;
             let flash = format!("bytes of flash{part}, compiled {name}");
             numbers.insert(flash, loaded(&linked)?);

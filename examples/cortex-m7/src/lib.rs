@@ -65,6 +65,7 @@ const POSTS: u32 = 41;
 struct Storage<const BYTES: usize>([u8; BYTES]);
 
 static mut AVOIDER: Storage<STORAGE_BYTES> = Storage([0; STORAGE_BYTES]);
+static mut BELIEFS: Storage<FGA_BELIEFS_BYTES> = Storage([0; FGA_BELIEFS_BYTES]);
 static mut PROVER: Storage<FGA_PROVER_BYTES> = Storage([0; FGA_PROVER_BYTES]);
 
 /// Hills of 120 m, 400 m apart, lower about the leg.
@@ -109,10 +110,21 @@ pub enum Aircraft {
     Noisy,
     /// As the lagged one, among sixteen small unmanned aircraft known as badly, over hills and beside a zone.
     Crowded,
+    /// As the lagged one, on beliefs about one aircraft that reports once a second, known as badly.
+    Believing,
+    /// The same about sixteen.
+    Surrounded,
 }
 
 impl Aircraft {
-    pub const ALL: [Self; 4] = [Self::Ideal, Self::Lagged, Self::Noisy, Self::Crowded];
+    pub const ALL: [Self; 6] = [
+        Self::Ideal,
+        Self::Lagged,
+        Self::Noisy,
+        Self::Crowded,
+        Self::Believing,
+        Self::Surrounded,
+    ];
 
     /// Its name.
     pub const fn name(self) -> &'static str {
@@ -121,7 +133,14 @@ impl Aircraft {
             Self::Lagged => "lagged",
             Self::Noisy => "noisy",
             Self::Crowded => "crowded",
+            Self::Believing => "believing",
+            Self::Surrounded => "surrounded",
         }
+    }
+
+    /// Whether it decides on beliefs.
+    const fn believes(self) -> bool {
+        matches!(self, Self::Believing | Self::Surrounded)
     }
 
     /// Its encounters, and the obstacles of each.
@@ -130,11 +149,13 @@ impl Aircraft {
         let of_all = (0..ENCOUNTERS)
             .filter(move |encounter| encounter % 3 == row)
             .map(|encounter| (encounter, 1 + encounter / 3 % 3));
-        let crowded = match self {
-            Self::Crowded => ENCOUNTERS..ENCOUNTERS + CROWDED_ENCOUNTERS,
-            _ => 0..0,
+        let (others, count) = match self {
+            Self::Crowded | Self::Surrounded => (CROWDED_ENCOUNTERS, OBSTACLES_MOST),
+            Self::Believing => (CROWDED_ENCOUNTERS, 1),
+            _ => (0, 0),
         };
-        of_all.chain(crowded.map(|encounter| (encounter, OBSTACLES_MOST)))
+        let others = ENCOUNTERS..ENCOUNTERS + others;
+        of_all.chain(others.map(move |encounter| (encounter, count)))
     }
 
     fn vehicle(self) -> fga_vehicle {
@@ -152,18 +173,19 @@ impl Aircraft {
     }
 }
 
-/// One avoider and one prover, in static storage. There is one of these at a time.
+/// One avoider, its beliefs and one prover, in static storage. There is one of these at a time.
 pub struct Flight {
     aircraft: Aircraft,
     avoider: *mut fga_avoider,
+    beliefs: *mut fga_beliefs,
     prover: *mut fga_prover,
 }
 
 impl Flight {
-    /// Constructs both.
+    /// Constructs all.
     pub fn new(aircraft: Aircraft) -> Option<Self> {
         let (mut settings, vehicle) = (sized(), aircraft.vehicle());
-        let (mut avoider, mut prover) = (null_mut(), null_mut());
+        let (mut avoider, mut beliefs, mut prover) = (null_mut(), null_mut(), null_mut());
         let waypoints = [0.0, 2000.0].map(|east| fga_waypoint {
             position_m: fga_enu {
                 east,
@@ -203,6 +225,13 @@ impl Flight {
                 peaks,
                 made,
                 fga_avoider_set_mission(avoider, &raw const mission, null_mut()),
+                fga_beliefs_init(
+                    (&raw mut BELIEFS).cast(),
+                    FGA_BELIEFS_BYTES,
+                    FGA_ABI_VERSION,
+                    &raw mut beliefs,
+                    null_mut(),
+                ),
                 fga_prover_init(
                     (&raw mut PROVER).cast(),
                     FGA_PROVER_BYTES,
@@ -218,14 +247,53 @@ impl Flight {
             .then_some(Self {
                 aircraft,
                 avoider,
+                beliefs,
                 prover,
             })
     }
 
     /// Forgets the last flight.
     fn restart(&mut self) {
-        // SAFETY: a right pointer.
-        unsafe { fga_avoider_restart(self.avoider) };
+        // SAFETY: right pointers; nobody else uses the storage.
+        unsafe {
+            fga_avoider_restart(self.avoider);
+            fga_beliefs_init(
+                (&raw mut BELIEFS).cast(),
+                FGA_BELIEFS_BYTES,
+                FGA_ABI_VERSION,
+                &raw mut self.beliefs,
+                null_mut(),
+            );
+        }
+    }
+
+    /// Beliefs hear each aircraft once a second.
+    fn hear(&mut self, time_s: f64, own: &fga_ownship, obstacles: &[fga_obstacle]) {
+        for of in obstacles {
+            let report = fga_report {
+                id: of.id,
+                movement: of.movement,
+                has_velocity: 1,
+                time_s,
+                position_m: of.position_m,
+                velocity_mps: of.velocity_mps,
+                position_sigma_m: of.position_sigma_m,
+                velocity_sigma_mps: of.velocity_sigma_mps,
+                ..sized()
+            };
+            // SAFETY: right pointers.
+            unsafe {
+                fga_beliefs_hear(
+                    self.beliefs,
+                    &raw const report,
+                    of.radius_m,
+                    0.0,
+                    time_s,
+                    own.position_m,
+                    null_mut(),
+                )
+            };
+        }
     }
 
     /// One decision.
@@ -263,9 +331,10 @@ impl Flight {
             ..sized()
         };
         let is_crowded = self.aircraft == Aircraft::Crowded;
+        let believes = self.aircraft.believes();
         let situation = fga_situation {
             size: size_of::<fga_situation>() as u32,
-            obstacle_count: obstacles.len() as u32,
+            obstacle_count: if believes { 0 } else { obstacles.len() as u32 },
             obstacles: obstacles.as_ptr(),
             time_s,
             ownship: *own,
@@ -282,8 +351,16 @@ impl Flight {
                 null()
             },
         };
+        let situation = &raw const situation;
         // SAFETY: right pointers.
-        unsafe { fga_avoider_step(self.avoider, &raw const situation, decision, null_mut()) }
+        unsafe {
+            if believes {
+                let (avoider, beliefs) = (self.avoider, self.beliefs);
+                fga_avoider_step_on_beliefs(avoider, beliefs, situation, decision, null_mut())
+            } else {
+                fga_avoider_step(self.avoider, situation, decision, null_mut())
+            }
+        }
     }
 
     /// Flies an encounter; `decide` makes each step. Returns the square of the least distance from an
@@ -304,6 +381,9 @@ impl Flight {
         for cycle in 0..STEPS {
             let mut decision = sized();
             let time_s = f64::from(cycle) * PERIOD_S;
+            if self.aircraft.believes() && cycle % 10 == 0 {
+                self.hear(time_s, &own, obstacles);
+            }
             let mut step = |out: &mut fga_decision| self.step((time_s, &own), obstacles, out);
             decide(&mut step, &mut decision);
             let (mut then, still_air) = (
@@ -357,6 +437,9 @@ impl Flight {
             for cycle in 0..2 {
                 let mut decision = sized();
                 let time_s = f64::from(cycle) * PERIOD_S;
+                if self.aircraft.believes() {
+                    self.hear(time_s, &own, obstacles);
+                }
                 let status = self.step((time_s, &own), obstacles, &mut decision);
                 hash = add(hash, &[status as u64]);
                 hash = add_decision(hash, &decision);
@@ -464,7 +547,7 @@ impl Drawn {
         let mut obstacles = [(); OBSTACLES_MOST as usize].map(|()| obstacle());
         for (id, slot) in (1..=count).zip(&mut obstacles) {
             let meets_s = self.real(8.0, 30.0);
-            let is_crowded = aircraft == Aircraft::Crowded;
+            let is_crowded = aircraft == Aircraft::Crowded || aircraft.believes();
             let is_still = self.below(3) == 0 && !is_crowded;
             let velocity_mps = if is_still {
                 fga_enu {

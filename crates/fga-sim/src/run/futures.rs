@@ -44,7 +44,7 @@ impl AircraftFutures {
 fn ways(belief: &Belief, time_s: f64) -> Vec<FutureWay> {
     let futures = belief.futures(time_s);
     let points_s = || (0_u8..=60).step_by(5).map(f32::from);
-    (futures.all.iter())
+    (futures.each())
         .map(|future| FutureWay {
             weight: future.weight,
             points_m: points_s()

@@ -451,6 +451,7 @@ impl Chooses<'_> {
 }
 
 /// Weight of the futures of which the path that was predicted last keeps clear, each aircraft deciding for itself.
+#[inline(never)]
 fn proven_share(
     avoider: &Avoider<dyn Places + '_>,
     beliefs: &Beliefs,
@@ -458,7 +459,7 @@ fn proven_share(
 ) -> f64 {
     let shares = beliefs.each().map(|(id, volume, belief)| {
         let futures = belief.futures(situation.time_s);
-        let clear = (futures.all.iter()).filter(|future| {
+        let clear = futures.each().filter(|future| {
             keeps_clear(
                 avoider,
                 (id, volume),

@@ -1,4 +1,4 @@
-//! Flies thirteen encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
+//! Flies nineteen encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
 //!
 //! `qemu-system-arm -M mps2-an500 -icount shift=0 -nographic -semihosting-config enable=on,target=native -kernel target`: an
 //! instruction takes a nanosecond, and the system timer counts every fortieth.
@@ -120,6 +120,7 @@ mod board {
         stack.dirty = top;
 
         writeln!(out, "bytes of an avoider for {OBSTACLES_MOST} obstacles and {WAYPOINTS_MOST} waypoints,{AVOIDER_BYTES}").ok()?;
+        writeln!(out, "bytes of beliefs,{FGA_BELIEFS_BYTES}").ok()?;
         writeln!(out, "bytes of a prover,{FGA_PROVER_BYTES}").ok()?;
         writeln!(out, "bytes of a decision,{}", size_of::<fga_decision>()).ok()?;
 
@@ -174,7 +175,7 @@ mod board {
         }
         writeln!(
             out,
-            "bytes of stack to construct an avoider and a prover,{init_stack}"
+            "bytes of stack to construct an avoider, beliefs and a prover,{init_stack}"
         )
         .ok()?;
         for (row, aircraft) in Aircraft::ALL.into_iter().enumerate() {
