@@ -77,7 +77,7 @@
 #define FGA_CAPACITY_MOST 65536
 
 // Bytes of storage for beliefs.
-#define FGA_BELIEFS_BYTES 62464
+#define FGA_BELIEFS_BYTES 50688
 
 // Most stages of a command.
 #define FGA_STAGES_MOST 40

@@ -12,7 +12,7 @@ use crate::reports::{fga_report, fga_report_counts};
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for beliefs.
-pub const FGA_BELIEFS_BYTES: usize = 62_464;
+pub const FGA_BELIEFS_BYTES: usize = 50_688;
 
 const _: () = assert!(Object::<Believing>::BYTES <= FGA_BELIEFS_BYTES);
 

@@ -7,8 +7,37 @@ use fga_proof::situation::{Obstacle, ProtectedVolume};
 /// Seconds ahead.
 pub const SECONDS: usize = 60;
 
-/// A path: a position each second, metres from where the aircraft is now, over the ground.
-pub(crate) type Path = [[f32; 3]; SECONDS + 1];
+/// Up to this time each second is looked at, later each other one.
+const EACH_S: usize = 20;
+
+/// Moments that are looked at.
+pub(crate) const MOMENTS: usize = moment_at(SECONDS) + 1;
+
+/// When a moment is, seconds from now.
+pub(crate) const fn seconds_at(moment: usize) -> usize {
+    if moment <= EACH_S {
+        moment
+    } else {
+        2 * moment - EACH_S
+    }
+}
+
+/// The last moment up to a time, seconds from now.
+pub(crate) const fn moment_at(seconds: usize) -> usize {
+    if seconds <= EACH_S {
+        seconds
+    } else {
+        usize::midpoint(seconds, EACH_S)
+    }
+}
+
+/// A number of moments or seconds, which are few.
+pub(crate) const fn real(number: usize) -> f32 {
+    number as f32
+}
+
+/// A path: a position each moment, metres from where the aircraft is now, over the ground.
+pub(crate) type Path = [[f32; 3]; MOMENTS];
 
 /// The inner part of a volume: its radius and half height as shares.
 const INNER: (f32, f32) = (0.62, 0.7);
@@ -16,7 +45,7 @@ const INNER: (f32, f32) = (0.62, 0.7);
 /// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
 const COLLISION_M: (f32, f32) = (152.4, 30.48);
 
-/// A volume that the aircraft is in is lost only if it is in it after this time, seconds.
+/// A volume that the aircraft is in is lost only if it is in it after this time, seconds; also the moment of that.
 const LEAVES_S: usize = 15;
 
 /// Heights count while a future is within the radius and this many σ of its place.
@@ -126,20 +155,20 @@ impl Looks {
     }
 }
 
-/// The positions of an aircraft's futures, second by second, metres from where the own aircraft is now.
+/// The positions of an aircraft's futures, moment by moment, metres from where the own aircraft is now.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
-    x: [[f32; FUTURES]; SECONDS + 1],
-    y: [[f32; FUTURES]; SECONDS + 1],
-    z: [[f32; FUTURES]; SECONDS + 1],
+    x: [[f32; FUTURES]; MOMENTS],
+    y: [[f32; FUTURES]; MOMENTS],
+    z: [[f32; FUTURES]; MOMENTS],
     weights: [f32; FUTURES],
     /// σ along a horizontal axis, metres.
-    beside_m: [[f32; FUTURES]; SECONDS + 1],
+    beside_m: [[f32; FUTURES]; MOMENTS],
     /// σ of the altitude, metres.
-    above_m: [[f32; FUTURES]; SECONDS + 1],
+    above_m: [[f32; FUTURES]; MOMENTS],
     /// The chance that it does something else, and how far off it is then: σ of both axes, metres.
     other: f32,
-    other_m: [[f32; 2]; SECONDS + 1],
+    other_m: [[f32; 2]; MOMENTS],
     /// Variances as of [`Futures::known`], at least those of [`SAME`].
     known: [[f32; 2]; 2],
     radius_m: f32,
@@ -148,14 +177,14 @@ pub(crate) struct Ahead {
 
 impl Ahead {
     pub(crate) const NONE: Self = Self {
-        x: [[0.0; FUTURES]; SECONDS + 1],
-        y: [[0.0; FUTURES]; SECONDS + 1],
-        z: [[0.0; FUTURES]; SECONDS + 1],
+        x: [[0.0; FUTURES]; MOMENTS],
+        y: [[0.0; FUTURES]; MOMENTS],
+        z: [[0.0; FUTURES]; MOMENTS],
         weights: [0.0; FUTURES],
-        beside_m: [[0.0; FUTURES]; SECONDS + 1],
-        above_m: [[0.0; FUTURES]; SECONDS + 1],
+        beside_m: [[0.0; FUTURES]; MOMENTS],
+        above_m: [[0.0; FUTURES]; MOMENTS],
         other: 0.0,
-        other_m: [[0.0; 2]; SECONDS + 1],
+        other_m: [[0.0; 2]; MOMENTS],
         known: [[0.0; 2]; 2],
         radius_m: 0.0,
         half_height_m: 0.0,
@@ -179,8 +208,8 @@ impl Ahead {
             }
             let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
             let rows = rows.zip(&mut self.beside_m).zip(&mut self.above_m);
-            for (((((xs, ys), zs), besides), aboves), second) in rows.zip(0_u8..) {
-                let after_s = f32::from(second);
+            for (((((xs, ys), zs), besides), aboves), moment) in rows.zip(0..) {
+                let after_s = real(seconds_at(moment));
                 let [dx, dy, dz] = future.position_m(after_s);
                 let [nx, ny, nz] = future.off;
                 let (beside_m, beside_m2) = future.beside.parted(after_s, learned_s);
@@ -206,10 +235,9 @@ impl Ahead {
             ];
         }
         self.other = futures.otherwise.share;
-        for (other_m, second) in self.other_m.iter_mut().zip(0_u8..) {
-            *other_m = futures
-                .otherwise
-                .off_m((f32::from(second) - learned_s).max(0.0));
+        for (other_m, moment) in self.other_m.iter_mut().zip(0..) {
+            let after_s = (real(seconds_at(moment)) - learned_s).max(0.0);
+            *other_m = futures.otherwise.off_m(after_s);
         }
         self.radius_m = volume.radius_m() as f32;
         self.half_height_m = volume.half_height_m() as f32;
@@ -219,16 +247,16 @@ impl Ahead {
     pub(crate) fn set_straight(&mut self, obstacle: &Obstacle, own_m: Vec3) {
         let (off, v) = (obstacle.position_m - own_m, obstacle.velocity_mps);
         let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
-        for (((xs, ys), zs), second) in rows.zip(0_u8..) {
-            let at = off + v * f64::from(second);
+        for (((xs, ys), zs), moment) in rows.zip(0..) {
+            let at = off + v * f64::from(real(seconds_at(moment)));
             xs.fill(at.x as f32);
             ys.fill(at.y as f32);
             zs.fill(at.z as f32);
         }
         self.weights = [0.0; FUTURES];
         self.weights[0] = 1.0;
-        self.beside_m = [[0.0; FUTURES]; SECONDS + 1];
-        self.above_m = [[0.0; FUTURES]; SECONDS + 1];
+        self.beside_m = [[0.0; FUTURES]; MOMENTS];
+        self.above_m = [[0.0; FUTURES]; MOMENTS];
         self.other = 0.0;
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
@@ -246,11 +274,11 @@ impl Ahead {
         let leaves = sizes.map(|size| may_leave && self.is_in(path, size));
         let mut low = [[f32::MAX; FUTURES]; 3];
         let mut high = [[f32::MIN; FUTURES]; 3];
-        // The nearest second of all; and, where the path may leave a volume first, the nearest one after that.
+        // The nearest moment of all; and, where the path may leave a volume first, the nearest one after that.
         let looks = if leaves.contains(&true) { 2 } else { 1 };
         let mut nearest = [[(f32::MAX, 0_usize); FUTURES]; 2];
         let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
-        for (((((xs, ys), zs), sigmas), [x, y, z]), second) in rows.zip(path).zip(0..) {
+        for (((((xs, ys), zs), sigmas), [x, y, z]), moment) in rows.zip(path).zip(0..) {
             let mut away = [0.0; FUTURES];
             for ((away, fx), fy) in away.iter_mut().zip(xs).zip(ys) {
                 let (dx, dy) = (fx - x, fy - y);
@@ -264,7 +292,7 @@ impl Ahead {
             for (((low, high), (radius_m, _)), leaves) in
                 low.iter_mut().zip(&mut high).zip(sizes).zip(leaves)
             {
-                if leaves && second < LEAVES_S {
+                if leaves && moment < LEAVES_S {
                     continue;
                 }
                 let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
@@ -278,8 +306,8 @@ impl Ahead {
             }
             for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]).take(looks) {
                 for ((least, at), away) in nearest.iter_mut().zip(&away) {
-                    if second >= from && *away < *least {
-                        (*least, *at) = (*away, second);
+                    if moment >= from && *away < *least {
+                        (*least, *at) = (*away, moment);
                     }
                 }
             }
@@ -294,8 +322,9 @@ impl Ahead {
             } else {
                 passing
             };
-            let changed = self.passing(path, (*at + CHANGED_S).min(SECONDS), future);
-            chance.passed_s = *at as f64;
+            let changed = moment_at((seconds_at(*at) + CHANGED_S).min(SECONDS));
+            let changed = self.passing(path, changed, future);
+            chance.passed_s = real(seconds_at(*at)).into();
             let Chance {
                 loss,
                 inner,
@@ -321,8 +350,8 @@ impl Ahead {
         each
     }
 
-    /// How the futures may look after some seconds. What is known then of place and velocity is as sharp as what is known now.
-    pub(crate) fn looks_after(&self, after_s: usize, looks: &mut Looks) {
+    /// How the futures may look at a moment of the first ones, whose last second is a moment too. What is known then of place and velocity is as sharp as what is known now.
+    pub(crate) fn looks_after(&self, after: usize, looks: &mut Looks) {
         let axes = [&self.x, &self.y, &self.z];
         let [beside, above] = self.known;
         let Looks { chances, futures } = looks;
@@ -332,10 +361,10 @@ impl Ahead {
                 for (of, [place_m2, velocity_m2ps2]) in
                     axes.into_iter().zip([beside, beside, above])
                 {
-                    let apart_m = |second| value(of, second, future) - value(of, second, look);
-                    let place_m = apart_m(after_s);
+                    let apart_m = |moment| value(of, moment, future) - value(of, moment, look);
+                    let place_m = apart_m(after);
                     // Of the second before: what begins then is not known yet.
-                    let velocity_mps = place_m - apart_m(after_s.saturating_sub(1));
+                    let velocity_mps = place_m - apart_m(after.saturating_sub(1));
                     apart +=
                         place_m * place_m / place_m2 + velocity_mps * velocity_mps / velocity_m2ps2;
                 }
@@ -364,7 +393,7 @@ impl Ahead {
         &self.weights
     }
 
-    /// How a path passes a future near a second.
+    /// How a path passes a future near a moment.
     fn passing(&self, path: &Path, at: usize, future: usize) -> Meeting {
         let [beside_m, above_m] = [&self.beside_m, &self.above_m].map(|of| value(of, at, future));
         let other_m = self.other_m.get(at).copied().unwrap_or_default();
@@ -391,21 +420,21 @@ impl Ahead {
         inside.map(|(_, weight)| weight).sum::<f32>() > 0.5
     }
 
-    /// The least horizontal distance of a path from a future, which is near at a second, and how far the future is above it there, metres:
-    /// between seconds both fly straight.
+    /// The least horizontal distance of a path from a future, which is near at a moment, and how far the future is above it there, metres:
+    /// between moments both fly straight.
     fn closest_m(&self, path: &Path, at: usize, future: usize) -> (f32, f32) {
-        let off = |second: usize| {
-            let own = path.get(second).copied().unwrap_or_default();
+        let off = |moment: usize| {
+            let own = path.get(moment).copied().unwrap_or_default();
             let axes = [&self.x, &self.y, &self.z].into_iter().zip(own);
             let mut off = [0.0; 3];
             for (off, (of, own)) in off.iter_mut().zip(axes) {
-                *off = value(of, second, future) - own;
+                *off = value(of, moment, future) - own;
             }
             off
         };
         let [x, y, z] = off(at);
         let mut least = (x * x + y * y, z);
-        for other in [at.saturating_sub(1), (at + 1).min(SECONDS)] {
+        for other in [at.saturating_sub(1), (at + 1).min(MOMENTS - 1)] {
             let [to_x, to_y, to_z] = off(other);
             let (dx, dy) = (to_x - x, to_y - y);
             let share = (-(x * dx + y * dy) / (dx * dx + dy * dy).max(1e-6)).clamp(0.0, 1.0);
@@ -418,9 +447,9 @@ impl Ahead {
     }
 }
 
-/// A number of a future at a second.
-fn value(of: &[[f32; FUTURES]; SECONDS + 1], second: usize, future: usize) -> f32 {
-    let row = of.get(second).and_then(|row| row.get(future));
+/// A number of a future at a moment.
+fn value(of: &[[f32; FUTURES]; MOMENTS], moment: usize, future: usize) -> f32 {
+    let row = of.get(moment).and_then(|row| row.get(future));
     row.copied().unwrap_or(0.0)
 }
 
@@ -492,9 +521,9 @@ mod tests {
     fn an_aircraft_alongside_may_do_something_else() {
         let mut ahead = alike();
         (ahead.radius_m, ahead.half_height_m) = (609.6, 76.2);
-        ahead.x = [[800.0; FUTURES]; SECONDS + 1];
+        ahead.x = [[800.0; FUTURES]; MOMENTS];
         let chance = |ahead: &Ahead| {
-            let each = ahead.meets(&[[0.0; 3]; SECONDS + 1], true);
+            let each = ahead.meets(&[[0.0; 3]; MOMENTS], true);
             Chance::mean(&each, &ahead.weights).loss
         };
         assert!(chance(&ahead) < 1e-6);

@@ -11,7 +11,7 @@ use fga_proof::prediction::FlightPath;
 
 use crate::beliefs::{Beliefs, Known};
 use crate::candidate::{Plan, Scene, TURNS_DEG, Up, Way};
-use crate::chance::{Ahead, Chance, Looks, Path, SECONDS};
+use crate::chance::{Ahead, Chance, Looks, MOMENTS, Path, SECONDS, moment_at};
 use crate::price;
 
 /// Most aircraft and other obstacles whose futures are weighed: the nearest ones.
@@ -145,7 +145,7 @@ impl Chooser {
         Self {
             ahead: Ahead::NONE,
             looks: Looks::NONE,
-            path: [[0.0; 3]; SECONDS + 1],
+            path: [[0.0; 3]; MOMENTS],
             looked: List::new(Looked::new(Plan::Mission)),
             ranked: List::new(Ranked::NONE),
             course_rad: 0.0,
@@ -437,10 +437,10 @@ impl Aside {
         }
     }
 
-    /// Of a path at a whole second.
+    /// Of a path at the moment of a time, seconds.
     fn on(scene: &Scene<'_>, path: &Path, at_s: f64) -> Self {
-        let second = whole(at_s, SECONDS);
-        let [x, y, z] = path.get(second).copied().unwrap_or_default();
+        let moment = moment_at(whole(at_s, SECONDS));
+        let [x, y, z] = path.get(moment).copied().unwrap_or_default();
         let off_m = Vec3::new(x.into(), y.into(), z.into());
         Self::at(scene, scene.now.position_m + off_m)
     }

@@ -10,7 +10,7 @@ use fga_proof::limit::whole;
 use fga_proof::prediction::FlightPath;
 
 use crate::candidate::{Plan, Scene};
-use crate::chance::{Chance, SECONDS};
+use crate::chance::Chance;
 use crate::chooser::{Aside, Chooser, Nearby, Others};
 use crate::price;
 
@@ -110,8 +110,9 @@ impl Chooser {
         self.look(scene, &studied.rest, flight);
         let known_s = (after_s - studied.threat.age_s(scene)).max(0.0);
         (studied.threat).ahead(scene, known_s as f32, &mut self.ahead);
-        let second = whole(known_s, SECONDS - 1);
-        self.ahead.looks_after(second, &mut self.looks);
+        // Less than the last of `LATER_S`.
+        let then = whole(known_s, 8);
+        self.ahead.looks_after(then, &mut self.looks);
         let (each, rest_m) = self.met(scene, studied, 0, flight);
         let (mut starts_m, mut costs_m) = ([0.0; FUTURES], [0.0; FUTURES]);
         for ((cost_m, starts_m), looks) in (costs_m.iter_mut())
