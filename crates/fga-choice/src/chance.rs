@@ -45,7 +45,7 @@ const INNER: (f32, f32) = (0.62, 0.7);
 /// A near mid-air collision: radius and half height, metres (500 ft and 100 ft). Within a smaller volume every loss is one.
 const COLLISION_M: (f32, f32) = (152.4, 30.48);
 
-/// A volume that the aircraft is in is lost only if it is in it after this time, seconds; also the moment of that.
+/// A volume that the aircraft is in is lost only if it is in it after this time, seconds; up to there moments are seconds.
 const LEAVES_S: usize = 15;
 
 /// Heights count while a future is within the radius and this many σ of its place.
@@ -350,7 +350,8 @@ impl Ahead {
         each
     }
 
-    /// How the futures may look at a moment of the first ones, whose last second is a moment too. What is known then of place and velocity is as sharp as what is known now.
+    /// How the futures may look at one of the first moments, which are a second apart. What is known then of place and velocity is as sharp as what
+    /// is known now.
     pub(crate) fn looks_after(&self, after: usize, looks: &mut Looks) {
         let axes = [&self.x, &self.y, &self.z];
         let [beside, above] = self.known;

@@ -110,7 +110,7 @@ impl Chooser {
         self.look(scene, &studied.rest, flight);
         let known_s = (after_s - studied.threat.age_s(scene)).max(0.0);
         (studied.threat).ahead(scene, known_s as f32, &mut self.ahead);
-        // Less than the last of `LATER_S`.
+        // At most the later one of `LATER_S`.
         let then = whole(known_s, 8);
         self.ahead.looks_after(then, &mut self.looks);
         let (each, rest_m) = self.met(scene, studied, 0, flight);
