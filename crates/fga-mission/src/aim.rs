@@ -2,13 +2,14 @@
 //!
 //! The first turn ends on a straight line, on which the second one begins: both in closed form, with bank lag too.
 
+use crate::bend::Bend;
 use crate::leg::{Leg, NEAR_M, ON_LEG_M};
 use crate::route::Route;
 use fga_proof::angle::wrap_pi;
 use fga_proof::limit::{Limit as _, root};
 use fga_proof::maneuver::Stage;
-use fga_proof::meter::{BEND, SETUP};
-use fga_proof::prediction::{Bend, MotionState};
+use fga_proof::meter::SETUP;
+use fga_proof::prediction::MotionState;
 
 /// A turn onto a leg begins at least this many time constants after the roll-out of the one before began: e^-2, 14 %, of the bank is left.
 const SETTLES: f64 = 2.0;
@@ -142,7 +143,7 @@ pub(crate) fn aim(route: &Route<'_>, leg: &Leg, state: &MotionState, intercept_r
         level_at_s: state.time_s,
     };
     let mut bends = [Bend::NONE; 2];
-    if !route.meter.take(SETUP + BEND * bends.len()) {
+    if !route.meter.take(SETUP + Bend::WORK * bends.len()) {
         return shot;
     }
     let most_rad = route.flyer.full_bank_rad();

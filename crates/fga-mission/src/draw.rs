@@ -1,9 +1,8 @@
 //! Routes, for tests.
 
-use crate::Route;
+use crate::{Route, Turner};
 use fga_proof::Vec3;
 use fga_proof::meter::Meter;
-use fga_proof::prediction::Flyer;
 use fga_proof::situation::Mission;
 use fga_proof::vehicle::Vehicle;
 
@@ -16,7 +15,7 @@ pub(crate) fn along<T>(
 ) -> T {
     look(&Route {
         mission,
-        flyer: &Flyer::new(vehicle),
+        flyer: &Turner::new(vehicle),
         wind_mps,
         climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
         meter: &Meter::unlimited(),

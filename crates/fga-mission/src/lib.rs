@@ -5,6 +5,7 @@
 //! | which leg, and which command along it? | [`Progress`] |
 //! | where is the aircraft on a leg? | [`leg`] |
 //! | who flies the mission, in which wind? | [`Route`] |
+//! | where does a turn lead once it is over? | [`Bend`] |
 //! | how does the aircraft get from one leg onto the next? | `corner` |
 //! | which way onto the leg? | [`Join`] |
 //! | which way onto the beginning of the leg? | `turn_round` |
@@ -19,6 +20,7 @@
 extern crate alloc;
 
 mod aim;
+mod bend;
 mod corner;
 #[cfg(test)]
 mod draw;
@@ -30,6 +32,7 @@ mod route;
 mod turn_round;
 mod way_back;
 
+pub use bend::{Bend, Exit, Turner};
 pub use join::Join;
 pub use progress::{BACK_WITHIN_M, BACK_WITHIN_RAD, Progress};
 pub use route::Route;

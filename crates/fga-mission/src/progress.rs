@@ -14,6 +14,9 @@ use fga_proof::prediction::{Flyer, MotionState, flown};
 /// Stages that corners leave free for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
 
+/// A smaller bank counts as wings level, radians.
+const LEVEL_BANK_RAD: f64 = 1e-3;
+
 /// A turn round is planned again once the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`].
 const OFF_TURN_RADII: f64 = 0.2;
 
@@ -304,8 +307,8 @@ impl Progress {
             .leg
             .filter(|leg| !self.is_unentered && is_on_leg(leg, state))?;
         let is_straight = self.corner.is_none() || self.straight_for_s(state) > horizon_s;
-        (is_straight && flyer.is_level_at(state))
-            .then(|| state.course_rad + leg.turn_onto_rad(state))
+        let is_level = flyer.is_ideal() || state.bank_rad.abs() < LEVEL_BANK_RAD;
+        (is_straight && is_level).then(|| state.course_rad + leg.turn_onto_rad(state))
     }
 
     /// Sets a command to the guidance along the mission from a state: onto the leg, and round the corners up to

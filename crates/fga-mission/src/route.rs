@@ -1,11 +1,11 @@
 //! The mission as an aircraft flies it: its legs in the wind, and what the aircraft can do.
 
+use crate::bend::{Exit, Turner};
 use crate::leg::Leg;
 use fga_proof::Vec3;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{Exit, Flyer};
 use fga_proof::situation::{Mission, Passing};
 
 /// Straight flight in which the lag of a turn dies out, as a multiple of the distance by which a quarter turn is late: the
@@ -23,8 +23,8 @@ pub(crate) const MOST_LEGS: usize = 96;
 pub struct Route<'a> {
     /// The mission.
     pub mission: &'a Mission<'a>,
-    /// The vehicle's motion.
-    pub flyer: &'a Flyer,
+    /// The vehicle's motion and turns.
+    pub flyer: &'a Turner,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
     /// Steepest descent and climb, radians.

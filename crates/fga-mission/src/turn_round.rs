@@ -12,11 +12,13 @@ use crate::route::Route;
 use fga_proof::angle::wrap_pi;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
-use fga_proof::meter::WORD;
 use fga_proof::prediction::MotionState;
 
 /// Iterations of the time of arrival and the drift until then.
 const DRIFT_STEPS: u32 = 40;
+
+/// Work for a trial of a path.
+const WORD: usize = 12;
 
 /// Turns within this of a full circle count as none, radians: a rounded angle just below zero costs no circle.
 const NO_TURN_RAD: f64 = 1e-9;

@@ -8,11 +8,11 @@ use crate::conflict::Relative;
 use crate::paths::RoundObstacle;
 use crate::timing::{Geometry, avoidance_time_s};
 use crate::turn::bank_for_radius_rad;
-use fga::Vec3;
-use fga::angle::{Side, wrap_pi};
 use fga::limit::Limit as _;
+use fga::search::Side;
 use fga::situation::Ownship;
 use fga::vehicle::turn_radius_m;
+use fga::{Vec3, angle::wrap_pi};
 
 /// PWM value of a bank angle of 0, microseconds.
 pub const PWM_NEUTRAL_US: f64 = 1500.0;

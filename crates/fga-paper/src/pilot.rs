@@ -14,9 +14,9 @@ use fga::avoider::{
 use fga::certificate::Hazard;
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
-use fga::mission::{Progress, Route};
+use fga::mission::{Progress, Route, Turner};
 use fga::pilot::Pilot;
-use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::prediction::{FlightPath, MotionState};
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
@@ -68,7 +68,7 @@ pub struct PaperPilot {
     vehicle: Vehicle,
     /// The limits of its vehicle.
     made_for: Vehicle,
-    flyer: Flyer,
+    flyer: Turner,
     state: State,
     progress: Progress,
     around: Around,
@@ -93,7 +93,7 @@ impl PaperPilot {
             settings,
             vehicle,
             made_for: vehicle,
-            flyer: Flyer::new(&vehicle),
+            flyer: Turner::new(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
             around: Around::new(),
@@ -231,13 +231,13 @@ impl Pilot for PaperPilot {
         // If the guidance refuses the limits, it keeps its present ones.
         if vehicle.check().is_ok() {
             self.vehicle = *vehicle;
-            self.flyer = Flyer::new(vehicle);
+            self.flyer = Turner::new(vehicle);
         }
     }
 
     fn restart(&mut self) {
         self.vehicle = self.made_for;
-        self.flyer = Flyer::new(&self.vehicle);
+        self.flyer = Turner::new(&self.vehicle);
         self.state = State::Cruise;
         self.progress = Progress::new();
         self.around.clear();

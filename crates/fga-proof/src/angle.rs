@@ -1,51 +1,8 @@
-//! Angles and sides: wrapping, directions, and the only place where a sign becomes a [`Side`].
-//!
-//! Angles increase anticlockwise from above; left is the positive side.
+//! Angles: wrapping and directions. They increase anticlockwise from above; left is the positive side.
 
 use core::f64::consts::{PI, TAU};
 
-use crate::Vec3;
-
-/// The side of a turn, as the pilot sees it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Side {
-    /// Anticlockwise from above: the course ψ increases.
-    Left,
-    /// Clockwise from above: the course ψ decreases.
-    Right,
-}
-
-impl Side {
-    /// Both sides, left first.
-    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
-
-    /// +1 for left, −1 for right: the sign of the course rate of a turn to this side.
-    #[inline]
-    pub const fn sign(self) -> f64 {
-        match self {
-            Self::Left => 1.0,
-            Self::Right => -1.0,
-        }
-    }
-
-    /// The opposite side.
-    #[must_use]
-    pub const fn other(self) -> Self {
-        match self {
-            Self::Left => Self::Right,
-            Self::Right => Self::Left,
-        }
-    }
-
-    /// The side to which `angle_rad` turns; zero counts as left.
-    pub const fn of(angle_rad: f64) -> Self {
-        if angle_rad < 0.0 {
-            Self::Right
-        } else {
-            Self::Left
-        }
-    }
-}
+use crate::{Vec2, Vec3};
 
 /// The same direction in (−π, π]; a non-finite angle gives 0.
 pub fn wrap_pi(angle_rad: f64) -> f64 {
@@ -57,6 +14,16 @@ pub fn wrap_pi(angle_rad: f64) -> f64 {
     }
     let wrapped = libm::remainder(angle_rad, TAU);
     if wrapped <= -PI { PI } else { wrapped }
+}
+
+/// Cosine and sine of an angle; free for 0.
+#[inline]
+pub fn unit(angle_rad: f64) -> Vec2 {
+    if angle_rad == 0.0 {
+        return Vec2::X;
+    }
+    let (sin, cos) = libm::sincos(angle_rad);
+    Vec2::new(cos, sin)
 }
 
 /// The unit vector of a course and a climb angle (Eq. 10–12 with V = 1).
@@ -73,10 +40,7 @@ pub fn course_of(vector: Vec3) -> f64 {
 
 /// Climb angle of a vector in [−π/2, π/2]; 0 for the zero vector.
 pub fn climb_of(vector: Vec3) -> f64 {
-    libm::atan2(
-        vector.z,
-        libm::sqrt(vector.x * vector.x + vector.y * vector.y),
-    )
+    libm::atan2(vector.z, vector.truncate().length())
 }
 
 #[cfg(test)]
@@ -100,9 +64,7 @@ mod tests {
 
     #[test]
     fn a_left_turn_from_east_leads_north() {
-        let turned = direction(Side::Left.sign() * PI / 2.0, 0.0);
-        assert!(turned.distance(Vec3::Y) < 1e-12);
-        assert_eq!(Side::of(-0.1), Side::Right);
+        assert!(direction(PI / 2.0, 0.0).distance(Vec3::Y) < 1e-12);
     }
 
     #[test]

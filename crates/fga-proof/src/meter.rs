@@ -29,15 +29,6 @@ pub(crate) const GROUND: usize = 6;
 /// A line that is set up by hand: a sweep, a manoeuvre in the terms of the search.
 pub const SETUP: usize = 15;
 
-/// The table of the turns to a side from a bank.
-pub const BEND: usize = 60;
-
-/// A trial of a shortest path of three turns.
-pub const WORD: usize = 12;
-
-/// Making the hazard of a motion.
-pub const MOTION: usize = 4;
-
 /// Numbers that one unit compares.
 pub const COMPARED: usize = 16;
 

@@ -5,13 +5,12 @@
 //! | how does the vehicle move under one command? | [`Flyer`] |
 //! | where does the manoeuvre lead? | [`FlightPath`] |
 
-mod bend;
 mod drift;
 mod motion;
 mod path;
 mod roll;
 
 pub use crate::limit::whole;
-pub use bend::Exit;
-pub use motion::{Bend, Flyer, MotionState, Piece};
+pub use motion::{Flyer, MotionState, Piece};
 pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, flown};
+pub use roll::GAUSS;

@@ -279,10 +279,11 @@ mod tests {
     use super::*;
     use crate::tests::scene;
     use crate::{Tables, climbs::Climbs};
+    use fga_mission::Turner;
     use fga_proof::Vec3;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::meter::Meter;
-    use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+    use fga_proof::prediction::{FlightPath, MotionState};
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;
 
@@ -293,7 +294,7 @@ mod tests {
         act: impl Fn(&mut Ascent, &mut Search<'_>) -> T,
     ) -> T {
         let vehicle = Vehicle::lagged(0.0);
-        let flyer = Flyer::new(&vehicle);
+        let flyer = Turner::new(&vehicle);
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
         let at_m = Vec3::new(200.0, left_m, 0.0);
         let hazards = [Hazard::exact(0, at_m, Vec3::ZERO, volume)];

@@ -6,7 +6,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use fga_proof::angle::Side;
+use crate::Side;
 use fga_proof::assumptions::Assumptions;
 use fga_proof::certificate::{STEEPEST, certify_set};
 use fga_proof::meter::COMPARED;
@@ -425,18 +425,19 @@ mod tests {
     use super::*;
     use crate::Tables;
     use crate::tests::scene;
+    use fga_mission::Turner;
     use fga_proof::Vec3;
     use fga_proof::certificate::Hazard;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::meter::Meter;
-    use fga_proof::prediction::{FlightPath, Flyer};
+    use fga_proof::prediction::FlightPath;
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;
 
     /// A sphere of 30 m at rest ahead, to the left by some metres, and what is found of it.
     fn past<T>(ahead_m: f64, left_m: f64, look: impl Fn(&mut Search<'_>) -> T) -> T {
         let vehicle = Vehicle::lagged(0.0);
-        let flyer = Flyer::new(&vehicle);
+        let flyer = Turner::new(&vehicle);
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
         let hazards = [Hazard::exact(
             0,

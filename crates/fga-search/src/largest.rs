@@ -3,7 +3,7 @@
 //! Rows yield seeds: single turns as flown, last turns of two by the lines on which they end. The best seeds climb by small
 //! linear programs ([`super::ascent`]), a little from many and on from the best.
 
-use fga_proof::angle::Side;
+use crate::Side;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::COMPARED;
 
@@ -342,10 +342,11 @@ mod tests {
     use super::*;
     use crate::Tables;
     use crate::tests::scene;
+    use fga_mission::Turner;
     use fga_proof::Vec3;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::meter::Meter;
-    use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+    use fga_proof::prediction::{FlightPath, MotionState};
     use fga_proof::situation::ProtectedVolume;
     use fga_proof::vehicle::Vehicle;
 
@@ -353,7 +354,7 @@ mod tests {
     fn where_nothing_keeps_clear_no_single_turn_keeps_clearly_more() {
         for lag_s in [0.0, 0.6] {
             let vehicle = Vehicle::lagged(lag_s);
-            let flyer = Flyer::new(&vehicle);
+            let flyer = Turner::new(&vehicle);
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
             let place_m = Vec3::new(vehicle.airspeed_mps, 6.0, 2.0);
             let hazards = [fga_proof::certificate::Hazard::exact(

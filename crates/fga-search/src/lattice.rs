@@ -1,6 +1,6 @@
 //! The rows of a search, their prefixes, and which row is next.
 
-use fga_proof::angle::Side;
+use crate::Side;
 use fga_proof::list::List;
 use fga_proof::prediction::MotionState;
 

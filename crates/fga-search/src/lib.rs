@@ -26,13 +26,14 @@ mod rows;
 mod terms;
 mod tuned;
 
-pub use terms::{Departure, Found, MAX_TURN_RAD, Objective, Outcome, SecondTurn, Turns};
+pub use terms::{Departure, Found, MAX_TURN_RAD, Objective, Outcome, SecondTurn, Side, Turns};
 pub use tuned::PARTS as GRIDS_A_SEARCH;
 
 use climbs::Climbs;
 use lattice::Lattice;
 use terms::ENOUGH_M;
 
+use fga_mission::{Bend, Turner};
 use fga_proof::Vec3;
 use fga_proof::angle::direction;
 use fga_proof::assumptions::{Assumptions, MAX_HAZARDS};
@@ -41,7 +42,7 @@ use fga_proof::command::{Command, Terms};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
+use fga_proof::prediction::{FlightPath, MotionState, flown};
 
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
@@ -49,8 +50,8 @@ const ANSWER_SHARE: u32 = 16;
 /// The input of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
-    /// The vehicle's motion.
-    pub flyer: &'a Flyer,
+    /// The vehicle's motion and turns.
+    pub flyer: &'a Turner,
     /// The aircraft now.
     pub start: MotionState,
     /// The command without avoidance.
@@ -356,7 +357,7 @@ impl<'a> Search<'a> {
         self.keep(&found.turns);
         let scene = self.scene;
         let terms = Terms::new(scene.horizon_s, scene.target_m, scene.target_m);
-        let flight = (scene.flyer, &mut *self.path);
+        let flight = (&**scene.flyer, &mut *self.path);
         terms.is_some_and(|terms| {
             let proof =
                 self.maneuver
@@ -395,7 +396,7 @@ mod tests {
 
     /// A scene along +x, in which least cost is looked for.
     pub(super) fn scene<'a>(
-        flyer: &'a Flyer,
+        flyer: &'a Turner,
         vehicle: &Vehicle,
         (start, nominal): (MotionState, &'a Maneuver),
         hazards: &'a [fga_proof::certificate::Hazard],

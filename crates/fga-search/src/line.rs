@@ -3,12 +3,12 @@
 //! The line is a necessary condition: a turn whose line comes too close does so itself. A turn that fails comes too close at a
 //! moment τ after the turns part; a turn longer by Δψ has moved the aircraft by V (Δψ τ − Δψ² / 2ω) at most by then.
 
-use fga_proof::angle::Side;
+use crate::Side;
+use fga_mission::Bend;
 use fga_proof::assumptions::each;
 use fga_proof::certificate::{Line, Obstruction as _};
 use fga_proof::limit::Limit as _;
-use fga_proof::meter::BEND;
-use fga_proof::prediction::{Bend, MotionState};
+use fga_proof::prediction::MotionState;
 use fga_proof::{Vec2, Vec3};
 
 use super::lattice::{Prefix, Row};
@@ -192,7 +192,7 @@ impl Search<'_> {
         let place = 2 * usize::from(is_later) + usize::from(side == Side::Right);
         let slot = self.bends.get_mut(place)?;
         if !slot.is_from(bank_rad) {
-            if !self.meter.take(BEND) {
+            if !self.meter.take(Bend::WORK) {
                 return None;
             }
             slot.set(flyer, bank_rad);
@@ -206,15 +206,16 @@ mod tests {
     use super::*;
     use crate::Tables;
     use crate::tests::scene;
+    use fga_mission::Turner;
     use fga_proof::maneuver::Maneuver;
     use fga_proof::meter::Meter;
-    use fga_proof::prediction::{FlightPath, Flyer};
+    use fga_proof::prediction::FlightPath;
     use fga_proof::vehicle::Vehicle;
 
     #[test]
     fn a_turn_moves_the_aircraft_by_the_bound_exactly_where_it_is_least() {
         let vehicle = Vehicle::lagged(0.0);
-        let flyer = Flyer::new(&vehicle);
+        let flyer = Turner::new(&vehicle);
         let nominal = Maneuver::hold();
         let scene = scene(&flyer, &vehicle, (MotionState::ahead(0.0), &nominal), &[]);
         let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);

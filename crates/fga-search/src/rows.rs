@@ -4,7 +4,7 @@
 //! aircraft flies the prefix, then turns by any angle of a range. Turns of a row share their arc, so a turn that fails rules out
 //! its neighbours.
 
-use fga_proof::angle::Side;
+use crate::Side;
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::prediction::flown;

@@ -8,6 +8,47 @@ pub const MAX_TURN_RAD: f64 = 6.0;
 /// A search for the largest margin caps margins at this value, m.
 pub(super) const ENOUGH_M: f64 = 1e3;
 
+/// The side of a turn, as the pilot sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// Anticlockwise from above: the course ψ increases.
+    Left,
+    /// Clockwise from above: the course ψ decreases.
+    Right,
+}
+
+impl Side {
+    /// Both sides, left first.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// +1 for left, −1 for right: the sign of the course rate of a turn to this side.
+    #[inline]
+    pub const fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+
+    /// The opposite side.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+
+    /// The side to which `angle_rad` turns; zero counts as left.
+    pub const fn of(angle_rad: f64) -> Self {
+        if angle_rad < 0.0 {
+            Self::Right
+        } else {
+            Self::Left
+        }
+    }
+}
+
 /// A manoeuvre in the terms of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turns {
@@ -116,5 +157,16 @@ impl Departure {
             Objective::LeastDeviation => self.aside_m,
             Objective::ShortestPath => self.extra_path_m(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_that_lowers_the_course_is_to_the_right() {
+        assert_eq!(Side::of(-0.1), Side::Right);
+        assert!(Side::BOTH.iter().all(|side| Side::of(side.sign()) == *side));
     }
 }

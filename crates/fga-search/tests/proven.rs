@@ -4,12 +4,13 @@
 
 use core::f64::consts::PI;
 
+use fga_mission::Turner;
 use fga_proof::Vec3;
 use fga_proof::assumptions::Assumptions;
 use fga_proof::certificate::Hazard;
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+use fga_proof::prediction::{FlightPath, MotionState};
 use fga_proof::situation::ProtectedVolume;
 use fga_proof::vehicle::Vehicle;
 use fga_search::{Found, Objective, Scene, Search, Tables};
@@ -103,7 +104,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
                 ..Vehicle::lagged(0.4)
             },
         };
-        let flyer = Flyer::new(&vehicle);
+        let flyer = Turner::new(&vehicle);
         let mut start = MotionState::ahead(0.0);
         if number % 4 >= 2 && number % 3 == 0 {
             start.bank_rad = draw.within(-0.5, 0.5);

@@ -4,9 +4,9 @@ use fga::avoider::{Decision, Reason, State};
 use fga::limit::SettingsError;
 use fga::maneuver::Maneuver;
 use fga::meter::Meter;
-use fga::mission::{Progress, Route};
+use fga::mission::{Progress, Route, Turner};
 use fga::pilot::Pilot;
-use fga::prediction::{Flyer, MotionState};
+use fga::prediction::MotionState;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
@@ -17,7 +17,7 @@ pub struct MissionPilot {
     horizon_s: f64,
     vehicle: Vehicle,
     made_for: Vehicle,
-    flyer: Flyer,
+    flyer: Turner,
     progress: Progress,
 }
 
@@ -35,7 +35,7 @@ impl MissionPilot {
             horizon_s,
             vehicle,
             made_for: vehicle,
-            flyer: Flyer::new(&vehicle),
+            flyer: Turner::new(&vehicle),
             progress: Progress::new(),
         })
     }

@@ -34,8 +34,8 @@ use crate::command::Command;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
-use crate::mission::{Progress, Route};
-use crate::prediction::{FlightPath, Flyer, MotionState, flown};
+use crate::mission::{Progress, Route, Turner};
+use crate::prediction::{FlightPath, MotionState, flown};
 use crate::search::{Outcome, Tables};
 use crate::situation::{Mission, Ownship, Situation};
 use crate::vehicle::Vehicle;
@@ -134,7 +134,7 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     made_for: Vehicle,
     /// The limits for cases without a certified manoeuvre under the normal ones.
     in_need: Option<Vehicle>,
-    flyer: Flyer,
+    flyer: Turner,
     state: State,
     progress: Progress,
     /// The same before a look for a way back.
@@ -201,7 +201,7 @@ impl<P> Avoider<P> {
             vehicle,
             made_for: vehicle,
             in_need: None,
-            flyer: Flyer::NONE,
+            flyer: Turner::NONE,
             state: State::Cruise,
             progress: Progress::new(),
             before: Progress::new(),
@@ -560,7 +560,7 @@ impl Avoider<dyn Places + '_> {
             ];
             self.tracks.stay_between(limits_m);
         }
-        let flown = (&self.flyer, self.climb_limits_rad());
+        let flown = (&*self.flyer, self.climb_limits_rad());
         let leg = self.progress.index();
         self.tracks
             .add_zones(leg, flown, self.wanted_m(), situation);

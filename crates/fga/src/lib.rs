@@ -21,7 +21,7 @@
 //! | [`pilot`] | whatever decides: the seam to simulators and autopilots | `fga` |
 //!
 //! `fga-proof` proves, `fga-search`, `fga-mission` and `fga-index` propose, `fga` decides. What proposes builds on
-//! `fga-proof` alone.
+//! `fga-proof`; the search also asks `fga-mission` where a turn leads.
 //!
 //! # Conventions
 //!

@@ -6,9 +6,9 @@ use dubins_paths::PathType;
 use dubins_paths::f64::{Intermediate, PosRot};
 
 use fga::Vec3;
-use fga::angle::{Side, wrap_pi};
-use fga::limit::LARGEST_M;
-use fga::limit::Limit as _;
+use fga::angle::wrap_pi;
+use fga::limit::{LARGEST_M, Limit as _};
+use fga::search::Side;
 
 /// A position and the course through it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! A round obstacle in the way.
 
-use fga::angle::Side;
 use fga::limit::Limit as _;
 use fga::maneuver::{Maneuver, Stage};
+use fga::search::Side;
 
 pub(super) fn usable(turn_radius_m: f64, radius_m: f64, across_m: f64) -> bool {
     let positive = |value: f64| value.is_finite() && value > 0.0 && value <= 1e15;

@@ -2,7 +2,7 @@ use super::*;
 use crate::turn::turned;
 use alloc::vec::Vec;
 use fga::Vec3;
-use fga::angle::Side;
+use fga::search::Side;
 use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
 use proptest::prelude::*;

@@ -3,7 +3,8 @@
 use crate::{flown_separation, ownship};
 use core::f64::consts::FRAC_PI_2;
 use fga::Vec3;
-use fga::angle::{Side, wrap_pi};
+use fga::angle::wrap_pi;
+use fga::search::Side;
 use fga::vehicle::turn_radius_m;
 use fga_paper::algorithm_4::{Execution, Phase, Plan, pwm_us};
 use fga_paper::printed;

@@ -8,26 +8,19 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
-use crate::list::List;
 use crate::maneuver::Stage;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
-use crate::{Vec2, Vec3};
 
-pub(super) mod arc;
+mod arc;
 mod lagged;
 
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
-
-/// A smaller bank counts as wings level for callers, radians.
-const LEVEL_BANK_RAD: f64 = 1e-3;
-
-/// Most turns of a [`Bend`] that end while the aircraft rolls in. A longer roll-in counts as over after them.
-pub(super) const ENDS: usize = 22;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,42 +134,6 @@ impl Piece {
     }
 }
 
-/// A turn that begins to roll out at a moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct End {
-    /// The turn once rolled out, radians.
-    pub(super) turn_rad: f64,
-    /// When the roll-out begins, seconds.
-    pub(super) begins_s: f64,
-    /// From where it seems to have flown straight since then, once it has rolled out: from the centre of the circle, turned back by the turn,
-    /// metres.
-    pub(super) from_m: Vec2,
-}
-
-/// Turns to one side from a bank, in level flight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend {
-    /// Bank at the beginning, radians, positive towards the side of the turn.
-    pub(super) bank_rad: f64,
-    /// Those that end while the aircraft still rolls in, least first.
-    pub(super) ends: List<End, ENDS>,
-    /// The centre of the circle once it has rolled in, forward and to the side of the turn, metres.
-    pub(super) center_m: Vec2,
-}
-
-impl Bend {
-    /// No turns: zeros, which are written without a copy.
-    pub const NONE: Self = Self {
-        bank_rad: 0.0,
-        ends: List::new(End {
-            turn_rad: 0.0,
-            begins_s: 0.0,
-            from_m: Vec2::ZERO,
-        }),
-        center_m: Vec2::ZERO,
-    };
-}
-
 /// The rate towards a target that is an angle away, radians per second, at most a limit, and how long it lasts, seconds.
 fn towards(left_rad: f64, limit_radps: f64) -> (f64, f64) {
     if left_rad.abs() < REACHED_RAD || limit_radps <= 0.0 {
@@ -203,8 +160,6 @@ pub struct Flyer {
     full_roll_out_rad: f64,
     /// The error that a piece of a roll may have, as a share of the usual one.
     pace: f64,
-    /// Turns from level flight.
-    level: Bend,
 }
 
 impl Flyer {
@@ -228,7 +183,6 @@ impl Flyer {
         full_bank_rad: 0.0,
         full_roll_out_rad: 0.0,
         pace: 0.0,
-        level: Bend::NONE,
     };
 
     /// Takes the motion of a vehicle.
@@ -246,14 +200,6 @@ impl Flyer {
         if !self.is_ideal() {
             self.prepare_rolls();
         }
-        let mut level = Bend::NONE;
-        level.set(self, 0.0);
-        self.level = level;
-    }
-
-    /// Turns from level flight.
-    pub const fn level(&self) -> &Bend {
-        &self.level
     }
 
     /// Time constant of the bank, seconds.
@@ -304,11 +250,6 @@ impl Flyer {
     /// What a node of a path takes, in units of work.
     pub(crate) fn node_work(&self) -> usize {
         if self.is_ideal() { NODE } else { LAGGED_NODE }
-    }
-
-    /// Whether the wings are level.
-    pub fn is_level_at(&self, state: &MotionState) -> bool {
-        self.is_ideal() || state.bank_rad.abs() < LEVEL_BANK_RAD
     }
 
     /// Velocity at a state, metres per second (Eq. 10–12).

@@ -6,7 +6,7 @@
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 /// Abscissas and weights of Gauss's rule with four points on [0, 1]; the other two lie symmetric to the middle.
-pub(super) const GAUSS: [(f64, f64); 2] = [
+pub const GAUSS: [(f64, f64); 2] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_9),
     (0.330_009_478_207_571_9, 0.326_072_577_431_273_1),
 ];

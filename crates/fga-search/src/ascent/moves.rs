@@ -104,7 +104,9 @@ impl<'a> Moves<'a> {
         path: &FlightPath,
     ) -> Self {
         let at = |time_s| path.state_at(flyer, time_s).unwrap_or(*departure);
-        let (start_s, later_s) = (turns.wait_s, flyer.turns_later_s());
+        // So much later a turn without bank lag would begin to lead to about the same places.
+        let later_s = flyer.rollout_rad(flyer.full_bank_rad()) / flyer.course_rate_radps();
+        let start_s = turns.wait_s;
         let again_s = turns
             .second
             .map_or(f64::INFINITY, |second| start_s + second.after_s);

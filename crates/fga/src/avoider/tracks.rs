@@ -13,7 +13,7 @@ use crate::avoider::intruders::{
 };
 use crate::avoider::{Against, Kept};
 use crate::certificate::{Hazard, Zones};
-use crate::meter::{COMPARED, MOTION, Meter};
+use crate::meter::{COMPARED, Meter};
 use crate::situation::{
     Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation,
 };
@@ -23,6 +23,9 @@ const COASTED_S: f64 = 5.0;
 
 /// Work for learning an obstacle's motion.
 const LEARN_WORK: usize = 8;
+
+/// Work for making the hazard of a motion.
+const MOTION: usize = 4;
 
 /// Radius of a limit of altitude, metres: within some kilometres its surface is flat to a centimetre.
 const FLAT_M: f64 = 1e9;

@@ -465,7 +465,7 @@ impl Avoider<dyn Places + '_> {
         if is_of_walls {
             around.rows = &[];
         }
-        let flight = (&self.flyer, &mut self.path);
+        let flight = (&*self.flyer, &mut self.path);
         Terms::new(horizon_s, target_m, enough_m).is_some_and(|terms| {
             let proof = command.prove(flight, now, &around, &terms, &self.meter);
             proof.is_ok()

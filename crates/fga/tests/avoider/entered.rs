@@ -3,8 +3,8 @@
 use fga::Vec3;
 use fga::avoider::{Decision, Start, State};
 use fga::meter::Meter;
-use fga::mission::{Progress, Route};
-use fga::prediction::{Flyer, MotionState};
+use fga::mission::{Progress, Route, Turner};
+use fga::prediction::MotionState;
 use fga::situation::Mission;
 
 use crate::flight::{planar, sphere};
@@ -21,7 +21,7 @@ fn a_leg_that_the_vehicle_has_entered_by_itself_is_joined_ahead() {
     let mission = Mission::new(&waypoints_m);
     let route = Route {
         mission: &mission,
-        flyer: &Flyer::new(&planar()),
+        flyer: &Turner::new(&planar()),
         wind_mps: Vec3::ZERO,
         climb_limits_rad: (0.0, 0.0),
         meter: &Meter::unlimited(),

@@ -1,16 +1,8 @@
 //! Where a piece of flight leads: at constant rates exactly.
 
+use crate::angle::unit;
 use crate::prediction::motion::{Flyer, MotionState, Piece};
 use crate::{Vec2, Vec3};
-
-/// Cosine and sine of an angle; free for level flight.
-pub(in crate::prediction) fn unit(angle_rad: f64) -> Vec2 {
-    if angle_rad == 0.0 {
-        return Vec2::X;
-    }
-    let (sin, cos) = libm::sincos(angle_rad);
-    Vec2::new(cos, sin)
-}
 
 /// sin(x) / x.
 fn sinc(x: f64) -> f64 {

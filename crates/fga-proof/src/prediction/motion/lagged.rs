@@ -2,11 +2,9 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::Vec2;
 use crate::limit::{Limit as _, root};
-use crate::prediction::motion::arc::unit;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD};
-use crate::prediction::roll::{GAUSS, Roll, roll_out};
+use crate::prediction::roll::{Roll, roll_out};
 
 /// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
@@ -29,28 +27,6 @@ impl Flyer {
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
         self.pace = (USUAL_SCALE_M / scale_m).limited(LEAST_PACE, 1.0);
-    }
-
-    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
-    ///
-    /// With the time constant τ, the share s of the bank φ that is left and the turn r of a roll-out from a bank, the displacement is
-    /// V τ ∫ (e^(−i r(s φ)) − 1) ds / s, turned by r(φ).
-    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Vec2 {
-        let off = |share: f64| {
-            let turned = unit(-self.rollout_rad(share * bank_rad));
-            (turned - Vec2::X) / share
-        };
-        let moved: Vec2 = GAUSS
-            .iter()
-            .map(|(at, weight)| (off(*at) + off(1.0 - at)) * *weight)
-            .sum();
-        let turned = unit(self.rollout_rad(bank_rad));
-        turned.rotate(moved) * self.airspeed_mps * self.bank_time_constant_s
-    }
-
-    /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
-    pub fn turns_later_s(&self) -> f64 {
-        self.full_roll_out_rad / self.course_rate_radps
     }
 
     pub(super) fn lagged_piece(
@@ -209,6 +185,7 @@ impl Flyer {
     }
 
     /// Change of course while the bank decays to level, radians.
+    #[inline]
     pub fn rollout_rad(&self, bank_rad: f64) -> f64 {
         if bank_rad.abs() == self.full_bank_rad {
             return libm::copysign(self.full_roll_out_rad, bank_rad);

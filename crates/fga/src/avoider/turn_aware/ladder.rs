@@ -2,13 +2,13 @@
 
 use core::ops::Range;
 
-use crate::angle::Side;
 use crate::avoider::demand::{BEYOND_M, Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
+use crate::search::Side;
 use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Search, Turns};
 use crate::situation::Situation;
 

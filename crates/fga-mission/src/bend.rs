@@ -4,10 +4,15 @@
 //! place where this line begins does not depend on the turn. It moves a little with turns that end while the aircraft still rolls in:
 //! a table has those.
 
-use crate::Vec2;
-use crate::maneuver::Stage;
-use crate::prediction::motion::arc::unit;
-use crate::prediction::motion::{Bend, End, Flyer, MotionState};
+use fga_proof::Vec2;
+use fga_proof::angle::unit;
+use fga_proof::list::List;
+use fga_proof::maneuver::Stage;
+use fga_proof::prediction::{Flyer, GAUSS, MotionState};
+use fga_proof::vehicle::Vehicle;
+
+/// Most turns of a [`Bend`] that end while the aircraft rolls in. A longer roll-in counts as over after them.
+const ENDS: usize = 22;
 
 /// A roll-out is nearly over after this many time constants.
 const ROLLS_OUT: f64 = 4.0;
@@ -28,7 +33,44 @@ pub struct Exit {
     pub turned: Vec2,
 }
 
+/// A turn that begins to roll out at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct End {
+    /// The turn once rolled out, radians.
+    turn_rad: f64,
+    /// When the roll-out begins, seconds.
+    begins_s: f64,
+    /// From where it seems to have flown straight since then, once it has rolled out: from the centre of the circle, turned back by the turn,
+    /// metres.
+    from_m: Vec2,
+}
+
+/// Turns to one side from a bank, in level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Bank at the beginning, radians, positive towards the side of the turn.
+    bank_rad: f64,
+    /// Those that end while the aircraft still rolls in, least first.
+    ends: List<End, ENDS>,
+    /// The centre of the circle once it has rolled in, forward and to the side of the turn, metres.
+    center_m: Vec2,
+}
+
 impl Bend {
+    /// No turns: zeros, which are written without a copy.
+    pub const NONE: Self = Self {
+        bank_rad: 0.0,
+        ends: List::new(End {
+            turn_rad: 0.0,
+            begins_s: 0.0,
+            from_m: Vec2::ZERO,
+        }),
+        center_m: Vec2::ZERO,
+    };
+
+    /// What [`Self::set`] takes, in units of work.
+    pub const WORK: usize = 60;
+
     /// Becomes the turns from a bank towards their side.
     #[inline(never)]
     pub fn set(&mut self, flyer: &Flyer, bank_rad: f64) {
@@ -42,7 +84,7 @@ impl Bend {
             let end = End {
                 turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
                 begins_s: state.time_s,
-                from_m: at_m + course.rotate(flyer.roll_out_m(state.bank_rad)),
+                from_m: at_m + course.rotate(roll_out_m(flyer, state.bank_rad)),
             };
             if self.ends.push(end).is_none() {
                 break;
@@ -112,13 +154,70 @@ impl Bend {
     }
 }
 
+/// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the course at its start, metres.
+///
+/// With the time constant τ, the share s of the bank φ that is left and the turn r of a roll-out from a bank, the displacement is
+/// V τ ∫ (e^(−i r(s φ)) − 1) ds / s, turned by r(φ).
+fn roll_out_m(flyer: &Flyer, bank_rad: f64) -> Vec2 {
+    let off = |share: f64| {
+        let turned = unit(-flyer.rollout_rad(share * bank_rad));
+        (turned - Vec2::X) / share
+    };
+    let moved: Vec2 = GAUSS
+        .iter()
+        .map(|(at, weight)| (off(*at) + off(1.0 - at)) * *weight)
+        .sum();
+    let turned = unit(flyer.rollout_rad(bank_rad));
+    turned.rotate(moved) * flyer.airspeed_mps() * flyer.bank_time_constant_s()
+}
+
+/// The vehicle's motion, with its turns from level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turner {
+    flyer: Flyer,
+    level: Bend,
+}
+
+impl core::ops::Deref for Turner {
+    type Target = Flyer;
+
+    #[inline]
+    fn deref(&self) -> &Flyer {
+        &self.flyer
+    }
+}
+
+impl Turner {
+    /// Of no use before [`Self::set`]: zeros, which are written without a copy.
+    pub const NONE: Self = Self {
+        flyer: Flyer::NONE,
+        level: Bend::NONE,
+    };
+
+    /// The motion of a vehicle at its airspeed.
+    pub fn new(vehicle: &Vehicle) -> Self {
+        let mut turner = Self::NONE;
+        turner.set(vehicle);
+        turner
+    }
+
+    /// Takes the motion of a vehicle.
+    pub fn set(&mut self, vehicle: &Vehicle) {
+        self.flyer.set(vehicle);
+        self.level.set(&self.flyer, 0.0);
+    }
+
+    /// Turns from level flight.
+    pub const fn level(&self) -> &Bend {
+        &self.level
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::maneuver::Maneuver;
-    use crate::prediction::FlightPath;
-    use crate::prediction::motion::ENDS;
-    use crate::vehicle::Vehicle;
+    use fga_proof::maneuver::Maneuver;
+    use fga_proof::prediction::FlightPath;
 
     fn bend(flyer: &Flyer, bank_rad: f64) -> Bend {
         let mut bend = Bend::NONE;
