@@ -68,8 +68,10 @@ impl Hazard {
         }
     }
 
-    /// The same obstacle with another extent.
-    fn with(&self, extent: Extent) -> Self {
+    /// The same with its extent changed.
+    fn with(&self, change: impl FnOnce(&mut Extent)) -> Self {
+        let mut extent = self.extent;
+        change(&mut extent);
         Self::of(self.id, extent, self.stands_for)
     }
 
@@ -79,12 +81,8 @@ impl Hazard {
     }
 
     /// An extent to compare manoeuvres by.
-    pub const fn compared(id: u32, extent: Extent) -> Self {
-        Self {
-            extent,
-            id,
-            stands_for: Assumption::Compared,
-        }
+    pub fn compared(id: u32, extent: Extent) -> Self {
+        Self::of(id, extent, Assumption::Compared)
     }
 
     /// A hazard known exactly, by its motion in the air mass.
@@ -146,32 +144,23 @@ impl Hazard {
     /// The same with a surface that moves outwards, metres per second.
     #[must_use]
     pub fn growing(&self, growth_mps: f64) -> Self {
-        self.with(Extent {
-            growth_mps,
-            ..self.extent
-        })
+        self.with(|extent| extent.growth_mps = growth_mps)
     }
 
     /// The same with its surface moved outwards, metres.
     #[must_use]
     pub fn grown(&self, by_m: f64) -> Self {
-        self.with(Extent {
-            volume: self.volume.grown(by_m.max(0.0)),
-            ..self.extent
-        })
+        self.with(|extent| extent.volume = extent.volume.grown(by_m.max(0.0)))
     }
 
     /// The same to compare manoeuvres by: inside a cylinder by their depth.
     #[must_use]
     pub fn by_depth(&self) -> Self {
-        let allowed_depth_m = if self.is_cylinder() {
+        let mut extent = self.extent;
+        extent.allowed_depth_m = if self.is_cylinder() {
             self.allowed_depth_m.max(0.0)
         } else {
             NO_DEPTH
-        };
-        let extent = Extent {
-            allowed_depth_m,
-            ..self.extent
         };
         Self::compared(self.id, extent)
     }

@@ -1,20 +1,14 @@
 //! A proven lower bound of the separation along a predicted flight, in continuous time.
 //!
-//! Between two nodes the flight bows from its chord by at most A·h²/8, where A bounds the
-//! acceleration. The chord, at constant speed, and an obstacle that moves in a straight line
-//! have a straight relative motion, on which the least separation has a closed
-//! form for a sphere and is the minimum of a convex function for a cylinder. Chord minimum less
-//! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
-//! chord covers many nodes.
+//! Between two nodes the flight bows from its chord by at most A·h²/8, where A bounds the acceleration. The least separation on the
+//! chord, less that bow, is a lower bound (proof.md §7). Chords that decide the answer are split until the bow no longer matters. Far
+//! from all obstacles one chord covers many nodes.
 
-mod assumption;
 mod ground;
 mod hazard;
 mod zones;
 
-pub use assumption::Assumption;
-pub use hazard::{ALWAYS, Extent, Hazard, Line, NO_DEPTH, Obstruction};
-
+pub use hazard::{ALWAYS, Assumption, Extent, Hazard, Line, NO_DEPTH, Obstruction};
 pub use zones::{Fixed, MAX_ZONES, STEEPEST, Zones};
 
 use crate::Vec3;
@@ -122,7 +116,7 @@ pub(crate) fn bounded(
     let mut margin_m = found.margin_m.min(fixed.margin_m(nearest.margin_m));
     if margin_m < 0.0 && floor_m < 0.0 {
         // A chord tells only how far it leads out itself.
-        let until_s = horizon_s.min(fixed.until_s());
+        let until_s = horizon_s.min(fixed.zones.until_s);
         let end = path.end_line(until_s).filter(|line| line.duration_s > 0.0);
         let end = end.map(|line| (until_s, line.from_m + line.velocity_mps * line.duration_s));
         let states = path.nodes().iter().map(|node| node.state);

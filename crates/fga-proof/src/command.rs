@@ -177,7 +177,7 @@ impl Command {
             target_m,
             horizon_s,
             spared_m: assumptions.fixed.spared_m(),
-            fixed_s: assumptions.fixed.until_s(),
+            fixed_s: assumptions.fixed.zones.until_s,
             hazards: u32::try_from(assumptions.rows.len()).unwrap_or(u32::MAX),
         };
         let proof = if weakest == Assumption::Leaving {

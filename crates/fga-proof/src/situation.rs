@@ -32,10 +32,9 @@ impl Ownship {
 
     /// Whether every field is a finite number and the airspeed is positive.
     pub fn is_valid(&self) -> bool {
+        let angles_rad = [self.course_rad, self.climb_rad, self.bank_rad];
         self.position_m.is_finite()
-            && self.course_rad.is_finite()
-            && self.climb_rad.is_finite()
-            && self.bank_rad.is_finite()
+            && angles_rad.iter().all(|angle_rad| angle_rad.is_finite())
             && self.airspeed_mps.is_finite()
             && self.airspeed_mps > 0.0
     }
@@ -90,16 +89,16 @@ impl ProtectedVolume {
     /// A cylinder grows in radius and half height, which contains the exact offset surface.
     #[must_use]
     pub fn grown(&self, by_m: f64) -> Self {
+        self.resized(self.radius_m() + by_m, self.half_height_m() + by_m)
+    }
+
+    /// The same shape with a radius and, for a cylinder, a half height, metres.
+    pub(crate) const fn resized(&self, radius_m: f64, half_height_m: f64) -> Self {
         match *self {
-            Self::Sphere { radius_m } => Self::Sphere {
-                radius_m: radius_m + by_m,
-            },
-            Self::Cylinder {
+            Self::Sphere { .. } => Self::Sphere { radius_m },
+            Self::Cylinder { .. } => Self::Cylinder {
                 radius_m,
                 half_height_m,
-            } => Self::Cylinder {
-                radius_m: radius_m + by_m,
-                half_height_m: half_height_m + by_m,
             },
         }
     }
@@ -107,20 +106,15 @@ impl ProtectedVolume {
     /// Signed distance from the surface to a point at `offset_m` from the centre, metres:
     /// negative inside. For a cylinder the distance to the nearest of wall, rim and face.
     pub fn margin_m(&self, offset_m: Vec3) -> f64 {
-        match *self {
-            Self::Sphere { radius_m } => offset_m.length() - radius_m,
-            Self::Cylinder {
-                radius_m,
-                half_height_m,
-            } => {
-                let wall = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y) - radius_m;
-                let face = offset_m.z.abs() - half_height_m;
-                if wall > 0.0 && face > 0.0 {
-                    libm::sqrt(wall * wall + face * face)
-                } else {
-                    wall.max(face)
-                }
-            }
+        if let Self::Sphere { radius_m } = *self {
+            return offset_m.length() - radius_m;
+        }
+        let wall = offset_m.truncate().length() - self.radius_m();
+        let face = offset_m.z.abs() - self.half_height_m();
+        if wall > 0.0 && face > 0.0 {
+            libm::sqrt(wall * wall + face * face)
+        } else {
+            wall.max(face)
         }
     }
 }

@@ -131,50 +131,24 @@ impl Vehicle {
         let lag_s = response.bank_time_constant_s;
         let lag = if lag_s == 0.0 { 0.0 } else { 0.01 };
         let most_lag_s = f64::min(10.0, MOST_TURN_RAD / self.course_rate_radps());
-        let rows = [
-            ("airspeed_mps", self.airspeed_mps, (1.0, 1e3), "1 to 1,000"),
-            (
-                "turn_radius_m",
-                self.turn_radius_m,
-                (tightest_m.max(1.0), 1e6),
-                "1 to 1,000,000, and no turn of more than 10 g",
-            ),
-            (
-                "climb_min_rad",
-                self.climb_min_rad,
-                (-STEEPEST_RAD, 0.0),
-                "-1.396 (80 degrees) to 0",
-            ),
-            (
-                "climb_max_rad",
-                self.climb_max_rad,
-                (0.0, STEEPEST_RAD),
-                "0 to 1.396 (80 degrees)",
-            ),
-            (
-                "climb_rate_radps",
-                self.climb_rate_radps,
-                (0.0, 10.0),
-                "0 to 10",
-            ),
-            ("dead_time_s", response.dead_time_s, (0.0, 10.0), "0 to 10"),
-            (
-                "turn_rate_factor",
-                response.turn_rate_factor,
-                (0.05, 2.0),
-                "0.05 to 2",
-            ),
-            (
-                "bank_time_constant_s",
-                lag_s,
-                (lag, most_lag_s),
-                "0, or 0.01 to 10, and no turn of more than 1.5 rad (86 degrees) in it",
-            ),
-        ];
-        for (name, value, (low, high), expected) in rows {
-            SettingsError::unless((low..=high).contains(&value), name, value, expected)?;
-        }
-        Ok(())
+        let within = |name, value, (low, high): (f64, f64), expected| {
+            SettingsError::unless((low..=high).contains(&value), name, value, expected)
+        };
+        within("airspeed_mps", self.airspeed_mps, (1.0, 1e3), "1 to 1,000")?;
+        let (radius_m, radii_m) = (self.turn_radius_m, (tightest_m.max(1.0), 1e6));
+        let wide = "1 to 1,000,000, and no turn of more than 10 g";
+        within("turn_radius_m", radius_m, radii_m, wide)?;
+        let (low_rad, down) = (self.climb_min_rad, "-1.396 (80 degrees) to 0");
+        within("climb_min_rad", low_rad, (-STEEPEST_RAD, 0.0), down)?;
+        let (high_rad, up) = (self.climb_max_rad, "0 to 1.396 (80 degrees)");
+        within("climb_max_rad", high_rad, (0.0, STEEPEST_RAD), up)?;
+        let rate_radps = self.climb_rate_radps;
+        within("climb_rate_radps", rate_radps, (0.0, 10.0), "0 to 10")?;
+        within("dead_time_s", response.dead_time_s, (0.0, 10.0), "0 to 10")?;
+        let factor = response.turn_rate_factor;
+        within("turn_rate_factor", factor, (0.05, 2.0), "0.05 to 2")?;
+        let slow = "0, or 0.01 to 10, and no turn of more than 1.5 rad (86 degrees) in it";
+        within("bank_time_constant_s", lag_s, (lag, most_lag_s), slow)
     }
 
     /// Largest real course rate: factor · V / ρ, radians per second (Eq. 9).

@@ -26,35 +26,24 @@ impl Hazard {
 /// volume itself, the result is at least as large as that one.
 fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
     let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
-    match *widened {
-        ProtectedVolume::Sphere { .. } => {
-            let distance_m = offset_m.length();
-            let least_m = if distance_m >= true_m { true_m } else { 0.0 };
-            ProtectedVolume::Sphere {
-                radius_m: (LEAVING_SHARE * distance_m).max(least_m),
-            }
-        }
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
-        } => {
-            let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
-            let share = (horizontal / radius_m).max(offset_m.z.abs() / half_height_m);
-            let mut radius_m = (LEAVING_SHARE * share * radius_m).max(true_m);
-            let mut half_height_m = (LEAVING_SHARE * share * half_height_m).max(true_half_m);
-            // Being beyond either of the two keeps it outside.
-            if horizontal >= true_m {
-                radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
-            } else {
-                let above_m = LEAVING_SHARE * offset_m.z.abs();
-                half_height_m = half_height_m.min(above_m).max(true_half_m);
-            }
-            ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
-            }
+    let (mut radius_m, mut half_m) = (widened.radius_m(), widened.half_height_m());
+    if let ProtectedVolume::Sphere { .. } = widened {
+        let distance_m = offset_m.length();
+        let least_m = if distance_m >= true_m { true_m } else { 0.0 };
+        radius_m = (LEAVING_SHARE * distance_m).max(least_m);
+    } else {
+        let (aside_m, above_m) = (offset_m.truncate().length(), offset_m.z.abs());
+        let share = (aside_m / radius_m).max(above_m / half_m);
+        radius_m = (LEAVING_SHARE * share * radius_m).max(true_m);
+        half_m = (LEAVING_SHARE * share * half_m).max(true_half_m);
+        // Being beyond either of the two keeps it outside.
+        if aside_m >= true_m {
+            radius_m = radius_m.min(LEAVING_SHARE * aside_m).max(true_m);
+        } else {
+            half_m = half_m.min(LEAVING_SHARE * above_m).max(true_half_m);
         }
     }
+    widened.resized(radius_m, half_m)
 }
 
 #[cfg(test)]

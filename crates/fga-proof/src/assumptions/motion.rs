@@ -5,10 +5,10 @@
 //! heights between that of an aircraft that levels off at once and that of one that goes on. All of it may have begun when the
 //! aircraft was last reported.
 
-use crate::Vec3;
 use crate::certificate::{Assumption, Extent, Hazard};
 use crate::limit::whole;
 use crate::situation::ProtectedVolume;
+use crate::{Vec2, Vec3};
 
 /// Duration of a change of climb, seconds.
 pub const CLIMB_CHANGES_S: f64 = 20.0;
@@ -64,23 +64,20 @@ impl Hazard {
         } else {
             Assumption::Possible
         };
-        let extent = Extent {
-            window_s,
-            ..self.extent
-        };
-        Self::of(self.id, extent, stands_for.max(self.stands_for))
+        let mut hazard = self.with(|extent| extent.window_s = window_s);
+        hazard.stands_for = hazard.stands_for.max(stands_for);
+        hazard
     }
 
     /// Straight flight with the whole change of climb and of speed from the start on.
     #[must_use]
     pub fn straight(&self, changes: &Changes) -> Self {
         let at = changes.report(self);
-        self.with(Extent {
-            volume: widened(self.volume, changes.speeds_m),
-            velocity_mps: at.velocity_mps,
-            position_m: at.position_m + at.velocity_mps * changes.age_s,
-            stretch_m: changes.later_m(),
-            ..self.extent
+        self.with(|extent| {
+            extent.volume = widened(extent.volume, changes.speeds_m);
+            extent.velocity_mps = at.velocity_mps;
+            extent.position_m = at.position_m + at.velocity_mps * changes.age_s;
+            extent.stretch_m = changes.later_m();
         })
     }
 
@@ -91,7 +88,7 @@ impl Hazard {
         let begins_s = at.at_s;
         extent.stretch_m = changes.first_m();
         let mut leg = |extent: &Extent, from: &Moment, to: &Moment, rate_radps: f64| {
-            add(self.with(from.leg(to, rate_radps, extent)));
+            add(self.with(|own| *own = from.leg(to, rate_radps, extent)));
         };
         if turn.later_s > 0.0 {
             let next = at.turned(0.0, turn.later_s);
@@ -118,22 +115,17 @@ impl Hazard {
             leg(&extent, &at, &next, 0.0);
             at = next;
         }
-        add(self.with(Extent {
-            position_m: at.position_m - at.velocity_mps * at.at_s,
-            velocity_mps: at.velocity_mps,
-            stretch_m: changes.later_m(),
-            window_s: (at.at_s, extent.window_s.1),
-            ..extent
-        }));
+        extent.position_m = at.position_m - at.velocity_mps * at.at_s;
+        extent.velocity_mps = at.velocity_mps;
+        extent.stretch_m = changes.later_m();
+        extent.window_s.0 = at.at_s;
+        add(self.with(|own| *own = extent));
     }
 }
 
 /// A volume with places to all sides of it at the same height.
-const fn widened(mut volume: ProtectedVolume, by_m: f64) -> ProtectedVolume {
-    let (ProtectedVolume::Sphere { radius_m } | ProtectedVolume::Cylinder { radius_m, .. }) =
-        &mut volume;
-    *radius_m += by_m;
-    volume
+const fn widened(volume: ProtectedVolume, by_m: f64) -> ProtectedVolume {
+    volume.resized(volume.radius_m() + by_m, volume.half_height_m())
 }
 
 impl Changes {
@@ -185,25 +177,20 @@ struct Moment {
 impl Moment {
     /// The same aircraft after a turn at a constant rate.
     fn turned(&self, rate_radps: f64, for_s: f64) -> Self {
-        let v = self.velocity_mps;
+        let (level_mps, up_mps) = (self.velocity_mps.truncate(), self.velocity_mps.z);
         let angle = rate_radps * for_s;
         let (sin, cos) = libm::sincos(angle);
-        let velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
         // ∫ R(ω t) v dt = (sin a · v + (1 − cos a) · v⊥) / ω
         let (along_s, across_s) = if angle.abs() < 1e-9 {
             (for_s, 0.0)
         } else {
             (sin / rate_radps, (1.0 - cos) / rate_radps)
         };
-        let moved = Vec3::new(
-            along_s * v.x - across_s * v.y,
-            along_s * v.y + across_s * v.x,
-            v.z * for_s,
-        );
+        let moved_m = Vec2::new(along_s, across_s).rotate(level_mps);
         Self {
             at_s: self.at_s + for_s,
-            position_m: self.position_m + moved,
-            velocity_mps,
+            position_m: self.position_m + moved_m.extend(up_mps * for_s),
+            velocity_mps: Vec2::new(cos, sin).rotate(level_mps).extend(up_mps),
         }
     }
 
@@ -211,9 +198,7 @@ impl Moment {
     fn leg(&self, to: &Self, rate_radps: f64, extent: &Extent) -> Extent {
         let duration_s = to.at_s - self.at_s;
         let velocity_mps = (to.position_m - self.position_m) / duration_s;
-        let speed_mps = libm::sqrt(
-            self.velocity_mps.x * self.velocity_mps.x + self.velocity_mps.y * self.velocity_mps.y,
-        );
+        let speed_mps = self.velocity_mps.truncate().length();
         let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
         Extent {
             position_m: self.position_m - velocity_mps * self.at_s,

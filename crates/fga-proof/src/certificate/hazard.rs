@@ -1,7 +1,7 @@
 //! An obstacle for the certificate: how close a line comes to it.
 
-use super::assumption::Assumption;
 use crate::Vec3;
+use crate::limit::Limit as _;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::ProtectedVolume;
 
@@ -38,19 +38,19 @@ pub struct Extent {
     pub allowed_depth_m: f64,
 }
 
-impl Extent {
-    /// A volume that keeps its size and its velocity.
-    pub const fn exact(position_m: Vec3, velocity_mps: Vec3, volume: ProtectedVolume) -> Self {
-        Self {
-            position_m,
-            velocity_mps,
-            volume,
-            growth_mps: 0.0,
-            stretch_m: (0.0, 0.0),
-            window_s: ALWAYS,
-            allowed_depth_m: NO_DEPTH,
-        }
-    }
+/// What a hazard stands for, the strongest assumption first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Assumption {
+    /// An obstacle as it was reported, with its uncertainty, that keeps its velocity.
+    Reported,
+    /// One motion out of all that its aircraft may fly.
+    Possible,
+    /// An extent that somebody else answers for.
+    Given,
+    /// A volume that the aircraft is already in, made smaller so that a way out of it keeps clear of the rest.
+    Leaving,
+    /// A volume to compare manoeuvres by: nothing is proven against it.
+    Compared,
 }
 
 /// What a flight keeps clear of: an extent, the obstacle that it belongs to, and what it stands for. Everybody may read it,
@@ -60,6 +60,19 @@ pub struct Hazard {
     pub(crate) extent: Extent,
     pub(crate) id: u32,
     pub(crate) stands_for: Assumption,
+}
+
+impl Hazard {
+    /// The identifier of its obstacle.
+    #[inline]
+    pub const fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// What it stands for.
+    pub const fn stands_for(&self) -> Assumption {
+        self.stands_for
+    }
 }
 
 impl core::ops::Deref for Hazard {
@@ -113,20 +126,20 @@ impl Line {
     }
 }
 
-impl Hazard {
-    /// The identifier of its obstacle.
-    #[inline]
-    pub const fn id(&self) -> u32 {
-        self.id
-    }
-
-    /// What it stands for.
-    pub const fn stands_for(&self) -> Assumption {
-        self.stands_for
-    }
-}
-
 impl Extent {
+    /// A volume that keeps its size and its velocity.
+    pub const fn exact(position_m: Vec3, velocity_mps: Vec3, volume: ProtectedVolume) -> Self {
+        Self {
+            position_m,
+            velocity_mps,
+            volume,
+            growth_mps: 0.0,
+            stretch_m: (0.0, 0.0),
+            window_s: ALWAYS,
+            allowed_depth_m: NO_DEPTH,
+        }
+    }
+
     /// Centre `after_s` seconds from now, metres.
     #[inline]
     pub fn position_after_m(&self, after_s: f64) -> Vec3 {
@@ -259,26 +272,23 @@ impl Extent {
         if self.is_stretched() && height < 0.0 {
             (height, rise) = (0.0, 0.0);
         }
-        let aside = libm::sqrt(offset.x * offset.x + offset.y * offset.y);
+        let aside = offset.truncate().length();
         let departs = if aside > 0.0 {
-            (offset.x * velocity.x + offset.y * velocity.y) / aside
+            offset.truncate().dot(velocity.truncate()) / aside
         } else {
             0.0
         };
-        let (wall, face, room) = match self.volume {
-            ProtectedVolume::Sphere { radius_m } => (aside, height, radius_m),
-            ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
-            } => (aside - radius_m, height - half_height_m, 0.0),
+        let (radius_m, half_m) = (self.volume.radius_m(), self.volume.half_height_m());
+        let (wall, face, room) = if self.is_cylinder() {
+            (aside - radius_m, height - half_m, 0.0)
+        } else {
+            (aside, height, radius_m)
         };
-        let is_sphere = !self.is_cylinder();
-        let (margin, slope) = if is_sphere || (wall > 0.0 && face > 0.0) {
+        let (margin, slope) = if !self.is_cylinder() || (wall > 0.0 && face > 0.0) {
             let distance = libm::sqrt(wall * wall + face * face);
             let slope = (wall * departs + face * rise) / distance.max(f64::MIN_POSITIVE);
             (distance - room, slope)
         } else if self.allowed_depth_m >= 0.0 && wall < 0.0 && face < 0.0 {
-            let (radius_m, half_m) = (self.volume.radius_m(), self.volume.half_height_m());
             let (w, f) = (wall / radius_m, face / half_m);
             let least_m = radius_m.min(half_m);
             let of_wall = w / (w + f).min(-f64::MIN_POSITIVE);
@@ -306,14 +316,7 @@ fn growing_nearest_s(offset: Vec3, velocity: Vec3, growth: f64, duration_s: f64)
     let foot_s = -offset.dot(velocity) / square;
     let miss = (offset + velocity * foot_s).length();
     let beyond_s = growth * miss / libm::sqrt(square * faster);
-    let when = foot_s + beyond_s;
-    if when > duration_s {
-        duration_s
-    } else if when > 0.0 {
-        when
-    } else {
-        0.0
-    }
+    (foot_s + beyond_s).limited(0.0, duration_s)
 }
 
 /// Minimum of a convex function on [0, duration], from below, and its time, from its values and

@@ -105,11 +105,6 @@ impl Fixed<'_> {
         }
     }
 
-    /// How long they count, seconds from the decision.
-    pub(crate) const fn until_s(&self) -> f64 {
-        self.zones.until_s
-    }
-
     /// Least margin on a line and its time, if lower than another one, or anything below a floor: no flight that is nearer to the line than the
     /// margin is negative clears what the line enters.
     pub fn lower(

@@ -132,6 +132,7 @@ impl Roll {
         let fastest = [rate, end, within].map(f64::abs);
         let third = unevenness(steepest, off_rad) * fourth(lasts);
         let d = off_rad.abs();
+        let ninth = TURN_ERROR * d * fourth(lasts) * fourth(lasts) * lasts;
         Self {
             from_rad,
             command_rad,
@@ -144,14 +145,7 @@ impl Roll {
             fastest: fastest.into_iter().fold(steepest, f64::max),
             bow: BOW * third * lasts,
             wave: WAVE * third,
-            turn_error: TURN_ERROR
-                * d
-                * fourth(lasts)
-                * fourth(lasts)
-                * lasts
-                * fourth(1.0 + d)
-                * fourth(1.0 + d)
-                / (1.0 + d),
+            turn_error: ninth * fourth(1.0 + d) * fourth(1.0 + d) / (1.0 + d),
             left_rad: 0.0,
         }
     }
