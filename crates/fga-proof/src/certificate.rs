@@ -103,7 +103,8 @@ pub(crate) fn bounded(
     if found.status != Status::Proven || fixed.is_empty() {
         return found;
     }
-    // What is spared counts only for flights that enter nothing.
+    // The margin of a flight that enters nothing is its distance from zones and ground, and what it is spared of that: so much less
+    // distance is asked for. A flight that enters something is spared nothing.
     let spare_m = fixed.zones.spare_m;
     let floor_m = (floor_m - spare_m).max(floor_m.min(0.0));
     let enough_m = (found.margin_m - spare_m).max(0.0);
@@ -187,14 +188,10 @@ fn bounded_from<O: Obstruction>(
     } else {
         worst.margin_m - remainder_m
     };
-    worst.status = if meter.is_spent() {
-        Status::LimitMet
-    } else if below_floor {
-        Status::BelowFloor
-    } else if above && path.is_complete() {
-        Status::Proven
-    } else {
-        Status::LimitMet
+    worst.status = match (meter.is_spent(), below_floor) {
+        (false, true) => Status::BelowFloor,
+        (false, false) if above && path.is_complete() => Status::Proven,
+        _ => Status::LimitMet,
     };
     worst
 }
@@ -211,7 +208,7 @@ struct Chord<'a> {
 
 impl<'a> Chord<'a> {
     /// From the first of some nodes to the last one, `None` without a duration; if that is after `horizon_s`, there is only one
-    /// between two, cut there. The bow from one over several nodes covers the shorter chords' own.
+    /// between two, cut there. One over several nodes stands for shorter ones: it counts the bow that each of these would subtract.
     #[inline]
     fn over(flyer: &Flyer, nodes: &'a [Node], horizon_s: f64) -> Option<Self> {
         let [node, within @ .., last] = nodes else {
@@ -228,7 +225,7 @@ impl<'a> Chord<'a> {
         let duration_s = end.time_s - node.state.time_s;
         let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
             .fold(node.acceleration_mps2, f64::max);
-        let own_m = if within.is_empty() { 0.0 } else { CHORD_BOW_M };
+        let shorter_m = if within.is_empty() { 0.0 } else { CHORD_BOW_M };
         (duration_s > 0.0).then(|| Self {
             node,
             end_m: end.position_m,
@@ -237,7 +234,7 @@ impl<'a> Chord<'a> {
                 node.state.time_s,
                 duration_s,
             ),
-            bow_m: fastest_mps2 * duration_s * duration_s / 8.0 + own_m,
+            bow_m: fastest_mps2 * duration_s * duration_s / 8.0 + shorter_m,
         })
     }
 

@@ -159,14 +159,10 @@ impl Command {
         terms: &Terms,
         meter: &Meter,
     ) -> Result<Proof, Closest> {
-        let Terms {
-            horizon_s,
-            target_m,
-            enough_m,
-        } = *terms;
+        let (horizon_s, target_m) = (terms.horizon_s, terms.target_m);
         self.proof = None;
         path.predict_within(flyer, start, &self.maneuver, horizon_s, meter);
-        let asked = (horizon_s, target_m, enough_m);
+        let asked = (horizon_s, target_m, terms.enough_m);
         let found = bounded(flyer, path, assumptions, asked, (MOST_SPLITS, meter));
         let weakest = assumptions.weakest();
         if !found.holds(target_m) || weakest == Assumption::Compared {

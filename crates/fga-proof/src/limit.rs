@@ -77,11 +77,8 @@ pub struct SettingsError {
 
 impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "{} is {}, expected {}",
-            self.name, self.value, self.expected
-        )
+        let (name, value, expected) = (self.name, self.value, self.expected);
+        write!(f, "{name} is {value}, expected {expected}")
     }
 }
 

@@ -10,7 +10,6 @@ mod motion;
 mod path;
 mod roll;
 
-pub use crate::limit::whole;
 pub use motion::{Flyer, MotionState, Piece};
 pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node, flown};
 pub use roll::GAUSS;

@@ -25,9 +25,8 @@ pub fn turn_radius_m(airspeed_mps: f64, bank_rad: f64) -> Option<f64> {
 /// The vehicle's response: the difference between command and flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Dead time before a command has any effect, seconds. The caller asks an
-    /// avoider about the moment after it, with a situation that predicts the
-    /// commands under way until then.
+    /// Dead time before a command has any effect, seconds. The caller asks an avoider about the moment after it, with a situation that
+    /// predicts the commands under way until then.
     pub dead_time_s: f64,
     /// Time constant of the first-order bank response, seconds; 0 for a bank that follows at once.
     pub bank_time_constant_s: f64,

@@ -1,10 +1,8 @@
 //! The motion of the vehicle under one command: Eq. 10–12 with its limits and its response.
 //!
-//! Without lag the motion is exact: course ψ and climb angle θ move linearly in time to their
-//! targets, and cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of
-//! linear functions. With a bank lag the bank follows its command exponentially: the command is the
-//! bank of the largest course rate until the remaining turn equals the turn made while rolling out to level,
-//! then level. A roll is a few pieces of quadratic course rate, with an exact course at their ends.
+//! Without lag the motion is exact: course ψ and climb angle θ move linearly in time to their targets, and
+//! cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of linear functions. With a bank lag (proof.md §1) the
+//! command is the bank of the largest course rate until the remaining turn equals that of rolling out to level, then level.
 
 use core::f64::consts::FRAC_PI_2;
 

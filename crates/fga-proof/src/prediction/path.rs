@@ -273,10 +273,11 @@ impl FlightPath {
         }
         self.remainder_m = drift.remainder_m(flyer, horizon_s, state.time_s);
         self.end_velocity_mps = flyer.velocity_mps(&state);
-        self.complete = self.nodes.push(Node::straight(state)).is_some();
-        // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
-        self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
-        self.complete &= maneuver.is_whole() && !meter.is_spent() && self.remainder_m.is_finite();
+        let has_end = self.nodes.push(Node::straight(state)).is_some();
+        // Where the nodes run out beyond the horizon, as in a slow turn, what they lack decides nothing.
+        let is_past = (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
+        let is_bounded = !meter.is_spent() && self.remainder_m.is_finite();
+        self.complete = (has_end || is_past) && maneuver.is_whole() && is_bounded;
     }
 
     /// The aircraft `at_s` seconds from the decision.

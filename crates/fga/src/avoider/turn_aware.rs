@@ -19,9 +19,9 @@ use crate::avoider::{
 };
 use crate::certificate::certify_set;
 use crate::command::{Command, Terms};
-use crate::limit::Limit as _;
+use crate::limit::{Limit as _, whole};
 use crate::maneuver::{Maneuver, Stage};
-use crate::prediction::{MotionState, whole};
+use crate::prediction::MotionState;
 use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Scene, Search};
 use crate::situation::Situation;
 

@@ -33,9 +33,8 @@ impl Flyer {
 
     /// Displacement `after_s` seconds into a piece, metres.
     ///
-    /// With a course rate quadratic in time, the course differs from its mean rate by a parabola and a cubic that is odd
-    /// about the middle: e(t) = a (s² − T²/4) / 2 + b s (s² − T²/4) / 6, s = t − T/2. This counts the parabola's first two orders,
-    /// and the cubic's first, also while the climb angle changes.
+    /// With a course rate quadratic in time, the course differs from its mean rate by a parabola and a cubic about the middle. This
+    /// counts the parabola's first two orders, and the cubic's first, also while the climb angle changes (proof.md §5).
     pub(super) fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
         let mean_radps = piece.mean_radps(after_s);
         let climb_radps = piece.climb_rate_radps;

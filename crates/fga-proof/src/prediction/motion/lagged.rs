@@ -47,7 +47,7 @@ impl Flyer {
         };
         let beyond = self.beyond(turn_left, state.bank_rad);
         let is_turn = full > 0.0;
-        let piece = if is_turn && beyond.abs() > ROLL_OUT_BEGINS_RAD {
+        let mut piece = if is_turn && beyond.abs() > ROLL_OUT_BEGINS_RAD {
             let command = libm::copysign(full, beyond);
             if state.bank_rad == command {
                 let rate = libm::copysign(limit, beyond);
@@ -84,11 +84,10 @@ impl Flyer {
                 ..Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
             }
         };
-        let beyond_rad = if is_turn { beyond.abs() } else { 0.0 };
-        Piece {
-            beyond_rad,
-            ..piece
+        if is_turn {
+            piece.beyond_rad = beyond.abs();
         }
+        piece
     }
 
     /// The bank of the largest course rate, radians.
