@@ -35,12 +35,11 @@ pub const COMPARED: usize = 16;
 /// The work of a step: what is done, from when on it finishes, and how much there may be at most.
 ///
 /// **The bound.** All work of a length that depends on the input asks [`Self::take`] before it is done, piece by piece. A piece
-/// that does not fit within `most` is refused, and so is every later one: what is done never exceeds `most`, whatever the
-/// order. The rest of the step then only returns: loops ask for their pieces, so they end.
+/// that does not fit within `most` is refused, and so is every later one: what is done never exceeds `most`.
 ///
 /// **The answers.** Searches and loops ask [`Self::is_met`] and end at `limit`, with the best answer so far; what is between
-/// `limit` and `most` finishes them: the certificate of an answer, the last line of a sweep. Where that does not suffice, what
-/// was computed may lack pieces. So after a refusal nothing is proven: a certificate has no margin, and a search has no answer.
+/// `limit` and `most` finishes them: the certificate of an answer, the last line of a sweep. After a refusal what was computed
+/// may lack pieces, so nothing is proven: a certificate has no margin, and a search has no answer.
 #[derive(Debug, Clone)]
 pub struct Meter {
     // Wider than any sum of them.

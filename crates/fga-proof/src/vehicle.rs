@@ -157,14 +157,10 @@ impl Vehicle {
 
     /// The vehicle of Table 4 with a bank lag and the turn rate of a real aircraft.
     pub const fn lagged(bank_time_constant_s: f64) -> Self {
-        Self {
-            response: Response {
-                bank_time_constant_s,
-                turn_rate_factor: 0.8,
-                ..Response::IDEAL
-            },
-            ..Self::table_4()
-        }
+        let mut vehicle = Self::table_4();
+        vehicle.response.bank_time_constant_s = bank_time_constant_s;
+        vehicle.response.turn_rate_factor = 0.8;
+        vehicle
     }
 
     /// Whether it may leave its altitude.

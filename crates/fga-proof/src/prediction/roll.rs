@@ -27,7 +27,7 @@ const USUAL_BOW: f64 = 3.7e-4;
 /// A roll is over when so little of it is left, radians, at the usual pace; the turn of the rest counts.
 const SETTLED_RAD: f64 = 1e-5;
 
-/// The piece that ends a roll may bow by this many times what the others may: it is a single one that takes long.
+/// The piece that ends a roll may bow by this many times what the others may, so that rolls take fewer.
 const LAST_SHARE: f64 = 3.0;
 
 /// Within a shorter piece the course rate is constant, time constants.
