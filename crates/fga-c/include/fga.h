@@ -130,7 +130,7 @@
 #define FGA_KNOWN_WIND 4
 
 // Bytes of storage for a prover.
-#define FGA_PROVER_BYTES 40960
+#define FGA_PROVER_BYTES 39936
 
 // Most obstacles of a proof.
 #define FGA_PROVER_OBSTACLES_MOST 128

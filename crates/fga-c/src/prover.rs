@@ -23,7 +23,7 @@ use crate::memory::{Kind, LentSpan, Object, answered, apart, fill, given, list, 
 use crate::status::{Refused, fga_refusal, fga_status};
 
 /// Bytes of storage for a prover.
-pub const FGA_PROVER_BYTES: usize = 40_960;
+pub const FGA_PROVER_BYTES: usize = 39_936;
 
 /// Most obstacles of a proof.
 pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
