@@ -67,7 +67,7 @@ void FgaPlane::hear_traffic(double now_s) {
         const double track_rad = radians(other.info.heading * 0.01), speed_mps = other.info.hor_velocity * 0.01;
         const fga_enu velocity {speed_mps * sin(track_rad), speed_mps * cos(track_rad), other.info.ver_velocity * 0.01};
         const fga_enu place = enu(origin.get_distance_NED(plane.adsb.get_location(other)));
-        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, 15, 1};
+        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, 15, 1, 0, 0, 0};
         fga_task_hear(&task, &report, now_s);
     }
 }

@@ -166,7 +166,7 @@ void Fga::step() {
 	while (_traffic_sub.update(&other)) {
 		const fga_report report {sizeof(fga_report), other.icao_address, FGA_MOVEMENT_CREWED, 1, other.timestamp / 1000000.0 - other.tslc,
 			enu(other.lat, other.lon, other.altitude),
-			{other.hor_velocity * sin((double)other.heading), other.hor_velocity * cos((double)other.heading), other.ver_velocity}, 15, 1};
+			{other.hor_velocity * sin((double)other.heading), other.hor_velocity * cos((double)other.heading), other.ver_velocity}, 15, 1, 0, 0, 0};
 		fga_task_hear(&_task, &report, in.time_s);
 	}
 	fga_task_output out;

@@ -49,6 +49,9 @@
 // Alignment of all storage, bytes.
 #define FGA_ALIGN 16
 
+// Most obstacles and most waypoints for which an avoider can have room, and most aircraft of reports.
+#define FGA_CAPACITY_MOST 65536
+
 // Most zones of a situation.
 #define FGA_ZONES_MOST 32
 
@@ -72,9 +75,6 @@
 
 // Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_WAYPOINT_BYTES 32
-
-// Most obstacles and most waypoints for which an avoider can have room.
-#define FGA_CAPACITY_MOST 65536
 
 // Bytes of storage for beliefs.
 #define FGA_BELIEFS_BYTES 50688

@@ -11,7 +11,7 @@ use fga::pilot::Pilot as _;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
 use fga::vehicle::Vehicle;
 
-use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN, FGA_CAPACITY_MOST};
 use crate::airspace::{ZoneRoom, ground, zones};
 use crate::beliefs::{Believing, fga_beliefs};
 use crate::decision::fga_decision;
@@ -37,9 +37,6 @@ pub const FGA_AVOIDER_TRACKED_MOST: usize = 126;
 
 /// Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_WAYPOINT_BYTES: usize = 32;
-
-/// Most obstacles and most waypoints for which an avoider can have room.
-pub const FGA_CAPACITY_MOST: u32 = 65_536;
 
 /// Hazards for which any avoider has room beside one for each obstacle: the turns of some four aircraft.
 const TURNS: usize = 64;

@@ -27,16 +27,13 @@ pub(crate) struct Believing {
     counts: fga_report_counts,
 }
 
-/// An aircraft and its volume.
-type Aircraft = (u32, ProtectedVolume);
-
 /// A usable report of an aircraft with a volume, and where the own aircraft is.
 fn heard(
     of: &fga_report,
     (radius_m, half_height_m): (f64, f64),
     now_s: f64,
     own_m: fga_enu,
-) -> Result<(Aircraft, Report, Vec3), Refused> {
+) -> Result<((u32, ProtectedVolume), Report, Vec3), Refused> {
     usable("now_s", now_s)?;
     let own_m = own_m.usable(["own_m.east", "own_m.north", "own_m.up"])?;
     let volume = volume(radius_m, half_height_m)?;

@@ -50,7 +50,7 @@ mod prover;
 mod reports;
 mod status;
 
-pub use abi::{FGA_ABI_VERSION, FGA_ALIGN, fga_abi_version};
+pub use abi::{FGA_ABI_VERSION, FGA_ALIGN, FGA_CAPACITY_MOST, fga_abi_version};
 pub use airspace::{
     FGA_GROUND_POSTS_MOST, FGA_ZONE_CORNERS_MOST, FGA_ZONES_MOST, fga_ground,
     fga_ground_fill_peaks, fga_ground_peak_count, fga_place, fga_zone, fga_zone_kind,

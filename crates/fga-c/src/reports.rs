@@ -4,8 +4,7 @@ use fga::Vec3;
 use fga::situation::MovementBounds;
 use fga_belief::{Belief, Errors, Report, Sigma, Source};
 
-use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN};
-use crate::avoider::FGA_CAPACITY_MOST;
+use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN, FGA_CAPACITY_MOST};
 use crate::growable::{Growable, size_word};
 use crate::input::{fga_enu, fga_movement, fga_obstacle, fga_volume, usable};
 use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, fill, given, sized};
