@@ -981,7 +981,11 @@ fga_status fga_avoider_step(struct fga_avoider *avoider,
                             struct fga_refusal *why);
 
 // Decides like `fga_avoider_step`, among aircraft by expected cost: what the reports that `beliefs` has heard say that they may do, and what
-// that costs. Obstacles of the situation that are aircraft count as reports of this moment too. The same beliefs go with the same avoider.
+// that costs. Obstacles of the situation that are aircraft count as reports of this moment too. The same beliefs go with the same avoider, which
+// needs room for the believed aircraft beside other obstacles. Chances and `proven_share` are those of the last choice, up to 0.95 s ago. A choice
+// weighs the six aircraft that may come nearest; `work_limit` does not bound it.
+//
+// `FGA_STATUS_INCOMPLETE` also where believed aircraft are left out for want of room; `work_limit_met` then too, and where more than six are around.
 //
 // Refuses what `fga_avoider_step` refuses, of either object.
 fga_status fga_avoider_step_on_beliefs(struct fga_avoider *avoider,
@@ -998,7 +1002,8 @@ fga_status fga_avoider_counts(struct fga_avoider *avoider, struct fga_counts *co
 // Bytes of storage for beliefs: `FGA_BELIEFS_BYTES`.
 size_t fga_beliefs_size(void);
 
-// Constructs beliefs about nobody in storage of the caller, as `fga_avoider_init` does an avoider.
+// Constructs beliefs about nobody in storage of the caller, as `fga_avoider_init` does an avoider. It takes up to 51 kB of stack, once; a step on
+// beliefs takes 32 kB.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`.
 fga_status fga_beliefs_init(void *storage,
@@ -1008,10 +1013,11 @@ fga_status fga_beliefs_init(void *storage,
                             struct fga_refusal *why);
 
 // Takes a report of an aircraft now, with a volume around it, of `half_height_m` 0 for a sphere, and the own aircraft at `own_m`; `now_s` is on
-// the clock of the reports and of the situations. It counts each report. A late one changes nothing else. An aircraft without a report for 8 s is
-// forgotten. What rests or flies straight by contract is an obstacle of the situation.
+// the clock of the reports and of the situations. It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft
+// without a report for 8 s is forgotten, unless the situation has it. What rests or flies straight by contract is an obstacle of the situation; it
+// takes the place of an aircraft with its identifier.
 //
-// `FGA_STATUS_INCOMPLETE`: 16 others are nearer.
+// `FGA_STATUS_INCOMPLETE`: of more than 16 aircraft the farthest one is left out.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`.
 fga_status fga_beliefs_hear(struct fga_beliefs *beliefs,

@@ -100,8 +100,7 @@ typedef struct fga_task_settings {
   // A learner of `vehicle`, see fga_learned_init; null for none. The task shows it each fresh state but in the pilot's modes, and plans
   // with what was learned from the next manoeuvre on.
   fga_learned *learned;
-  // Beliefs, see fga_beliefs_init; null for none. With them the task decides by expected cost among aircraft, whose reports they hear, and
-  // `traffic_lifetime_s` is that of what rests or flies straight by contract alone.
+  // Beliefs, see fga_beliefs_init; null for none. With them the task decides by expected cost among aircraft, whose reports they hear too.
   fga_beliefs *beliefs;
 } fga_task_settings;
 
@@ -285,9 +284,10 @@ static inline void fga_task_hear(fga_task *task, const fga_report *report, doubl
   const fga_task_settings *settings = &task->settings;
   const fga_enu own_m = task->ownship.position_m;
   const int is_believed = settings->beliefs && report->movement >= FGA_MOVEMENT_CREWED;
-  const fga_status status = is_believed ? fga_beliefs_hear(settings->beliefs, report, settings->radius_m, settings->half_height_m, now_s,
-                                                           own_m, &task->why)
-                                        : fga_reports_hear(task->reports, report, now_s, own_m, &task->why);
+  fga_status status = fga_reports_hear(task->reports, report, now_s, own_m, &task->why);
+  if (is_believed && status == FGA_STATUS_OK) {
+    status = fga_beliefs_hear(settings->beliefs, report, settings->radius_m, settings->half_height_m, now_s, own_m, &task->why);
+  }
   if (status != FGA_STATUS_OK) task->incomplete = 1;
 }
 

@@ -3,10 +3,11 @@
 use fga::Vec3;
 use fga::avoider::belief::{BeliefDecider, Errors, Report};
 use fga::situation::ProtectedVolume;
+use fga_belief::ENDS_AFTER_S;
 
 use crate::abi::FGA_ABI_VERSION;
 use crate::growable::size_word;
-use crate::input::{fga_enu, fga_movement, usable};
+use crate::input::{fga_enu, fga_movement, usable, usable_time};
 use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, fill, given, sized};
 use crate::reports::{fga_report, fga_report_counts};
 use crate::status::{Refused, fga_refusal, fga_status};
@@ -34,10 +35,11 @@ fn heard(
     now_s: f64,
     own_m: fga_enu,
 ) -> Result<((u32, ProtectedVolume), Report, Vec3), Refused> {
-    usable("now_s", now_s)?;
+    usable_time("now_s", now_s)?;
     let own_m = own_m.usable(["own_m.east", "own_m.north", "own_m.up"])?;
     let volume = volume(radius_m, half_height_m)?;
-    if of.movement < fga_movement::Crewed as u32 {
+    let aircraft = fga_movement::Crewed as u32..=fga_movement::SmallUas as u32;
+    if !aircraft.contains(&of.movement) {
         let expected = "FGA_MOVEMENT_CREWED or FGA_MOVEMENT_SMALL_UAS";
         return Err(Refused::unknown("movement", of.movement, expected));
     }
@@ -72,7 +74,8 @@ pub const extern "C" fn fga_beliefs_size() -> usize {
     FGA_BELIEFS_BYTES
 }
 
-/// Constructs beliefs about nobody in storage of the caller, as `fga_avoider_init` does an avoider.
+/// Constructs beliefs about nobody in storage of the caller, as `fga_avoider_init` does an avoider. It takes up to 51 kB of stack, once; a step on
+/// beliefs takes 32 kB.
 ///
 /// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`.
 #[unsafe(no_mangle)]
@@ -115,10 +118,11 @@ pub unsafe extern "C" fn fga_beliefs_init(
 }
 
 /// Takes a report of an aircraft now, with a volume around it, of `half_height_m` 0 for a sphere, and the own aircraft at `own_m`; `now_s` is on
-/// the clock of the reports and of the situations. It counts each report. A late one changes nothing else. An aircraft without a report for 8 s is
-/// forgotten. What rests or flies straight by contract is an obstacle of the situation.
+/// the clock of the reports and of the situations. It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft
+/// without a report for 8 s is forgotten, unless the situation has it. What rests or flies straight by contract is an obstacle of the situation; it
+/// takes the place of an aircraft with its identifier.
 ///
-/// `FGA_STATUS_INCOMPLETE`: 16 others are nearer.
+/// `FGA_STATUS_INCOMPLETE`: of more than 16 aircraft the farthest one is left out.
 ///
 /// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`.
 #[unsafe(no_mangle)]
@@ -141,22 +145,21 @@ pub unsafe extern "C" fn fga_beliefs_hear(
         let taken = heard(&of, (radius_m, half_height_m), now_s, own_m);
         let (aircraft, report, own_m) =
             taken.inspect_err(|_| count(&mut believing.counts.unusable))?;
-        Ok(
-            match believing
-                .decider
-                .hear(aircraft, &report, &of.bounds(), own_m)
-            {
-                Some(true) => fga_status::Ok,
-                Some(false) => {
-                    count(&mut believing.counts.late);
-                    fga_status::Ok
-                }
-                None => {
-                    count(&mut believing.counts.left_out);
-                    fga_status::Incomplete
-                }
-            },
-        )
+        let decider = &mut believing.decider;
+        let is_new = if now_s - report.time_s > ENDS_AFTER_S {
+            Some(false)
+        } else {
+            decider.hear(aircraft, &report, &of.bounds(), own_m)
+        };
+        match is_new {
+            Some(true) => {}
+            Some(false) => count(&mut believing.counts.late),
+            None => {
+                count(&mut believing.counts.left_out);
+                return Ok(fga_status::Incomplete);
+            }
+        }
+        Ok(fga_status::Ok)
     };
     // SAFETY: the caller's word, in the header.
     unsafe { memory::work(beliefs.cast(), why, hear) }

@@ -499,7 +499,7 @@ unsafe impl Growable for fga_situation {}
 impl fga_situation {
     /// Says time, aircraft and wind.
     pub(crate) fn moment(&self, now: &mut Situation<'_>) -> Result<(), Refused> {
-        now.time_s = usable_time(self.time_s)?;
+        now.time_s = usable_time("time_s", self.time_s)?;
         now.wind_mps = self.wind_mps.usable(WIND)?;
         now.ownship = self.ownship.ownship()?;
         Ok(())
@@ -585,8 +585,8 @@ pub(crate) fn usable(field: &'static str, value: f64) -> Result<(), Refused> {
 }
 
 /// The time of a state, `time_s`, seconds, if it can be calculated with.
-pub(crate) fn usable_time(time_s: f64) -> Result<f64, Refused> {
+pub(crate) fn usable_time(field: &'static str, time_s: f64) -> Result<f64, Refused> {
     let is_time = time_s.abs() <= LATEST_S;
-    SettingsError::unless(is_time, "time_s", time_s, "a finite number up to 1e10")?;
+    SettingsError::unless(is_time, field, time_s, "a finite number up to 1e10")?;
     Ok(time_s)
 }

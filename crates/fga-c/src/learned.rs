@@ -152,7 +152,7 @@ impl fga_seen_state {
             Some(self.velocity_mps.usable(VELOCITY)?.truncate())
         };
         Ok(SeenState {
-            time_s: usable_time(self.time_s)?,
+            time_s: usable_time("time_s", self.time_s)?,
             bank_rad: self.bank_left_rad,
             turn_rate_radps: self.turn_rate_left_radps,
             airspeed_mps: self.airspeed_mps,

@@ -6,7 +6,7 @@ use fga_belief::{Belief, Errors, Report, Sigma, Source};
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN, FGA_CAPACITY_MOST};
 use crate::growable::{Growable, size_word};
-use crate::input::{fga_enu, fga_movement, fga_obstacle, fga_volume, usable};
+use crate::input::{fga_enu, fga_movement, fga_obstacle, fga_volume, usable, usable_time};
 use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, fill, given, sized};
 use crate::status::{Refused, fga_refusal, fga_status};
 
@@ -127,7 +127,7 @@ impl FilteredAircraft {
             time_s: report.time_s,
             position_m: report.position_m,
             velocity_mps: Vec3::ZERO,
-            sigmas: [of.position_sigma_m, 0.0],
+            sigmas: [of.position_sigma_m.max(of.altitude_sigma_m), 0.0],
             belief,
         };
         // What rests is where it is reported.
@@ -137,6 +137,8 @@ impl FilteredAircraft {
             heard.velocity_mps = estimate.velocity_mps;
             heard.sigmas = estimate.sigmas();
         }
+        let lasting_m = of.lasting_position_sigma_m.max(of.lasting_altitude_sigma_m);
+        heard.sigmas[0] = libm::hypot(heard.sigmas[0], lasting_m);
         heard
     }
 
@@ -195,7 +197,7 @@ impl fga_report {
             let expected = "an fga_movement but FGA_MOVEMENT_BOUNDED";
             return Err(Refused::unknown("movement", self.movement, expected));
         }
-        usable("time_s", self.time_s)?;
+        usable_time("time_s", self.time_s)?;
         if self.time_s > now_s + EARLY_S {
             return Err(Refused::out_of_range("time_s", self.time_s, "at most now"));
         }
@@ -418,7 +420,7 @@ pub unsafe extern "C" fn fga_reports_hear(
         // SAFETY: the caller's word, in the header.
         let (of, from) = unsafe { given(report) }?;
         apart(&[traffic.span, from, why])?;
-        usable("now_s", now_s)?;
+        usable_time("now_s", now_s)?;
         let own_m = own_m.usable(["own_m.east", "own_m.north", "own_m.up"])?;
         let counts = &mut traffic.value().counts;
         counts.heard = counts.heard.saturating_add(1);
@@ -455,7 +457,7 @@ pub unsafe extern "C" fn fga_reports_obstacles(
         let places = LentSpan::of(obstacles.cast_const(), obstacle_most as usize)?;
         let count = LentSpan::of(obstacle_count.cast_const(), 1)?;
         apart(&[traffic.span, places, count, why])?;
-        usable("now_s", now_s)?;
+        usable_time("now_s", now_s)?;
         for (field, length_m) in [("radius_m", radius_m), ("half_height_m", half_height_m)] {
             usable(field, length_m)?;
             if length_m < 0.0 {

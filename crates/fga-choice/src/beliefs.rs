@@ -13,6 +13,9 @@ pub const MOST_KNOWN: usize = 16;
 /// A report holds later than the last one if it is younger by more than this, seconds: between reports obstacles are carried on.
 const LATER_S: f64 = 1e-6;
 
+/// A report may be this much from the future, seconds, and somewhat more: clocks differ.
+const EARLY_S: f64 = 1.5;
+
 /// An aircraft that is known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known {
@@ -115,7 +118,12 @@ impl Beliefs {
     /// velocity by contract, or rests, is no aircraft.
     pub fn hear(&mut self, situation: &Situation<'_>, errors: &Errors) -> bool {
         let mut has_news = false;
-        self.retain(|known| !known.belief.has_ended(situation.time_s) || known.is_in(situation));
+        // A report from later than now was of a clock that was set back since.
+        let is_of_now = |known: &Known| {
+            known.belief.time_s() <= situation.time_s + EARLY_S
+                && !known.belief.has_ended(situation.time_s)
+        };
+        self.retain(|known| is_of_now(known) || known.is_in(situation));
         for obstacle in situation.obstacles.iter().filter(Obstacle::is_valid) {
             let Some(bounds) = obstacle.movement.bounds() else {
                 self.retain(|known| known.id != obstacle.id);
@@ -131,13 +139,13 @@ impl Beliefs {
             };
             let aircraft = (obstacle.id, obstacle.volume);
             let heard = self.take(aircraft, &report, &bounds, situation.ownship.position_m);
-            has_news |= heard == Some(true);
+            has_news |= heard != Some(false);
         }
         has_news
     }
 
-    /// Takes a report of an aircraft with a volume: whether it is new; `None` where there is no room, because those that are known are nearer to
-    /// the own aircraft. The report must be [valid](Report::is_valid).
+    /// Takes a report of an aircraft with a volume: whether it is new; `None` where there is no room for all: then the farthest one from the own
+    /// aircraft is left out. The report must be [valid](Report::is_valid).
     pub fn take(
         &mut self,
         (id, volume): (u32, ProtectedVolume),
@@ -147,9 +155,9 @@ impl Beliefs {
     ) -> Option<bool> {
         let mut known = self.known.iter_mut().flatten();
         if let Some(known) = known.find(|known| known.id == id) {
-            known.volume = volume;
             let is_new = report.time_s > known.belief.time_s() + LATER_S;
             if is_new {
+                known.volume = volume;
                 let before = Some(known.belief).filter(|belief| belief.bounds() == bounds);
                 known.belief = Belief::after(before, report, bounds);
             }
@@ -159,19 +167,33 @@ impl Beliefs {
         self.add(own_m, &Known { id, volume, belief })
     }
 
-    /// Adds an aircraft, in place of the farthest one if that is farther away.
+    /// Adds an aircraft, or leaves the farthest one out.
     fn add(&mut self, own_m: Vec3, new: &Known) -> Option<bool> {
-        let free = self.known.iter_mut().find(|slot| slot.is_none());
-        if let Some(slot) = free {
-            *slot = Some(*new);
-        } else if self.known.push(Some(*new)).is_none() {
-            self.left_out_s = new.belief.time_s();
-            let away_m = |known: &Known| known.belief.reported_m().distance_squared(own_m);
-            let known = self.known.iter_mut().flatten();
-            let farthest = known.max_by(|a, b| away_m(a).total_cmp(&away_m(b)));
-            *farthest.filter(|farthest| away_m(farthest) > away_m(new))? = *new;
+        let now_s = new.belief.time_s();
+        if self.known.push(Some(*new)).is_some() {
+            return Some(true);
         }
-        Some(true)
+        // The rank of a place: free, of nobody heard of, of the farthest one.
+        let rank = |slot: &Option<Known>| match slot {
+            None => (2, 0.0),
+            Some(known) if known.belief.has_ended(now_s) => (1, 0.0),
+            Some(known) => (0, known.belief.reported_m().distance_squared(own_m)),
+        };
+        let by_rank = |a: &(u8, f64), b: &(u8, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let place = self
+            .known
+            .iter_mut()
+            .max_by(|a, b| by_rank(&rank(a), &rank(b)))?;
+        let (is_free, away_m2) = rank(place);
+        if is_free > 0 {
+            *place = Some(*new);
+            return Some(true);
+        }
+        self.left_out_s = now_s;
+        if away_m2 > new.belief.reported_m().distance_squared(own_m) {
+            *place = Some(*new);
+        }
+        None
     }
 
     /// The aircraft that a situation does not have, as they are expected to be now.

@@ -258,6 +258,7 @@ impl Ahead {
         self.beside_m = [[0.0; FUTURES]; MOMENTS];
         self.above_m = [[0.0; FUTURES]; MOMENTS];
         self.other = 0.0;
+        self.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
         self.radius_m = obstacle.volume.radius_m() as f32;
         self.half_height_m = obstacle.volume.half_height_m() as f32;
     }

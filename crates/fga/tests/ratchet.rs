@@ -27,7 +27,7 @@
 //! On 30 November 2026 what only proposals need left `fga-proof`, and raised others: where a turn leads once it is over moved to
 //! `fga-mission`, which `fga-search` therefore reads (224 lines), sides of turns to `fga-search` (45).
 //!
-//! What decides on beliefs stands beside an avoider that lives elsewhere, for C: 54 lines of `fga`.
+//! What decides on beliefs stands beside an avoider that lives elsewhere, for C, and says what it leaves out: 82 lines of `fga`.
 #![cfg(target_pointer_width = "64")]
 
 extern crate alloc;

@@ -12,6 +12,7 @@ typedef enum {
   NOISY_REPORTS,
   ON_BELIEFS,
   ON_NOISY_BELIEFS,
+  ON_BELIEFS_SILENT_BEFORE,
   ANOTHER_LEG,
   TRAFFIC_SILENT_BEFORE,
   TRAFFIC_SILENT_IN_THE_TURN,
@@ -32,6 +33,7 @@ static const char *const NAMES[] = {"no fault",
                                     "reports off by 20 m and 3 m/s",
                                     "on beliefs",
                                     "on beliefs, the least ADS-B",
+                                    "on beliefs, traffic falls silent before",
                                     "another leg",
                                     "traffic falls silent before",
                                     "traffic falls silent in the turn",
@@ -142,7 +144,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
     settings.in_need.turn_rate_factor = 0.95 * factor;
   }
-  if (fault == ON_BELIEFS || fault == ON_NOISY_BELIEFS) {
+  if (fault == ON_BELIEFS || fault == ON_NOISY_BELIEFS || fault == ON_BELIEFS_SILENT_BEFORE) {
     if (fga_beliefs_init(&believed, sizeof believed, FGA_ABI_VERSION, &settings.beliefs, NULL)) return "no beliefs";
   }
   // Storage is aligned by the task.
@@ -158,7 +160,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
   const fga_enu meets_m = {25.0 * meets_s, fault == ANOTHER_LEG ? 200.0 : 0.0, 100.0};
   const double track_rad = track_deg * acos(-1.0) / 180.0;
   const fga_enu rate_mps = {30.0 * cos(track_rad), 30.0 * sin(track_rad), 0.0};
-  const double silent_from_s = fault == TRAFFIC_SILENT_BEFORE ? meets_s - 20.0 : INFINITY;
+  const double silent_from_s = fault == TRAFFIC_SILENT_BEFORE || fault == ON_BELIEFS_SILENT_BEFORE ? meets_s - 20.0 : INFINITY;
   fga_task_mode mode = fault == AVOID_IS_THE_PILOTS ? FGA_TASK_MODE_AVOID : FGA_TASK_MODE_MISSION;
   uint32_t next = 1;
   seen seen = {.least_m = INFINITY, .asked_s = INFINITY, .taken_s = INFINITY, .back_s = INFINITY};
@@ -169,7 +171,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
     // Most faults begin 2 s into the manoeuvre.
     if (now_s >= seen.taken_s + 2.0 || now_s >= silent_from_s) fault_from_s = fmin(fault_from_s, now_s);
     const int faulty = now_s >= fault_from_s && now_s < fault_from_s + FAULT_FOR_S;
-    const int is_silent = (fault == TRAFFIC_SILENT_BEFORE || fault == TRAFFIC_SILENT_IN_THE_TURN) && now_s >= fault_from_s;
+    const int is_silent = (fault == TRAFFIC_SILENT_BEFORE || fault == ON_BELIEFS_SILENT_BEFORE || fault == TRAFFIC_SILENT_IN_THE_TURN) && now_s >= fault_from_s;
     const fga_enu other_m = plus(meets_m, rate_mps, now_s - meets_s);
     // A receiver reports once a second, half a second late.
     const fga_enu apart_m = plus(other_m, own.position_m, -1.0);

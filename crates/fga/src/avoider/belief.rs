@@ -54,6 +54,8 @@ pub struct BeliefDecider {
     seen: List<Obstacle, MOST_SEEN>,
     /// What the avoider's clock, which never goes back, is ahead of the situation's, seconds.
     ahead_s: f64,
+    /// Whether the last decision was made without something that is around, for want of room.
+    is_left_out: bool,
 }
 
 /// What was chosen last.
@@ -165,6 +167,7 @@ impl BeliefDecider {
             choice: Choice::NONE,
             seen: List::new(NOBODY),
             ahead_s: 0.0,
+            is_left_out: false,
         }
     }
 
@@ -174,8 +177,13 @@ impl BeliefDecider {
         self.choice = Choice::NONE;
     }
 
+    /// Whether the last decision was made without something that is around, because there was no room.
+    pub const fn leaves_out(&self) -> bool {
+        self.is_left_out
+    }
+
     /// Takes a report of an aircraft with a volume, whose time is on the clock of the situations, beside those of a situation: whether it is new;
-    /// `None` where there is no room. The report must be [valid](Report::is_valid).
+    /// `None` where somebody found no room. The report must be [valid](Report::is_valid).
     pub fn hear(
         &mut self,
         aircraft: (u32, ProtectedVolume),
@@ -188,7 +196,7 @@ impl BeliefDecider {
             ..*report
         };
         let heard = self.beliefs.take(aircraft, &report, bounds, own_m);
-        self.choice.has_news |= heard == Some(true);
+        self.choice.has_news |= heard != Some(false);
         heard
     }
 
@@ -199,6 +207,7 @@ impl BeliefDecider {
         situation: &Situation<'_>,
         decision: &mut Decision,
     ) {
+        self.is_left_out = false;
         if !situation.is_usable() {
             return avoider.step_into(situation, decision);
         }
@@ -221,8 +230,22 @@ impl BeliefDecider {
         let mut is_left_out = self.beliefs.leaves_out(time_s);
         let reported = situation.obstacles.iter().filter(Obstacle::is_valid);
         let expected = reported.map(|obstacle| self.beliefs.expected(&obstacle, time_s));
-        for expected in expected.chain(self.beliefs.absent(ordered)) {
-            is_left_out |= self.seen.push(expected).is_none();
+        let own = &situation.ownship;
+        let soonest_s = |one: &Obstacle| {
+            let gap_m = one.volume.margin_m(own.position_m - one.position_m);
+            gap_m / (own.airspeed_mps + one.velocity_mps.length())
+        };
+        for expected in self.beliefs.absent(ordered).chain(expected) {
+            if self.seen.push(expected).is_some() {
+                continue;
+            }
+            // Those stay that it could meet first.
+            is_left_out = true;
+            let seen = self.seen.iter_mut();
+            let last = seen.max_by(|a, b| soonest_s(a).total_cmp(&soonest_s(b)));
+            if let Some(last) = last.filter(|last| soonest_s(&expected) < soonest_s(last)) {
+                *last = expected;
+            }
         }
         let expected = Situation {
             obstacles: Obstacles::Rows(&self.seen),
@@ -240,6 +263,11 @@ impl BeliefDecider {
                 chooses.step(avoider, situation, now, decision);
             },
         );
+        is_left_out |= avoider.tracks.overflow;
+        if is_left_out {
+            decision.record.proven_share = None;
+        }
+        self.is_left_out = is_left_out;
         decision.record.work.limit_met |= is_left_out || self.chooser.left_out() > 0;
     }
 }
