@@ -251,7 +251,7 @@ fn wind_and_deviations_of_a_recording_are_drawn_with_it() {
             "own, {along_m}, 0, 1000, 50, 0, 0, {second}, {air}, {still}"
         );
         let x_m = 6000.0 - along_m;
-        let known = "41.7, 30.3, -12.1, 20, 1.3, 1.1, 0.3, 0.7";
+        let known = "91.7, 70.3, -12.1, 20, 1.3, 1.1, 0.3, 0.7";
         let _ = writeln!(
             windy,
             "its, {x_m}, 50, 1010, -50, 0, 0, {second}, -, -, {known}"
