@@ -166,6 +166,18 @@ fn masts_are_avoided_beside_a_far_aircraft() {
     assert_ne!(decision.state, fga_state::Cruise);
 }
 
+/// The avoider has no room for the aircraft: nothing is claimed of it.
+#[test]
+fn who_finds_no_room_in_the_avoider_is_told() {
+    let (mut believer, mut flight) = (Believer::new(), Flight::new(0));
+    let near = report(7, 100.0, 600.0);
+    assert_eq!(believer.hear(&near, 100.0, 100.0), fga_status::Ok);
+    let (status, decision) = step(&mut flight, &believer, 100.1);
+    assert_eq!(status, fga_status::Incomplete);
+    assert_eq!(decision.has & FGA_HAS_PROVEN_SHARE, 0);
+    assert_eq!(flight.counts().incomplete_steps, 1);
+}
+
 /// A report of a later clock, which was set back since, does not keep an aircraft where it was.
 #[test]
 fn a_clock_that_was_set_back_freezes_nobody() {
