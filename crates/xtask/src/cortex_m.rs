@@ -1,4 +1,4 @@
-//! Flies nineteen encounters on an emulated Cortex-M7, and compares what they take with a committed table.
+//! Flies seventeen encounters on an emulated Cortex-M7, and compares what they take with a committed table.
 //!
 //! The emulator counts instructions; a painted stack shows its depth. Drawn situations are decided there and here, and the
 //! hash over all decisions must be one.

@@ -150,8 +150,9 @@ impl Aircraft {
             .filter(move |encounter| encounter % 3 == row)
             .map(|encounter| (encounter, 1 + encounter / 3 % 3));
         let (others, count) = match self {
-            Self::Crowded | Self::Surrounded => (CROWDED_ENCOUNTERS, OBSTACLES_MOST),
+            Self::Crowded => (CROWDED_ENCOUNTERS, OBSTACLES_MOST),
             Self::Believing => (CROWDED_ENCOUNTERS, 1),
+            Self::Surrounded => (1, OBSTACLES_MOST),
             _ => (0, 0),
         };
         let others = ENCOUNTERS..ENCOUNTERS + others;
@@ -423,9 +424,15 @@ impl Flight {
         least_m2
     }
 
-    /// Decides two steps in each of some drawn situations; returns one hash over all decisions.
+    /// Decides two steps in each of some drawn situations, a tenth of them on beliefs, where steps are long; returns one hash over all
+    /// decisions.
     pub fn hash_of_drawn(&mut self, count: u32, mut hash: u64) -> u64 {
         let mut drawn = Drawn::new(1);
+        let count = if self.aircraft.believes() {
+            count / 10
+        } else {
+            count
+        };
         for _ in 0..count {
             self.restart();
             let obstacle_count = 1 + drawn.below(4);

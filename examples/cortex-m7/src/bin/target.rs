@@ -1,4 +1,4 @@
-//! Flies nineteen encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
+//! Flies seventeen encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
 //!
 //! `qemu-system-arm -M mps2-an500 -icount shift=0 -nographic -semihosting-config enable=on,target=native -kernel target`: an
 //! instruction takes a nanosecond, and the system timer counts every fortieth.
