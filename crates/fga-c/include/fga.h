@@ -770,7 +770,7 @@ typedef struct fga_report {
   double position_sigma_m;
   // Standard deviation of the velocity along any axis, metres per second, 0 or more.
   double velocity_sigma_mps;
-  // Standard deviation of the altitude, metres; 0 where it is that of the position.
+  // Standard deviation of the altitude, metres; 0 means that of the position.
   double altitude_sigma_m;
   // Standard deviation of an error of the position that lasts from report to report, metres, 0 or more.
   double lasting_position_sigma_m;
@@ -1012,10 +1012,12 @@ fga_status fga_beliefs_init(void *storage,
                             struct fga_beliefs **beliefs,
                             struct fga_refusal *why);
 
-// Takes a report of an aircraft now, with a volume around it, of `half_height_m` 0 for a sphere, and the own aircraft at `own_m`; `now_s` is on
-// the clock of the reports and of the situations. It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft
-// without a report for 8 s is forgotten, unless the situation has it. What rests or flies straight by contract is an obstacle of the situation; it
-// takes the place of an aircraft with its identifier.
+// Takes a report of an aircraft. `radius_m` and `half_height_m` are the volume around it; a half height of 0 means a sphere. `now_s` is the time,
+// on the clock of the reports and of the situations, and `own_m` the position of the own aircraft.
+//
+// It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft without a report for 8 s is forgotten, unless the
+// situation has it. What rests or flies straight by contract is an obstacle of the situation; it takes the place of an aircraft with its
+// identifier.
 //
 // `FGA_STATUS_INCOMPLETE`: of more than 16 aircraft the farthest one is left out.
 //

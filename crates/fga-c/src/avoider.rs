@@ -535,14 +535,13 @@ pub unsafe extern "C" fn fga_avoider_step_on_beliefs(
             why,
             |avoider, now, decided| {
                 let decider = &mut believing.value().decider;
-                decider.step_into(avoider, now, decided);
-                decider.leaves_out()
+                !decider.step_into(avoider, now, decided)
             },
         )
     }
 }
 
-/// Decides by a function, with the memory of what that uses.
+/// Decides by a function, which returns whether it left something out, with the memory of what that uses.
 ///
 /// # Safety
 /// The caller's word, in the header.

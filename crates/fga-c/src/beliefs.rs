@@ -6,9 +6,8 @@ use fga::situation::ProtectedVolume;
 use fga_belief::ENDS_AFTER_S;
 
 use crate::abi::FGA_ABI_VERSION;
-use crate::growable::size_word;
-use crate::input::{fga_enu, fga_movement, usable, usable_time};
-use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, fill, given, sized};
+use crate::input::{fga_enu, fga_movement, usable_time, volume};
+use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, given};
 use crate::reports::{fga_report, fga_report_counts};
 use crate::status::{Refused, fga_refusal, fga_status};
 
@@ -28,7 +27,7 @@ pub(crate) struct Believing {
     counts: fga_report_counts,
 }
 
-/// A usable report of an aircraft with a volume, and where the own aircraft is.
+/// Checks what is heard. Returns the aircraft with its volume, its report, and the position of the own aircraft, metres.
 fn heard(
     of: &fga_report,
     (radius_m, half_height_m): (f64, f64),
@@ -44,24 +43,6 @@ fn heard(
         return Err(Refused::unknown("movement", of.movement, expected));
     }
     Ok(((of.id, volume), of.report(now_s)?, own_m))
-}
-
-/// A cylinder, or of no height a sphere.
-fn volume(radius_m: f64, half_height_m: f64) -> Result<ProtectedVolume, Refused> {
-    for (field, length_m) in [("radius_m", radius_m), ("half_height_m", half_height_m)] {
-        usable(field, length_m)?;
-        if length_m < 0.0 {
-            return Err(Refused::out_of_range(field, length_m, "0 or more"));
-        }
-    }
-    Ok(if half_height_m > 0.0 {
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
-        }
-    } else {
-        ProtectedVolume::Sphere { radius_m }
-    })
 }
 
 impl Kind for Believing {
@@ -96,13 +77,7 @@ pub unsafe extern "C" fn fga_beliefs_init(
             // SAFETY: there is room for a `Believing`, both fields of which are written.
             unsafe {
                 (&raw mut (*place).decider).write(BeliefDecider::new(Errors::default()));
-                (&raw mut (*place).counts).write(fga_report_counts {
-                    size: size_word::<fga_report_counts>(),
-                    heard: 0,
-                    unusable: 0,
-                    late: 0,
-                    left_out: 0,
-                });
+                (&raw mut (*place).counts).write(fga_report_counts::NONE);
             }
             Ok(())
         };
@@ -117,10 +92,12 @@ pub unsafe extern "C" fn fga_beliefs_init(
     unsafe { answered(why, make) }
 }
 
-/// Takes a report of an aircraft now, with a volume around it, of `half_height_m` 0 for a sphere, and the own aircraft at `own_m`; `now_s` is on
-/// the clock of the reports and of the situations. It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft
-/// without a report for 8 s is forgotten, unless the situation has it. What rests or flies straight by contract is an obstacle of the situation; it
-/// takes the place of an aircraft with its identifier.
+/// Takes a report of an aircraft. `radius_m` and `half_height_m` are the volume around it; a half height of 0 means a sphere. `now_s` is the time,
+/// on the clock of the reports and of the situations, and `own_m` the position of the own aircraft.
+///
+/// It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft without a report for 8 s is forgotten, unless the
+/// situation has it. What rests or flies straight by contract is an obstacle of the situation; it takes the place of an aircraft with its
+/// identifier.
 ///
 /// `FGA_STATUS_INCOMPLETE`: of more than 16 aircraft the farthest one is left out.
 ///
@@ -187,12 +164,9 @@ pub unsafe extern "C" fn fga_beliefs_counts(
     counts: *mut fga_report_counts,
 ) -> fga_status {
     let write = |believing: &mut AtWork<'_, Believing>, _| {
-        // SAFETY: the caller's word, in the header.
-        apart(&[believing.span, unsafe { sized(counts) }?])?;
         let now = believing.value().counts;
-        // SAFETY: checked above.
-        unsafe { fill(counts, |counts| *counts = now) };
-        Ok(fga_status::Ok)
+        // SAFETY: the caller's word, in the header.
+        unsafe { now.write(counts, believing.span) }
     };
     // SAFETY: the caller's word, in the header.
     unsafe { memory::work(beliefs.cast(), core::ptr::null_mut(), write) }

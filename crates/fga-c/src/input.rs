@@ -584,7 +584,25 @@ pub(crate) fn usable(field: &'static str, value: f64) -> Result<(), Refused> {
     Ok(())
 }
 
-/// The time of a state, `time_s`, seconds, if it can be calculated with.
+/// The volume of a radius and a half height, metres, neither below 0: a cylinder, or without height a sphere.
+pub(crate) fn volume(radius_m: f64, half_height_m: f64) -> Result<ProtectedVolume, Refused> {
+    for (field, length_m) in [("radius_m", radius_m), ("half_height_m", half_height_m)] {
+        usable(field, length_m)?;
+        if length_m < 0.0 {
+            return Err(Refused::out_of_range(field, length_m, "0 or more"));
+        }
+    }
+    Ok(if half_height_m > 0.0 {
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        }
+    } else {
+        ProtectedVolume::Sphere { radius_m }
+    })
+}
+
+/// A time, seconds, if it can be calculated with.
 pub(crate) fn usable_time(field: &'static str, time_s: f64) -> Result<f64, Refused> {
     let is_time = time_s.abs() <= LATEST_S;
     SettingsError::unless(is_time, field, time_s, "a finite number up to 1e10")?;

@@ -6,7 +6,7 @@ use fga_belief::{Belief, Errors, Report, Sigma, Source};
 
 use crate::abi::{FGA_ABI_VERSION, FGA_ALIGN, FGA_CAPACITY_MOST};
 use crate::growable::{Growable, size_word};
-use crate::input::{fga_enu, fga_movement, fga_obstacle, fga_volume, usable, usable_time};
+use crate::input::{fga_enu, fga_movement, fga_obstacle, fga_volume, usable, usable_time, volume};
 use crate::memory::{self, AtWork, Kind, LentSpan, Object, answered, apart, fill, given, sized};
 use crate::status::{Refused, fga_refusal, fga_status};
 
@@ -54,7 +54,7 @@ pub struct fga_report {
     pub position_sigma_m: f64,
     /// Standard deviation of the velocity along any axis, metres per second, 0 or more.
     pub velocity_sigma_mps: f64,
-    /// Standard deviation of the altitude, metres; 0 where it is that of the position.
+    /// Standard deviation of the altitude, metres; 0 means that of the position.
     pub altitude_sigma_m: f64,
     /// Standard deviation of an error of the position that lasts from report to report, metres, 0 or more.
     pub lasting_position_sigma_m: f64,
@@ -83,6 +83,33 @@ pub struct fga_report_counts {
 
 // SAFETY: `repr(C)`, the size first, then numbers.
 unsafe impl Growable for fga_report_counts {}
+
+impl fga_report_counts {
+    /// Of no reports.
+    pub(crate) const NONE: Self = Self {
+        size: size_word::<Self>(),
+        heard: 0,
+        unusable: 0,
+        late: 0,
+        left_out: 0,
+    };
+
+    /// Writes them for the caller, outside of an object.
+    ///
+    /// # Safety
+    /// As [`given`].
+    pub(crate) unsafe fn write(
+        self,
+        counts: *mut Self,
+        object: LentSpan,
+    ) -> Result<fga_status, Refused> {
+        // SAFETY: as this function.
+        apart(&[object, unsafe { sized(counts) }?])?;
+        // SAFETY: checked above.
+        unsafe { fill(counts, |counts| *counts = self) };
+        Ok(fga_status::Ok)
+    }
+}
 
 /// The aircraft behind it in the storage, and the counts.
 struct FilteredTraffic {
@@ -375,13 +402,7 @@ pub unsafe extern "C" fn fga_reports_init(
             most: aircraft_most,
             count: 0,
             lifetime_s,
-            counts: fga_report_counts {
-                size: size_word::<fga_report_counts>(),
-                heard: 0,
-                unusable: 0,
-                late: 0,
-                left_out: 0,
-            },
+            counts: fga_report_counts::NONE,
         };
         let construct = |place: *mut FilteredTraffic| -> Result<(), Refused> {
             // SAFETY: there is room for a `FilteredTraffic`.
@@ -458,12 +479,7 @@ pub unsafe extern "C" fn fga_reports_obstacles(
         let count = LentSpan::of(obstacle_count.cast_const(), 1)?;
         apart(&[traffic.span, places, count, why])?;
         usable_time("now_s", now_s)?;
-        for (field, length_m) in [("radius_m", radius_m), ("half_height_m", half_height_m)] {
-            usable(field, length_m)?;
-            if length_m < 0.0 {
-                return Err(Refused::out_of_range(field, length_m, "0 or more"));
-            }
-        }
+        volume(radius_m, half_height_m)?;
         traffic.forget(now_s);
         let known = traffic.value().count;
         if known > obstacle_most {
@@ -492,12 +508,9 @@ pub unsafe extern "C" fn fga_reports_counts(
     counts: *mut fga_report_counts,
 ) -> fga_status {
     let write = |traffic: &mut AtWork<'_, FilteredTraffic>, _| {
-        // SAFETY: the caller's word, in the header.
-        apart(&[traffic.span, unsafe { sized(counts) }?])?;
         let now = traffic.value().counts;
-        // SAFETY: checked above.
-        unsafe { fill(counts, |counts| *counts = now) };
-        Ok(fga_status::Ok)
+        // SAFETY: the caller's word, in the header.
+        unsafe { now.write(counts, traffic.span) }
     };
     // SAFETY: the caller's word, in the header.
     unsafe { memory::work(reports.cast(), core::ptr::null_mut(), write) }

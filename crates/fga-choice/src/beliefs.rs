@@ -144,8 +144,8 @@ impl Beliefs {
         has_news
     }
 
-    /// Takes a report of an aircraft with a volume: whether it is new; `None` where there is no room for all: then the farthest one from the own
-    /// aircraft is left out. The report must be [valid](Report::is_valid).
+    /// Takes a report of an aircraft with a volume. Returns whether the report is new, or `None` if there is no room for all aircraft: the one
+    /// farthest from the own aircraft is left out. The report must be [valid](Report::is_valid).
     pub fn take(
         &mut self,
         (id, volume): (u32, ProtectedVolume),

@@ -5,7 +5,7 @@ use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{FlightPath, MotionState, flown};
 
-use crate::chance::{Chance, Path, SECONDS, real, seconds_at};
+use crate::chance::{Chance, Path, SECONDS, time_s};
 use crate::price;
 
 /// Courses off the mission's leg, degrees: both sides, and on.
@@ -169,7 +169,7 @@ impl Scene<'_> {
         flight.predict(flyer, &self.now, command, SECONDS as f64);
         let mut last = [0.0; 3];
         for (at, moment) in path.iter_mut().zip(0..) {
-            let second = real(seconds_at(moment)).into();
+            let second = time_s(moment).into();
             if let Some(state) = flight.state_at(flyer, second) {
                 let off = state.position_m - self.now.position_m + self.route.wind_mps * second;
                 last = [off.x as f32, off.y as f32, off.z as f32];

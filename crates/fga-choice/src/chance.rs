@@ -13,8 +13,8 @@ const EACH_S: usize = 20;
 /// Moments that are looked at.
 pub(crate) const MOMENTS: usize = moment_at(SECONDS) + 1;
 
-/// When a moment is, seconds from now.
-pub(crate) const fn seconds_at(moment: usize) -> usize {
+/// When a moment is, whole seconds from now.
+const fn seconds_at(moment: usize) -> usize {
     if moment <= EACH_S {
         moment
     } else {
@@ -31,9 +31,9 @@ pub(crate) const fn moment_at(seconds: usize) -> usize {
     }
 }
 
-/// A number of moments or seconds, which are few.
-pub(crate) const fn real(number: usize) -> f32 {
-    number as f32
+/// The same as a real number.
+pub(crate) const fn time_s(moment: usize) -> f32 {
+    seconds_at(moment) as f32
 }
 
 /// A path: a position each moment, metres from where the aircraft is now, over the ground.
@@ -155,7 +155,7 @@ impl Looks {
     }
 }
 
-/// The positions of an aircraft's futures, moment by moment, metres from where the own aircraft is now.
+/// Where each future of an aircraft is at each moment, metres from the present position of the own aircraft.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
     x: [[f32; FUTURES]; MOMENTS],
@@ -209,7 +209,7 @@ impl Ahead {
             let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
             let rows = rows.zip(&mut self.beside_m).zip(&mut self.above_m);
             for (((((xs, ys), zs), besides), aboves), moment) in rows.zip(0..) {
-                let after_s = real(seconds_at(moment));
+                let after_s = time_s(moment);
                 let [dx, dy, dz] = future.position_m(after_s);
                 let [nx, ny, nz] = future.off;
                 let (beside_m, beside_m2) = future.beside.parted(after_s, learned_s);
@@ -236,7 +236,7 @@ impl Ahead {
         }
         self.other = futures.otherwise.share;
         for (other_m, moment) in self.other_m.iter_mut().zip(0..) {
-            let after_s = (real(seconds_at(moment)) - learned_s).max(0.0);
+            let after_s = (time_s(moment) - learned_s).max(0.0);
             *other_m = futures.otherwise.off_m(after_s);
         }
         self.radius_m = volume.radius_m() as f32;
@@ -248,7 +248,7 @@ impl Ahead {
         let (off, v) = (obstacle.position_m - own_m, obstacle.velocity_mps);
         let rows = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
         for (((xs, ys), zs), moment) in rows.zip(0..) {
-            let at = off + v * f64::from(real(seconds_at(moment)));
+            let at = off + v * f64::from(time_s(moment));
             xs.fill(at.x as f32);
             ys.fill(at.y as f32);
             zs.fill(at.z as f32);
@@ -325,7 +325,7 @@ impl Ahead {
             };
             let changed = moment_at((seconds_at(*at) + CHANGED_S).min(SECONDS));
             let changed = self.passing(path, changed, future);
-            chance.passed_s = real(seconds_at(*at)).into();
+            chance.passed_s = time_s(*at).into();
             let Chance {
                 loss,
                 inner,

@@ -1,4 +1,4 @@
-//! The simulated world around [`fga`]: plant, sensor, scenarios, recordings, batches. [`fga_judge`] judges what flies in it.
+//! The simulated world around [`fga`]: plant, sensor, scenarios, recordings, batches. [`fga_judge`] measures its flights.
 //!
 //! Frame: x east, y north, z up; course from +x towards +y; left is positive. With wind, the
 //! plant's angles are through the air and logged samples have angles over the ground.

@@ -1,6 +1,7 @@
 //! Encounters and drawn situations, the same on every machine, through the C interface.
 #![no_std]
 
+use core::hint::black_box;
 use core::ptr::{null, null_mut};
 
 use fga_c::*;
@@ -32,6 +33,30 @@ macro_rules! linked {
         #[cfg(not(target_os = "none"))]
         fn main() {}
     };
+}
+
+/// An avoider with a mission, for a firmware that is linked, by pointers that the compiler knows nothing of.
+///
+/// # Safety
+/// It must never run.
+pub unsafe fn linked_avoider() -> *mut fga_avoider {
+    let mut avoider = null_mut();
+    // SAFETY: never run.
+    unsafe {
+        fga_avoider_init(
+            black_box(null_mut()),
+            black_box(0),
+            1,
+            16,
+            32,
+            black_box(null_mut()),
+            black_box(null_mut()),
+            &raw mut avoider,
+            null_mut(),
+        );
+        fga_avoider_set_mission(avoider, black_box(null_mut()), null_mut());
+    }
+    avoider
 }
 
 /// Most obstacles of a step here.

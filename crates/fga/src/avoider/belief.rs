@@ -54,8 +54,6 @@ pub struct BeliefDecider {
     seen: List<Obstacle, MOST_SEEN>,
     /// What the avoider's clock, which never goes back, is ahead of the situation's, seconds.
     ahead_s: f64,
-    /// Whether the last decision was made without something that is around, for want of room.
-    is_left_out: bool,
 }
 
 /// What was chosen last.
@@ -167,7 +165,6 @@ impl BeliefDecider {
             choice: Choice::NONE,
             seen: List::new(NOBODY),
             ahead_s: 0.0,
-            is_left_out: false,
         }
     }
 
@@ -177,13 +174,8 @@ impl BeliefDecider {
         self.choice = Choice::NONE;
     }
 
-    /// Whether the last decision was made without something that is around, because there was no room.
-    pub const fn leaves_out(&self) -> bool {
-        self.is_left_out
-    }
-
-    /// Takes a report of an aircraft with a volume, whose time is on the clock of the situations, beside those of a situation: whether it is new;
-    /// `None` where somebody found no room. The report must be [valid](Report::is_valid).
+    /// Takes a report that is in no situation, of an aircraft with a volume; its time is on the clock of the situations. Returns and requires what
+    /// [`Beliefs::take`] does.
     pub fn hear(
         &mut self,
         aircraft: (u32, ProtectedVolume),
@@ -200,16 +192,16 @@ impl BeliefDecider {
         heard
     }
 
-    /// Decides what an avoider flies, into the place of another decision, which is large.
+    /// Decides what an avoider flies, into the place of another decision, which is large. Returns whether all that is around had room.
     pub fn step_into<P: Places + 'static>(
         &mut self,
         avoider: &mut Avoider<P>,
         situation: &Situation<'_>,
         decision: &mut Decision,
-    ) {
-        self.is_left_out = false;
+    ) -> bool {
         if !situation.is_usable() {
-            return avoider.step_into(situation, decision);
+            avoider.step_into(situation, decision);
+            return true;
         }
         let (time_s, is_far) = avoider.in_order_s(situation.time_s);
         self.ahead_s = time_s - situation.time_s;
@@ -224,7 +216,8 @@ impl BeliefDecider {
         self.choice.has_news |= self.beliefs.hear(ordered, &self.errors);
         if self.beliefs.is_empty() {
             self.choice = Choice::NONE;
-            return avoider.step_into(situation, decision);
+            avoider.step_into(situation, decision);
+            return true;
         }
         self.seen.clear();
         let mut is_left_out = self.beliefs.leaves_out(time_s);
@@ -267,8 +260,8 @@ impl BeliefDecider {
         if is_left_out {
             decision.record.proven_share = None;
         }
-        self.is_left_out = is_left_out;
         decision.record.work.limit_met |= is_left_out || self.chooser.left_out() > 0;
+        !is_left_out
     }
 }
 
