@@ -91,6 +91,8 @@ pub struct FineFlight<'a> {
     /// The manoeuvre; before its first stage it holds course and climb angle.
     stage: Stage,
     state: FineState,
+    /// The remaining turn beyond the turn made while rolling out, radians; 0 without lag.
+    left_rad: f64,
 }
 
 /// Constant rates during a step, or the commanded bank.
@@ -109,7 +111,7 @@ impl<'a> FineFlight<'a> {
         start: &Ownship,
         maneuver: &'a Maneuver,
     ) -> Self {
-        Self {
+        let mut flight = Self {
             vehicle,
             wind_mps,
             maneuver,
@@ -127,7 +129,10 @@ impl<'a> FineFlight<'a> {
                 climb_rad: start.climb_rad,
                 bank_rad: start.bank_rad,
             },
-        }
+            left_rad: 0.0,
+        };
+        flight.left_rad = flight.left_rad(&flight.state);
+        flight
     }
 
     /// The state now.
@@ -143,6 +148,7 @@ impl<'a> FineFlight<'a> {
                 && stage.start_s <= self.state.time_s
             {
                 self.stage = *stage;
+                self.left_rad = self.left_rad(&self.state);
                 self.next += 1;
             }
             let next_s = stages
@@ -158,25 +164,27 @@ impl<'a> FineFlight<'a> {
             };
             let before = self.state;
             let mut after = self.stepped(&drive, step_s);
+            let mut left_rad = self.left_rad(&after);
             if drive.bank_command_rad.is_some_and(|bank| bank != 0.0)
-                && self.left_rad(&before).signum() != self.left_rad(&after).signum()
+                && self.left_rad.signum() != left_rad.signum()
             {
                 // The roll-out begins within this step.
                 let (mut early_s, mut late_s) = (0.0, step_s);
                 for _ in 0..50 {
                     let middle_s = 0.5 * (early_s + late_s);
                     let middle = self.stepped(&drive, middle_s);
-                    if self.left_rad(&middle).signum() == self.left_rad(&before).signum() {
+                    if self.left_rad(&middle).signum() == self.left_rad.signum() {
                         early_s = middle_s;
                     } else {
                         late_s = middle_s;
                     }
                 }
                 after = self.stepped(&drive, late_s);
+                left_rad = self.left_rad(&after);
             } else if step_s == left_s {
                 after.time_s = next_s;
             }
-            self.state = after;
+            (self.state, self.left_rad) = (after, left_rad);
             flown(&before, &after, straight);
         }
     }
@@ -201,9 +209,8 @@ impl<'a> FineFlight<'a> {
             };
             return (drive, climb_s.min(turn_s));
         }
-        let left = self.left_rad(&self.state);
-        let bank_command_rad = if left.abs() > 1e-8 {
-            Some((most / self.gain()).atan().copysign(left))
+        let bank_command_rad = if self.left_rad.abs() > 1e-8 {
+            Some((most / self.gain()).atan().copysign(self.left_rad))
         } else if self.state.bank_rad.abs() > LEVEL_RAD {
             Some(0.0)
         } else {
@@ -226,8 +233,11 @@ impl<'a> FineFlight<'a> {
         self.vehicle.response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.vehicle.airspeed_mps
     }
 
-    /// The remaining turn beyond the turn made while rolling out to level, radians.
+    /// The remaining turn beyond the turn made while rolling out to level, radians; 0 without lag.
     fn left_rad(&self, state: &FineState) -> f64 {
+        if self.lag_s() <= 0.0 {
+            return 0.0;
+        }
         // ∫ tan φ dt with φ falling as e^(−t/τ) is τ ∫ tan(u)/u du from 0 to φ.
         let half = 0.5 * state.bank_rad;
         let integrand = |x: f64| {
