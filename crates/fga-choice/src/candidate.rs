@@ -86,6 +86,8 @@ pub struct Scene<'a> {
     pub altitude_m: f64,
     /// Price of a loss, metres.
     pub loss_m: f64,
+    /// What is farther away does not count, metres.
+    pub surveillance_radius_m: f64,
 }
 
 impl Scene<'_> {

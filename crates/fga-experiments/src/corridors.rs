@@ -10,11 +10,12 @@
 use clap::Args;
 use core::f64::consts::TAU;
 
-use fga::avoider::{Start, State};
+use fga::avoider::State;
 use fga::situation::{Movement, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
+use fga_sim::campaign::parse_policy;
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
 use fga_sim::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_within,
@@ -52,6 +53,9 @@ pub(crate) struct CorridorArgs {
     /// Fly only the encounter with this number, and print its decisions.
     #[arg(long)]
     only: Option<u64>,
+    /// The policy, as in "published --start t0".
+    #[arg(long, default_value = "turn-aware")]
+    policy: String,
 }
 
 /// A flight along the x axis.
@@ -248,11 +252,15 @@ fn oracle_m(world: &World) -> f64 {
     best_margin_within(&start, &vehicle, &[there], airspace_of(world), &settings).best_margin_m
 }
 
-fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<CorridorCount, String> {
+fn fly(
+    policy: &PolicyChoice,
+    (seed, number): (u64, u64),
+    course: f64,
+    shows: bool,
+) -> Result<CorridorCount, String> {
     let Some(world) = drawn(seed, number, course)? else {
         return Ok(CorridorCount::default());
     };
-    let policy = PolicyChoice::Avoider(Start::Free);
     let mut pilot = policy
         .pilot(&world.settings, &world.vehicle)
         .map_err(|error| error.to_string())?;
@@ -324,17 +332,17 @@ fn fly(seed: u64, number: u64, course: f64, shows: bool) -> Result<CorridorCount
     Ok(count)
 }
 
-fn counted(of: usize, (count, seed): (u64, u64)) -> Result<CorridorCount, String> {
+fn counted(
+    policy: &PolicyChoice,
+    of: usize,
+    (count, seed): (u64, u64),
+) -> Result<CorridorCount, String> {
     let (_, course) = COURSES[of];
     (0..count)
         .into_par_iter()
         .map(|number| {
-            fly(
-                seed,
-                number * COURSES.len() as u64 + of as u64,
-                course,
-                false,
-            )
+            let number = number * COURSES.len() as u64 + of as u64;
+            fly(policy, (seed, number), course, false)
         })
         .try_reduce(CorridorCount::default, |one, other| Ok(one.and(other)))
 }
@@ -342,13 +350,14 @@ fn counted(of: usize, (count, seed): (u64, u64)) -> Result<CorridorCount, String
 /// Runs the experiment.
 pub(crate) fn run(args: &CorridorArgs) -> Result<(), String> {
     let drawn = (args.drawn.count, args.drawn.seed);
+    let policy = parse_policy(&args.policy)?;
     if let Some(number) = args.only {
         let (_, course) = COURSES[usize::try_from(number % COURSES.len() as u64).unwrap_or(0)];
-        fly(args.drawn.seed, number, course, true)?;
+        fly(&policy, (args.drawn.seed, number), course, true)?;
         return Ok(());
     }
     for (of, (name, _)) in COURSES.iter().enumerate() {
-        let count = counted(of, drawn)?;
+        let count = counted(&policy, of, drawn)?;
         let avoidable =
             |lost: &[(u64, f64, f64)]| lost.iter().filter(|lost| lost.2 >= AVOIDABLE_M).count();
         println!(

@@ -483,6 +483,19 @@ fn a_flight_among_zones_keeps_to_them_and_says_so() {
         let file = fs::read_to_string(folder.path().join("f").join(file)).unwrap();
         assert!(file.contains(holds));
     }
+    // By expected cost it keeps to them too: an aircraft that is beyond the surveillance radius does not count.
+    let by_cost = &["--policy", "belief", "--json", "--out", "b"];
+    let scenario = ["run", scenario.to_str().unwrap()];
+    let flown = fga_in(folder.path(), &[&scenario[..], by_cost].concat());
+    assert_eq!(flown.status.code(), Some(0), "{}", errors(&flown));
+    let zones = &summary(&flown)["zones"];
+    assert!((0..3).all(|zone| zones[zone]["kept"] == true), "{zones}");
+    let events = fs::read_to_string(folder.path().join("b/events.jsonl")).unwrap();
+    let words = "least margin 1000.0 m";
+    assert!(
+        !events.contains(words),
+        "nobody and no zone was in the proof"
+    );
     // A mission over the village is flown; a warning comes before the flight.
     let vehicles = repository().join("vehicles");
     let text = text.replace("../vehicles", vehicles.to_str().unwrap());

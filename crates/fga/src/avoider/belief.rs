@@ -316,9 +316,14 @@ impl Chooses<'_> {
             leg_rad,
             turns_rad,
             loss_m: avoider.settings.loss_price_m,
+            surveillance_radius_m: avoider.settings.surveillance_radius_m,
             altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
         };
         avoider.load_tracks(situation, None);
+        // Futures reach farther than the tracks: a manoeuvre may begin while none of them is near.
+        if avoider.tracks.rows().is_empty() {
+            avoider.bind(situation);
+        }
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
         // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
         if self.choice.is_left && matches!(avoider.state, State::Avoiding | State::Recovering) {
