@@ -11,9 +11,11 @@ int main(void) {
   fga_mission mission = {sizeof mission, 2, leg, -INFINITY, INFINITY};
   fga_refusal why = {.size = sizeof why};
   // 25 m/s, banks of up to 43 degrees.
-  if (fga_task_settings_default(&settings, 25.0, 0.75, &why) ||
-      fga_task_begin(&task, &settings, storage, sizeof storage, 2, &why) || fga_task_set_mission(&task, &mission, &why)) {
-    fprintf(stderr, "%s is %g, expected %s\n", why.field, why.value, why.expected);
+  fga_status status = fga_task_settings_default(&settings, 25.0, 0.75, &why);
+  if (!status) status = fga_task_begin(&task, &settings, storage, sizeof storage, 2, &why);
+  if (!status) status = fga_task_set_mission(&task, &mission, &why);
+  if (status) {
+    fprintf(stderr, "%s: %s %g, expected %s\n", fga_status_text(status), why.field, why.value, why.expected);
     return 1;
   }
   fga_task_input in = {.mode = FGA_TASK_MODE_MISSION, .is_fresh = 1, .next_waypoint = 1};

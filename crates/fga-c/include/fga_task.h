@@ -40,6 +40,11 @@
 #define FGA_TASK_PERIOD_S 0.1
 // A decision is flown on for this long without a newer one, seconds; then the mode is given back.
 #define FGA_TASK_STALE_S 0.35
+// A place is refused that is farther from the last one than this and this speed lead, metres and metres per second, ...
+#define FGA_TASK_JUMP_M 200.0
+#define FGA_TASK_JUMP_MPS 150.0
+// ... for this time, seconds.
+#define FGA_TASK_JUMP_S 3.0
 // The mode is asked for when a manoeuvre begins within this time, seconds.
 #define FGA_TASK_PREPARE_S 0.6
 // A mode that is not taken up within this time counts as refused, seconds.
@@ -366,9 +371,21 @@ static inline void fga_task_release(fga_task *task, double now_s) {
   task->pause_until_s = now_s + FGA_TASK_PAUSE_S;
 }
 
+// Whether the aircraft cannot have come from where it was decided last: a fault of its navigation, or another origin.
+static inline int fga_task_jumps(const fga_task *task, const fga_task_input *in) {
+  const fga_enu *const now = &in->ownship.position_m, *const before = &task->ownship.position_m;
+  const double since_s = fabs(in->time_s - task->decided_s);
+  const double off_m = hypot(hypot(now->east - before->east, now->north - before->north), now->up - before->up);
+  return since_s < FGA_TASK_JUMP_S && off_m > FGA_TASK_JUMP_M + FGA_TASK_JUMP_MPS * since_s;
+}
+
 // Decides from a fresh state. A refused step is counted; the last decision is flown on until it is stale.
 static inline void fga_task_decide(fga_task *task, const fga_task_input *in) {
   const fga_task_settings *settings = &task->settings;
+  if (fga_task_jumps(task, in)) {
+    task->counts.steps_refused += 1;
+    return;
+  }
   fga_situation situation;
   memset(&situation, 0, sizeof situation);
   situation.size = sizeof(fga_situation);

@@ -46,10 +46,10 @@ const FINISH_SHARE: u32 = 16;
 /// A clock that is set back by at most this costs no plan, seconds.
 const MOST_SET_BACK_S: f64 = 1.0;
 
-/// The mission's geometry finishes when it has taken one part in this many of a step's work.
+/// Searches of the mission end when they have taken one part in this many of a step's work.
 const MISSION_SHARE: u32 = 4;
 
-/// It takes one part in this many at most: reading obstacles, which cannot be refused, comes after it.
+/// To finish they take one part in this many at most: reading obstacles, which cannot be refused, comes after it.
 const MISSION_MOST: u32 = 2;
 
 /// The aircraft now, and its mission.
@@ -125,7 +125,7 @@ impl<P: Places + 'static> core::ops::DerefMut for Avoider<P> {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 85 kB, 41 kB of them the room for obstacles) and never allocates: keep it in one place.
+/// It holds its scratch space (some 80 kB, 43 kB of them the room for obstacles) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider<P: ?Sized = AllPlaces> {
     settings: Settings,

@@ -23,6 +23,7 @@ typedef enum {
   RETURN_REFUSED,
   STATE_STOPS,
   STATE_IS_NO_NUMBER,
+  PLACE_JUMPS,
   TASK_STOPS,
   AVOID_IS_THE_PILOTS,
   FAULTS
@@ -44,6 +45,7 @@ static const char *const NAMES[] = {"no fault",
                                     "the return is refused",
                                     "the state stops",
                                     "the state is no number",
+                                    "the place jumps",
                                     "the task stops",
                                     "the pilot is in the mode of avoidance"};
 static const double SPEED_MPS = 25.0, FAULT_FOR_S = 4.0;
@@ -208,6 +210,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
                          .wind_mps = {0, wind, 0},
                          .next_waypoint = next};
     if (fault == STATE_IS_NO_NUMBER && faulty) in.ownship.course_from_east_rad = (double)NAN;
+    if (fault == PLACE_JUMPS && faulty) in.ownship.position_m.north += 1500.0;
     fga_task_request request;
     if (fault == TASK_STOPS && faulty) {
       request = fga_task_watch(&task, now_s, mode);
@@ -280,8 +283,11 @@ static const char *flight(fault fault, double track_deg, double factor, double w
       return seen.back_s > fault_from_s || counts->pilot_wins != 1 ? "the pilot's hand is not heeded" : NULL;
     case STATE_STOPS:
     case STATE_IS_NO_NUMBER:
+    case PLACE_JUMPS:
       if (!(seen.alarms & FGA_TASK_ALARM_NO_STATE)) return "the silence is not told";
-      if ((fault == STATE_STOPS ? counts->steps_without_state : counts->steps_refused) != 40) return "steps are miscounted";
+      // A place that jumps is believed after 3 s, and so is the one to which it jumps back.
+      const uint32_t lost = fault == STATE_STOPS ? counts->steps_without_state : counts->steps_refused;
+      if (lost != (fault == PLACE_JUMPS ? 58 : 40)) return "steps are miscounted";
       return seen.back_s > fault_from_s + FGA_TASK_STALE_S + FGA_TASK_PERIOD_S ? "it is not given back in time" : NULL;
     case TASK_STOPS:
       if (counts->stops != 1 || counts->pilot_wins) return "the stop is miscounted";
