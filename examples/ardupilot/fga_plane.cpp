@@ -1,7 +1,7 @@
 // fga inside ArduPlane: reports of AP_ADSB in, banks in AVOID_ADSB out. See docs/how-to-ardupilot-inside.md.
-#define ALLOW_DOUBLE_MATH_FUNCTIONS
+#define AP_MATH_ALLOW_DOUBLE_FUNCTIONS 1
 #include "Plane.h"
-#include <fga_task.h>
+#include "fga_task.h"
 
 const AP_Param::GroupInfo FgaPlane::var_info[] = {
     AP_GROUPINFO_FLAGS("ENABLE", 1, FgaPlane, _enable, 0, AP_PARAM_FLAG_ENABLE),
@@ -31,10 +31,10 @@ int FgaPlane::mode() {
 bool FgaPlane::begin() {
     fga_task_settings settings;
     fga_refusal why {sizeof(fga_refusal), 0, 0, "", ""};
-    fga_status status = fga_task_settings_default(&settings, plane.aparm.airspeed_cruise, radians(_bank), &why);
-    settings.vehicle.turn_rate_factor = _factor;
-    settings.vehicle.bank_time_constant_s = _lag;
-    settings.radius_m = _radius;
+    fga_status status = fga_task_settings_default(&settings, plane.aparm.airspeed_cruise.get(), radians(_bank.get()), &why);
+    settings.vehicle.turn_rate_factor = _factor.get();
+    settings.vehicle.bank_time_constant_s = _lag.get();
+    settings.radius_m = _radius.get();
     if (status == FGA_STATUS_OK) status = fga_task_begin(&task, &settings, storage, sizeof(storage), WAYPOINTS_MOST, &why);
     origin = plane.ahrs.get_home();
     if (status == FGA_STATUS_OK) return true;
@@ -42,7 +42,8 @@ bool FgaPlane::begin() {
     return _enable.set(0), false;
 }
 
-// The way from the last waypoint on: present and later waypoints, up to the first other command.
+// The way from the last waypoint on: present and later waypoints, up to the first other command. Where it changes in a manoeuvre, from
+// the place where that began.
 void FgaPlane::follow_mission() {
     AP_Mission &mission = plane.mission;
     if (item == mission.get_current_nav_index() && changed_ms == mission.last_change_time_ms()) return;
@@ -72,9 +73,16 @@ void FgaPlane::hear_traffic(double now_s) {
     }
 }
 
+// AUTO goes on with this item, also with MIS_RESTART 1.
+void FgaPlane::give_back(uint16_t to) {
+    if (to != plane.mission.get_current_nav_index()) (void)plane.mission.set_current_cmd(to);
+    plane.mission.set_force_resume(true);
+    (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
+}
+
 void FgaPlane::update() {
     if (!_enable || (!task.avoider && !(plane.ahrs.home_is_set() && begin()))) return;
-    if (mode() == FGA_TASK_MODE_MISSION) follow_mission();
+    if (mode() != FGA_TASK_MODE_OTHER) follow_mission();
     fga_task_input in {};
     Vector3f over_ground, wind;
     in.time_s = seconds(AP_HAL::millis());
@@ -89,10 +97,7 @@ void FgaPlane::update() {
     fga_task_output out;
     fga_task_step(&task, &in, &out);
     if (out.request == FGA_TASK_REQUEST_AVOID) (void)plane.set_mode(plane.mode_avoidADSB, ModeReason::AVOIDANCE);
-    if (out.request == FGA_TASK_REQUEST_MISSION) {
-        if (out.next_waypoint < task.mission.waypoint_count) (void)plane.mission.set_current_cmd(items[out.next_waypoint]);
-        (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
-    }
+    if (out.request == FGA_TASK_REQUEST_MISSION) give_back(out.next_waypoint < task.mission.waypoint_count ? items[out.next_waypoint] : item);
     if (out.commands) {  // AVOID_ADSB flies GUIDED's bank for at most 3 s, at the altitude of the change of mode
         plane.guided_state.forced_rpy_cd.x = -degrees(out.bank_left_rad) * 100;
         plane.guided_state.last_forced_rpy_ms.x = AP_HAL::millis();
@@ -105,6 +110,5 @@ void FgaPlane::update() {
 }
 
 void FgaPlane::watch() {
-    if (!task.avoider || fga_task_watch(&task, seconds(AP_HAL::millis()), (fga_task_mode)mode()) == FGA_TASK_REQUEST_NONE) return;
-    (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
+    if (task.avoider && fga_task_watch(&task, seconds(AP_HAL::millis()), (fga_task_mode)mode()) != FGA_TASK_REQUEST_NONE) give_back(item);
 }

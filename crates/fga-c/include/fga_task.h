@@ -498,7 +498,7 @@ static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_t
     fga_task_set_point(task, in->is_fresh ? &in->ownship : &task->ownship, now_s, out);
   }
   // After refused steps the state before is an older one.
-  const int follows = in->is_fresh && task->decided_s == now_s && now_s > before_s && before_s > -INFINITY;
+  const int follows = in->is_fresh && task->decided_s >= now_s && now_s > before_s && before_s > -INFINITY;
   if (task->settings.learned && follows) fga_task_learn(task, in, before_rad, before_s, out);
   const int is_unproven = decision->reason == FGA_REASON_BEST_AVAILABLE || decision->reason == FGA_REASON_INSIDE_VOLUME;
   task->alarms &= ~(uint32_t)FGA_TASK_ALARM_NOT_CERTIFIED;

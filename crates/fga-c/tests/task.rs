@@ -183,11 +183,14 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
         format!("-I{}", glue.display()),
         format!("-I{}", stub.display()),
     );
-    // As ArduPilot compiles: constants are floats.
+    // As ArduPilot compiles: constants are floats, floats are not compared, and headers beside a file are found by quotes alone.
+    let text = std::fs::read_to_string(glue.join("fga_plane.cpp")).unwrap();
+    assert!(!text.contains("#include <fga"));
     let options = [
         "-std=gnu++11",
         "-O1",
         "-fsingle-precision-constant",
+        "-Wfloat-equal",
         "-fno-exceptions",
         "-fno-rtti",
         "-Wno-conversion",
@@ -206,6 +209,17 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
         PlantSettings::default(),
     );
     assert_eq!(said(&landing, "changes"), 0.0);
+    // AUTO goes on with its item, also where MIS_RESTART is 1, and on the leg of a mission uploaded in the manoeuvre.
+    for fault in ["none", "restart", "mission"] {
+        let text = fly(
+            &program,
+            &[fault.into(), "0".into()],
+            PlantSettings::default(),
+        );
+        assert_eq!(said(&text, "item"), 2.0, "{fault}: {text}");
+        assert_eq!(said(&text, "sets"), 0.0, "{fault}: {text}");
+        assert!(said(&text, "beside") < 18.0, "{fault}: {text}");
+    }
 }
 
 #[test]

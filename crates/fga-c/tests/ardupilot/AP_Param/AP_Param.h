@@ -5,7 +5,9 @@
 
 template <class T> class Parameter {
 public:
-    operator T() const { return value; }
+    operator const T &() const { return value; }
+    explicit operator double() const { return value; }
+    T get() const { return value; }
     void set(T to) { value = to; }
 
 private:
