@@ -176,7 +176,7 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
         return;
     }
     let glue = root().join("examples/ardupilot");
-    assert!(lines_of_code(&glue.join("fga_plane.cpp")) < 100);
+    assert!(lines_of_code(&glue.join("fga_plane.cpp")) <= 110);
     let stub = folder().join("tests/ardupilot");
     let into = tempfile::tempdir().unwrap();
     let (includes, stub_includes) = (
@@ -209,6 +209,19 @@ fn inside_arduplanes_interfaces_an_intruder_is_kept_out_and_the_mode_handed_back
         PlantSettings::default(),
     );
     assert_eq!(said(&landing, "changes"), 0.0);
+    // Shown too late for the normal bank, the bank in need.
+    for (fault, steepest_deg) in [("none", 43.0), ("late", 63.0)] {
+        let text = fly(
+            &program,
+            &[fault.into(), "0".into()],
+            PlantSettings::default(),
+        );
+        assert!(
+            (said(&text, "steepest") - steepest_deg).abs() < 1.0,
+            "{fault}: {text}"
+        );
+        assert!(said(&text, "least") >= 60.0, "{fault}: {text}");
+    }
     // AUTO goes on with its item, also where MIS_RESTART is 1, and on the leg of a mission uploaded in the manoeuvre.
     for fault in ["none", "restart", "mission"] {
         let text = fly(

@@ -26,6 +26,8 @@ struct Vector3l {
 };
 inline float radians(float deg) { return deg * 0.017453292f; }
 inline float degrees(float rad) { return rad * 57.29578f; }
+inline float sq(float x) { return x * x; }
+#define MIN(a, b) ((a) < (b) ? (a) : (b))
 
 namespace AP_HAL {
 extern uint32_t now_ms;
@@ -164,7 +166,8 @@ class Plane {
     friend class FgaPlane;
     friend struct Flight;
     struct {
-        AP_Float airspeed_cruise;
+        AP_Float airspeed_cruise, roll_limit;
+        AP_Int16 airspeed_min;
     } aparm;
     Mode mode_auto, mode_avoidADSB, mode_fbwa;
     Mode *control_mode = &mode_auto;

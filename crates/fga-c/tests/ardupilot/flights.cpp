@@ -69,6 +69,8 @@ int Flight::fly_with(const char *fault, double wind_mps) {
     plane.refuses_avoid = !strcmp(fault, "refused");
     plane.mission.restarts = !strcmp(fault, "restart");
     plane.aparm.airspeed_cruise.set(25);
+    plane.aparm.airspeed_min.set(10);
+    plane.aparm.roll_limit.set(65);
     FgaPlane &fga = plane.fga;
     for (const AP_Param::GroupInfo *info = FgaPlane::var_info; info->name; ++info) {
         if (!strcmp(info->name, "ENABLE")) info->set(&fga, 1);
@@ -78,7 +80,7 @@ int Flight::fly_with(const char *fault, double wind_mps) {
     printf("new %.17g\n", wind_mps);
     up_m = 100;
     airspeed_mps = 25;
-    double least_m = 1e9, taken_s = 1e9, back_s = 1e9, beside_m = 0;
+    double least_m = 1e9, taken_s = 1e9, back_s = 1e9, beside_m = 0, steepest_deg = 0;
     unsigned item = 0;
     Location taken;
     for (int step = 0; step < 1400; ++step) {
@@ -88,7 +90,9 @@ int Flight::fly_with(const char *fault, double wind_mps) {
         // Head-on on the second leg at 100 s.
         const double other_north_m = 1000.0 + 20.0 * (100.0 - now_s), other_east_m = 1500.0;
         const int fails = now_s >= taken_s + 2.0;
-        if (step % 10 == 0 && !(fails && !strcmp(fault, "silent"))) {
+        const double apart_m = hypot(other_north_m - north_m, other_east_m - east_m);
+        const int is_shown = !(fails && !strcmp(fault, "silent")) && (strcmp(fault, "late") || apart_m < 230.0);
+        if (step % 10 == 0 && is_shown) {
             const Location at = Location::at(other_north_m, other_east_m, 100);
             const AP_ADSB::adsb_vehicle_t sample {{0xABC123, at.lat, at.lng, at.alt * 10, 18000, 2000, 0}, AP_HAL::now_ms};
             plane.adsb.samples.push_back(sample);
@@ -118,10 +122,10 @@ int Flight::fly_with(const char *fault, double wind_mps) {
         } else {
             fly(plane.control_mode == &plane.mode_auto ? auto_bank_rad() : 0.0, 100.0);
         }
-        const double apart_m = hypot(other_north_m - north_m, other_east_m - east_m);
-        least_m = fmin(least_m, apart_m);
+        least_m = fmin(least_m, hypot(other_north_m - north_m, other_east_m - east_m));
+        steepest_deg = fmax(steepest_deg, fabs(plane.guided_state.forced_rpy_cd.x * 0.01));
     }
-    printf("least %.1f taken %.1f back %.1f beside %.1f item %u sets %u changes %u rows %u texts", least_m, taken_s, back_s, beside_m, item, plane.mission.sets,
+    printf("least %.1f taken %.1f back %.1f beside %.1f steepest %.1f item %u sets %u changes %u rows %u texts", least_m, taken_s, back_s, beside_m, steepest_deg, item, plane.mission.sets,
            plane.changes, log_file.rows);
     for (const std::string &text : ground.texts) printf(" [%s]", text.c_str());
     printf("\n");

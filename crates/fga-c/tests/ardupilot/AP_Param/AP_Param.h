@@ -14,6 +14,7 @@ private:
     T value;
 };
 typedef Parameter<int8_t> AP_Int8;
+typedef Parameter<int16_t> AP_Int16;
 typedef Parameter<float> AP_Float;
 
 namespace AP_Param {
