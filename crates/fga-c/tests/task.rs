@@ -103,7 +103,6 @@ fn the_task_takes_and_gives_back_as_the_companion_does() {
     let header = include_str!("../include/fga_task.h");
     let handover = include_str!("../../fga-link/src/companion/handover.rs");
     let route = include_str!("../../fga-link/src/companion/route.rs");
-    let hand = include_str!("../../fga-link/src/hand/attitude.rs");
     for (name, companion) in [
         ("PREPARE_S", handover),
         ("PAUSE_S", handover),
@@ -112,7 +111,6 @@ fn the_task_takes_and_gives_back_as_the_companion_does() {
         ("ON_LEG_M", route),
         ("ON_LEG_HEIGHT_M", route),
         ("ON_LEG_RAD", route),
-        ("SHORTEST_ROLL_OUT_S", hand),
     ] {
         let theirs = number(companion, &format!("const {name}: f64 ="));
         let ours = number(header, &format!("#define FGA_TASK_{name} "));
