@@ -1,7 +1,7 @@
 // fga inside ArduPlane: reports of AP_ADSB in, banks in AVOID_ADSB out. See docs/how-to-ardupilot-inside.md.
-#define ALLOW_DOUBLE_MATH_FUNCTIONS
+#define AP_MATH_ALLOW_DOUBLE_FUNCTIONS 1
 #include "Plane.h"
-#include <fga_task.h>
+#include "fga_task.h"
 
 const AP_Param::GroupInfo FgaPlane::var_info[] = {
     AP_GROUPINFO_FLAGS("ENABLE", 1, FgaPlane, _enable, 0, AP_PARAM_FLAG_ENABLE),
@@ -9,6 +9,7 @@ const AP_Param::GroupInfo FgaPlane::var_info[] = {
     AP_GROUPINFO("BANK", 3, FgaPlane, _bank, 43),       // largest bank, deg; below ROLL_LIMIT_DEG
     AP_GROUPINFO("FACTOR", 4, FgaPlane, _factor, 0.7),  // flown turn rate over the ideal one
     AP_GROUPINFO("LAG", 5, FgaPlane, _lag, 0.5),        // lag of the bank, s
+    AP_GROUPINFO("SIGMA", 6, FgaPlane, _sigma, 2),      // standard deviation of a reported position, m
     AP_GROUPEND
 };
 
@@ -31,10 +32,19 @@ int FgaPlane::mode() {
 bool FgaPlane::begin() {
     fga_task_settings settings;
     fga_refusal why {sizeof(fga_refusal), 0, 0, "", ""};
-    fga_status status = fga_task_settings_default(&settings, plane.aparm.airspeed_cruise, radians(_bank), &why);
-    settings.vehicle.turn_rate_factor = _factor;
-    settings.vehicle.bank_time_constant_s = _lag;
-    settings.radius_m = _radius;
+    fga_status status = fga_task_settings_default(&settings, plane.aparm.airspeed_cruise.get(), radians(_bank.get()), &why);
+    settings.vehicle.turn_rate_factor = _factor.get();
+    settings.vehicle.bank_time_constant_s = _lag.get();
+    settings.radius_m = _radius.get();
+    // In need, where nothing is certified with that bank: what ROLL_LIMIT_DEG and the wing allow. Rolling there takes longer.
+    const float stall = sq(plane.aparm.airspeed_min.get() / plane.aparm.airspeed_cruise.get());
+    const float steep_rad = MIN(radians(plane.aparm.roll_limit.get() - 2), acosf(MIN(stall, 1)));
+    if (status == FGA_STATUS_OK && steep_rad > radians(_bank.get() + 2)) {
+        settings.in_need.size = sizeof(fga_vehicle);
+        status = fga_vehicle_from_bank(plane.aparm.airspeed_cruise.get(), steep_rad, &settings.in_need, &why);
+        settings.in_need.turn_rate_factor = 0.95 * settings.vehicle.turn_rate_factor;
+        settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
+    }
     if (status == FGA_STATUS_OK) status = fga_task_begin(&task, &settings, storage, sizeof(storage), WAYPOINTS_MOST, &why);
     origin = plane.ahrs.get_home();
     if (status == FGA_STATUS_OK) return true;
@@ -42,7 +52,8 @@ bool FgaPlane::begin() {
     return _enable.set(0), false;
 }
 
-// The way from the last waypoint on: present and later waypoints, up to the first other command.
+// The way from the last waypoint on: present and later waypoints, up to the first other command. Where it changes in a manoeuvre, from
+// the place where that began.
 void FgaPlane::follow_mission() {
     AP_Mission &mission = plane.mission;
     if (item == mission.get_current_nav_index() && changed_ms == mission.last_change_time_ms()) return;
@@ -62,19 +73,27 @@ void FgaPlane::follow_mission() {
 
 // All traffic: with AVD_ENABLE 0 nobody else takes samples from this queue. Speeds in cm/s, heading in cdeg.
 void FgaPlane::hear_traffic(double now_s) {
+    const double sigma_m = _sigma.get();
     AP_ADSB::adsb_vehicle_t other;
     while (plane.adsb.next_sample(other)) {
         const double track_rad = radians(other.info.heading * 0.01), speed_mps = other.info.hor_velocity * 0.01;
         const fga_enu velocity {speed_mps * sin(track_rad), speed_mps * cos(track_rad), other.info.ver_velocity * 0.01};
         const fga_enu place = enu(origin.get_distance_NED(plane.adsb.get_location(other)));
-        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, 15, 1, 0, 0, 0};
+        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, sigma_m, 1, 0, 0, 0};
         fga_task_hear(&task, &report, now_s);
     }
 }
 
+// AUTO goes on with this item, also with MIS_RESTART 1.
+void FgaPlane::give_back(uint16_t to) {
+    if (to != plane.mission.get_current_nav_index()) (void)plane.mission.set_current_cmd(to);
+    plane.mission.set_force_resume(true);
+    (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
+}
+
 void FgaPlane::update() {
     if (!_enable || (!task.avoider && !(plane.ahrs.home_is_set() && begin()))) return;
-    if (mode() == FGA_TASK_MODE_MISSION) follow_mission();
+    if (mode() != FGA_TASK_MODE_OTHER) follow_mission();
     fga_task_input in {};
     Vector3f over_ground, wind;
     in.time_s = seconds(AP_HAL::millis());
@@ -89,10 +108,7 @@ void FgaPlane::update() {
     fga_task_output out;
     fga_task_step(&task, &in, &out);
     if (out.request == FGA_TASK_REQUEST_AVOID) (void)plane.set_mode(plane.mode_avoidADSB, ModeReason::AVOIDANCE);
-    if (out.request == FGA_TASK_REQUEST_MISSION) {
-        if (out.next_waypoint < task.mission.waypoint_count) (void)plane.mission.set_current_cmd(items[out.next_waypoint]);
-        (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
-    }
+    if (out.request == FGA_TASK_REQUEST_MISSION) give_back(out.next_waypoint < task.mission.waypoint_count ? items[out.next_waypoint] : item);
     if (out.commands) {  // AVOID_ADSB flies GUIDED's bank for at most 3 s, at the altitude of the change of mode
         plane.guided_state.forced_rpy_cd.x = -degrees(out.bank_left_rad) * 100;
         plane.guided_state.last_forced_rpy_ms.x = AP_HAL::millis();
@@ -105,6 +121,5 @@ void FgaPlane::update() {
 }
 
 void FgaPlane::watch() {
-    if (!task.avoider || fga_task_watch(&task, seconds(AP_HAL::millis()), (fga_task_mode)mode()) == FGA_TASK_REQUEST_NONE) return;
-    (void)plane.set_mode(plane.mode_auto, ModeReason::AVOIDANCE_RECOVERY);
+    if (task.avoider && fga_task_watch(&task, seconds(AP_HAL::millis()), (fga_task_mode)mode()) != FGA_TASK_REQUEST_NONE) give_back(item);
 }

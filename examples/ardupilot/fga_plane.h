@@ -14,7 +14,8 @@ private:
     bool begin();
     static int mode();
     static void follow_mission();
-    static void hear_traffic(double now_s);
+    void hear_traffic(double now_s);
+    static void give_back(uint16_t to);
     AP_Int8 _enable;
-    AP_Float _radius, _bank, _factor, _lag;
+    AP_Float _radius, _bank, _factor, _lag, _sigma;
 };

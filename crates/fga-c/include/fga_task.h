@@ -63,8 +63,8 @@
 #define FGA_TASK_LONGEST_WAY_BACK_S 120.0
 // The task takes the autopilot's leg for its own after this long on another one, seconds.
 #define FGA_TASK_OTHER_LEG_S 3.0
-// A turn rolls out over at least this time, seconds.
-#define FGA_TASK_SHORTEST_ROLL_OUT_S 0.6
+// A turn rolls out over at least this time, seconds. At ten set-points a second ArduPlane rocks by 15 degrees where it is 0.6.
+#define FGA_TASK_SHORTEST_ROLL_OUT_S 1.0
 
 // Who flies, as the autopilot's mode says it.
 typedef enum {
@@ -296,52 +296,79 @@ static inline void fga_task_hear(fga_task *task, const fga_report *report, doubl
   if (status != FGA_STATUS_OK) task->incomplete = 1;
 }
 
+// The present leg; null without one.
+static inline const fga_waypoint *fga_task_leg(const fga_task *task) {
+  const uint32_t next = fga_task_next_waypoint(task);
+  if (next >= task->mission.waypoint_count) return NULL;
+  const fga_enu from = task->mission.waypoints[next - 1].position_m, to = task->mission.waypoints[next].position_m;
+  return hypot(to.east - from.east, to.north - from.north) < 1.0 ? NULL : &task->mission.waypoints[next - 1];
+}
+
+// Whether a course through the air leads along a leg over the ground.
+static inline int fga_task_leads_along(const fga_task *task, const fga_waypoint *leg, double course_from_east_rad, fga_enu wind_mps) {
+  const double along_east = leg[1].position_m.east - leg->position_m.east, along_north = leg[1].position_m.north - leg->position_m.north;
+  const double level_mps = task->ownship.airspeed_mps * cos(task->ownship.climb_rad);
+  const double east_mps = level_mps * cos(course_from_east_rad) + wind_mps.east;
+  const double north_mps = level_mps * sin(course_from_east_rad) + wind_mps.north;
+  const double angle_rad = atan2(along_east * north_mps - along_north * east_mps, along_east * east_mps + along_north * north_mps);
+  return fabs(angle_rad) < FGA_TASK_ON_LEG_RAD;
+}
+
 // Whether the aircraft is on the present leg, by position and by its course over the ground; 1 without a leg.
 static inline int fga_task_is_on_leg(const fga_task *task, fga_enu wind_mps) {
-  const uint32_t next = fga_task_next_waypoint(task);
-  if (next >= task->mission.waypoint_count) return 1;
-  const fga_enu from = task->mission.waypoints[next - 1].position_m, to = task->mission.waypoints[next].position_m;
-  const fga_ownship *own = &task->ownship;
+  const fga_waypoint *leg = fga_task_leg(task);
+  if (!leg) return 1;
+  const fga_enu from = leg->position_m, to = leg[1].position_m, at = task->ownship.position_m;
   const double length_m = hypot(to.east - from.east, to.north - from.north);
-  if (length_m < 1.0) return 1;
   const double along_east = (to.east - from.east) / length_m, along_north = (to.north - from.north) / length_m;
-  const double east_m = own->position_m.east - from.east, north_m = own->position_m.north - from.north;
-  const double level_mps = own->airspeed_mps * cos(own->climb_rad);
-  const double east_mps = level_mps * cos(own->course_from_east_rad) + wind_mps.east;
-  const double north_mps = level_mps * sin(own->course_from_east_rad) + wind_mps.north;
-  const double angle_rad = atan2(along_east * north_mps - along_north * east_mps, along_east * east_mps + along_north * north_mps);
+  const double east_m = at.east - from.east, north_m = at.north - from.north;
   const double share = fmax(0.0, fmin(1.0, (east_m * along_east + north_m * along_north) / length_m));
-  const double above_m = own->position_m.up - (from.up + share * (to.up - from.up));
+  const double above_m = at.up - (from.up + share * (to.up - from.up));
   const int climbs = task->settings.vehicle.climb_max_rad > 0.0;
-  return fabs(along_east * north_m - along_north * east_m) < FGA_TASK_ON_LEG_M && fabs(angle_rad) < FGA_TASK_ON_LEG_RAD &&
+  return fabs(along_east * north_m - along_north * east_m) < FGA_TASK_ON_LEG_M &&
+         fga_task_leads_along(task, leg, task->ownship.course_from_east_rad, wind_mps) &&
          (!climbs || fabs(above_m) < FGA_TASK_ON_LEG_HEIGHT_M);
+}
+
+// Of the stages that have begun, the last one; null without one.
+static inline const fga_stage *fga_task_stage(const fga_task *task, double now_s) {
+  const fga_stage *stage = NULL;
+  for (uint32_t k = 0; k < task->decision.stage_count && task->decision.stages[k].start_s <= now_s - task->decided_s; ++k) {
+    stage = &task->decision.stages[k];
+  }
+  return stage;
+}
+
+// Whether the last turn of the way back has begun, or the way back is over; the end of a planned way leaves time for the slowest roll.
+static inline int fga_task_is_way_over(const fga_task *task, fga_enu wind_mps, double now_s) {
+  const fga_waypoint *leg = fga_task_leg(task);
+  const fga_stage *stage = fga_task_stage(task, now_s);
+  if (task->decision.state == FGA_STATE_CRUISE) return 1;
+  return task->decision.state == FGA_STATE_RECOVERING && !(task->decision.has & FGA_HAS_THREAT) && leg && stage &&
+         fga_task_leads_along(task, leg, stage->course_from_east_rad, wind_mps);
 }
 
 // Whether the mode can be given back: on the leg for a while, or nothing leads back.
 static inline int fga_task_is_back(fga_task *task, fga_enu wind_mps, double now_s) {
-  if (task->decision.state != FGA_STATE_CRUISE) {
-    task->on_leg_since_s = task->beside_since_s = INFINITY;
-    return 0;
-  }
-  if (task->decision.reason == FGA_REASON_MISSION_COMPLETE) return 1;
-  task->beside_since_s = fmin(task->beside_since_s, now_s);
-  task->on_leg_since_s = fga_task_is_on_leg(task, wind_mps) ? fmin(task->on_leg_since_s, now_s) : (double)INFINITY;
+  const int cruises = task->decision.state == FGA_STATE_CRUISE;
+  const int on_way = fga_task_is_way_over(task, wind_mps, now_s) && fga_task_is_on_leg(task, wind_mps);
+  if (cruises && task->decision.reason == FGA_REASON_MISSION_COMPLETE) return 1;
+  task->beside_since_s = cruises ? fmin(task->beside_since_s, now_s) : (double)INFINITY;
+  task->on_leg_since_s = on_way ? fmin(task->on_leg_since_s, now_s) : (double)INFINITY;
   return now_s - task->on_leg_since_s >= FGA_TASK_ON_LEG_FOR_S || now_s - task->beside_since_s >= FGA_TASK_LONGEST_WAY_BACK_S;
 }
 
-// The set-point of this moment: of the stages that have begun, the last one. Full bank until the rest of the turn is what the roll
-// to level still turns; then bank in proportion to what remains.
+// The set-point of this moment. Full bank until the rest of the turn is what the roll to level still turns; then bank in proportion to
+// what remains.
 static inline void fga_task_set_point(fga_task *task, const fga_ownship *own, double now_s, fga_task_output *out) {
   const fga_vehicle *vehicle =
       task->decision.in_need && task->settings.in_need.size ? &task->settings.in_need : &task->settings.vehicle;
   const double lag_s = vehicle->bank_time_constant_s, speed_mps = own->airspeed_mps;
   const double ideal = 9.80665 * vehicle->turn_rate_factor / speed_mps;  // course rate per tan(bank)
-  const int is_stale = now_s - task->decided_s > FGA_TASK_STALE_S;
+  const fga_stage *stage = now_s - task->decided_s > FGA_TASK_STALE_S ? NULL : fga_task_stage(task, now_s);
   out->course_from_east_rad = own->course_from_east_rad;
   out->bank_left_rad = out->climb_rad = 0.0;
-  for (uint32_t k = 0; !is_stale && k < task->decision.stage_count; ++k) {
-    const fga_stage *stage = &task->decision.stages[k];
-    if (stage->start_s > now_s - task->decided_s) break;
+  if (stage) {
     const double most = stage->rate_share * vehicle->turn_rate_factor * vehicle->airspeed_mps / vehicle->turn_radius_m;
     const double rest_rad =
         stage->course_from_east_rad - own->course_from_east_rad - lag_s * ideal * tan(own->bank_left_rad);
@@ -515,7 +542,7 @@ static inline void fga_task_step(fga_task *task, const fga_task_input *in, fga_t
     fga_task_set_point(task, in->is_fresh ? &in->ownship : &task->ownship, now_s, out);
   }
   // After refused steps the state before is an older one.
-  const int follows = in->is_fresh && task->decided_s == now_s && now_s > before_s && before_s > -INFINITY;
+  const int follows = in->is_fresh && task->decided_s >= now_s && now_s > before_s && before_s > -INFINITY;
   if (task->settings.learned && follows) fga_task_learn(task, in, before_rad, before_s, out);
   const int is_unproven = decision->reason == FGA_REASON_BEST_AVAILABLE || decision->reason == FGA_REASON_INSIDE_VOLUME;
   task->alarms &= ~(uint32_t)FGA_TASK_ALARM_NOT_CERTIFIED;

@@ -28,9 +28,9 @@ pub struct PlantSettings {
     /// Steps between a command and its first effect. Measured for all four: after a step to 45° the bank is
     /// 7°, 18°, 32° and 43° after 0.23, 0.37, 0.53 and 0.67 s, and 4° too far at 0.83 s.
     pub roll_delay_steps: usize,
-    /// Flown turn rate over g tan φ / V, measured up to 52°.
+    /// Flown turn rate over g tan φ / V.
     pub turn_rate_factor: f64,
-    /// Loss of that factor for each radian of bank beyond 45°. A guess, not measured: a loaded wing slows
+    /// Loss of that factor for each radian of bank beyond 45°. ArduPlane in software in the loop shows none up to 63°; a loaded wing may slow
     /// down.
     pub steep_loss: f64,
     /// Delay of the nose behind the course, seconds.
@@ -52,7 +52,7 @@ impl Default for PlantSettings {
             roll_rate_lag_s: 0.13,
             roll_delay_steps: 3,
             turn_rate_factor: 0.70,
-            steep_loss: 0.2,
+            steep_loss: 0.0,
             nose_lag_s: 0.3,
             climb_time_constant_s: 0.5,
             level_pitch_rad: 0.035,

@@ -2,7 +2,7 @@
 //! `cargo run --release -p fga-link --example encounters -- target/release/fga 500 2000 0 24
 //! tcp:127.0.0.1:5760 tcp:127.0.0.1:5762`.
 //!
-//! Arguments: the program, or `none` for the vehicle's own avoidance as its parameters set it; least and largest distance of an
+//! Arguments: the program, or `none` for what the vehicle itself does, its own avoidance or fga inside it; least and largest distance of an
 //! intruder at first sight, metres; the first seed and the number of seeds; the vehicle's link for the ground station and the one
 //! for the program; then, optionally, the configuration of the program and a folder for its logs.
 //!
@@ -31,7 +31,7 @@ use fga_link::endpoint::open;
 use fga_link::player::{Played, PlayedState, adsb_message};
 use fga_link::wire::WireFrame;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
-use ground::{ALTITUDE_M, AUTO, GUIDED, Ground, listen};
+use ground::{ALTITUDE_M, AUTO, AVOID_ADSB, GUIDED, Ground, listen};
 use kinds::{KINDS, Kind, velocity_mps};
 use mavlink::dialects::ardupilotmega::MavCmd;
 use random::Random;
@@ -423,7 +423,7 @@ impl Bench {
             least_m: distances.fold(f64::INFINITY, f64::min),
             largest_m,
             back_s: (last_off_s - passed_s).max(0.0),
-            once: self.ground.modes == [GUIDED, AUTO],
+            once: matches!(*self.ground.modes, [GUIDED | AVOID_ADSB, AUTO]),
             in_need: self.ground.texts.iter().any(|t| t == "fga: bank in need"),
         };
         let shown_m: Vec<String> = self

@@ -11,6 +11,10 @@
 
 #include "fga_plane.h"
 
+#ifdef ALLOW_DOUBLE_MATH_FUNCTIONS
+#error ArduPilot refuses this name
+#endif
+
 struct Vector3f {
     float x, y, z;
     Vector3f(float a = 0, float b = 0, float c = 0) : x(a), y(b), z(c) {}
@@ -22,6 +26,8 @@ struct Vector3l {
 };
 inline float radians(float deg) { return deg * 0.017453292f; }
 inline float degrees(float rad) { return rad * 57.29578f; }
+inline float sq(float x) { return x * x; }
+#define MIN(a, b) ((a) < (b) ? (a) : (b))
 
 namespace AP_HAL {
 extern uint32_t now_ms;
@@ -66,10 +72,18 @@ public:
     };
     std::vector<Mission_Command> commands;  // the first is home
     uint16_t current = 1;
+    uint32_t changed_ms = 1;
+    unsigned sets = 0;
+    bool restarts = false, resumes = false;  // MIS_RESTART, and the word against it
     uint16_t get_current_nav_index() const { return current; }
     uint16_t get_current_nav_id() const { return commands[current].id; }
-    uint32_t last_change_time_ms() const { return 1; }
-    bool set_current_cmd(uint16_t index) { return index < commands.size() ? (current = index, true) : false; }
+    uint32_t last_change_time_ms() const { return changed_ms; }
+    bool set_current_cmd(uint16_t index) { return sets += 1, index < commands.size() ? (current = index, true) : false; }
+    void set_force_resume(bool resume) { resumes = resume; }
+    void start_or_resume() {
+        if (restarts && !resumes) current = 1;
+        resumes = false;
+    }
     bool get_next_nav_cmd(uint16_t index, Mission_Command &cmd) const {
         return index < commands.size() ? (cmd = commands[index], true) : false;
     }
@@ -152,7 +166,8 @@ class Plane {
     friend class FgaPlane;
     friend struct Flight;
     struct {
-        float airspeed_cruise = 25;
+        AP_Float airspeed_cruise, roll_limit;
+        AP_Int16 airspeed_min;
     } aparm;
     Mode mode_auto, mode_avoidADSB, mode_fbwa;
     Mode *control_mode = &mode_auto;
@@ -173,8 +188,10 @@ class Plane {
     unsigned changes = 0;
     bool set_mode(Mode &to, ModeReason) {
         if (refuses_avoid && &to == &mode_avoidADSB) return false;
-        changes += control_mode != &to;
-        if (control_mode != &to && &to == &mode_auto) prev_WP_loc = current_loc;
+        if (control_mode == &to) return true;
+        changes += 1;
+        prev_WP_loc = current_loc;
+        if (&to == &mode_auto) mission.start_or_resume();
         control_mode = &to;
         return true;
     }

@@ -67,6 +67,10 @@ int Flight::fly_with(const char *fault, double wind_mps) {
     plane.prev_WP_loc = plane.current_loc = Location::at(0, 0, 100);
     if (!strcmp(fault, "landing")) plane.mission.commands[2].id = MAV_CMD_NAV_LAND;
     plane.refuses_avoid = !strcmp(fault, "refused");
+    plane.mission.restarts = !strcmp(fault, "restart");
+    plane.aparm.airspeed_cruise.set(25);
+    plane.aparm.airspeed_min.set(10);
+    plane.aparm.roll_limit.set(65);
     FgaPlane &fga = plane.fga;
     for (const AP_Param::GroupInfo *info = FgaPlane::var_info; info->name; ++info) {
         if (!strcmp(info->name, "ENABLE")) info->set(&fga, 1);
@@ -76,7 +80,9 @@ int Flight::fly_with(const char *fault, double wind_mps) {
     printf("new %.17g\n", wind_mps);
     up_m = 100;
     airspeed_mps = 25;
-    double least_m = 1e9, taken_s = 1e9, back_s = 1e9, beside_m = 0;
+    double least_m = 1e9, taken_s = 1e9, back_s = 1e9, beside_m = 0, steepest_deg = 0;
+    unsigned item = 0;
+    Location taken;
     for (int step = 0; step < 1400; ++step) {
         const double now_s = step * 0.1;
         AP_HAL::now_ms = (uint32_t)step * 100 + 5000;
@@ -84,32 +90,43 @@ int Flight::fly_with(const char *fault, double wind_mps) {
         // Head-on on the second leg at 100 s.
         const double other_north_m = 1000.0 + 20.0 * (100.0 - now_s), other_east_m = 1500.0;
         const int fails = now_s >= taken_s + 2.0;
-        if (step % 10 == 0 && !(fails && !strcmp(fault, "silent"))) {
+        const double apart_m = hypot(other_north_m - north_m, other_east_m - east_m);
+        const int is_shown = !(fails && !strcmp(fault, "silent")) && (strcmp(fault, "late") || apart_m < 230.0);
+        if (step % 10 == 0 && is_shown) {
             const Location at = Location::at(other_north_m, other_east_m, 100);
             const AP_ADSB::adsb_vehicle_t sample {{0xABC123, at.lat, at.lng, at.alt * 10, 18000, 2000, 0}, AP_HAL::now_ms};
             plane.adsb.samples.push_back(sample);
         }
         if (fails && now_s < taken_s + 6.0 && !strcmp(fault, "pilot")) plane.control_mode = &plane.mode_fbwa;
+        if (fails && !strcmp(fault, "mission") && plane.mission.changed_ms == 1) {
+            plane.mission.changed_ms = AP_HAL::now_ms;
+            plane.mission.commands[2].content.location = Location::at(2500, 2100, 100);
+        }
         plane.roll_channel.stick = fails && now_s < taken_s + 6.0 && !strcmp(fault, "stick") ? 0.5f : 0.0f;
         plane.ahrs.is_good = !(fails && !strcmp(fault, "state"));
         if (!(fails && !strcmp(fault, "stopped"))) fga.update();
         for (int k = 0; k < 5; ++k) fga.watch();
-        if (plane.control_mode == &plane.mode_avoidADSB && taken_s > 1e8) taken_s = now_s;
-        const double bank_rad = auto_bank_rad();
+        if (plane.control_mode == &plane.mode_avoidADSB && taken_s > 1e8) {
+            taken_s = now_s;
+            taken = plane.current_loc;
+        }
         if (plane.control_mode == &plane.mode_auto && taken_s < 1e8 && back_s > 1e8) {
             back_s = now_s;
-            beside_m = fabs(east_m - 1500.0);
+            const Vector3f leg = taken.get_distance_NED(plane.mission.commands[2].content.location), at = taken.get_distance_NED(plane.current_loc);
+            beside_m = fabs(leg.x * at.y - leg.y * at.x) / hypot(leg.x, leg.y);
+            item = plane.mission.current;
         }
         if (plane.control_mode == &plane.mode_avoidADSB) {
             const int is_fresh = AP_HAL::now_ms - plane.guided_state.last_forced_rpy_ms.x < 3000;
             fly(is_fresh ? radians(plane.guided_state.forced_rpy_cd.x * 0.01f) : 0.0, 100.0);
         } else {
-            fly(plane.control_mode == &plane.mode_auto ? bank_rad : 0.0, 100.0);
+            fly(plane.control_mode == &plane.mode_auto ? auto_bank_rad() : 0.0, 100.0);
         }
-        const double apart_m = hypot(other_north_m - north_m, other_east_m - east_m);
-        least_m = fmin(least_m, apart_m);
+        least_m = fmin(least_m, hypot(other_north_m - north_m, other_east_m - east_m));
+        steepest_deg = fmax(steepest_deg, fabs(plane.guided_state.forced_rpy_cd.x * 0.01));
     }
-    printf("least %.1f taken %.1f back %.1f beside %.1f changes %u rows %u texts", least_m, taken_s, back_s, beside_m, plane.changes, log_file.rows);
+    printf("least %.1f taken %.1f back %.1f beside %.1f steepest %.1f item %u sets %u changes %u rows %u texts", least_m, taken_s, back_s, beside_m, steepest_deg, item, plane.mission.sets,
+           plane.changes, log_file.rows);
     for (const std::string &text : ground.texts) printf(" [%s]", text.c_str());
     printf("\n");
     return 0;

@@ -5,13 +5,16 @@
 
 template <class T> class Parameter {
 public:
-    operator T() const { return value; }
+    operator const T &() const { return value; }
+    explicit operator double() const { return value; }
+    T get() const { return value; }
     void set(T to) { value = to; }
 
 private:
     T value;
 };
 typedef Parameter<int8_t> AP_Int8;
+typedef Parameter<int16_t> AP_Int16;
 typedef Parameter<float> AP_Float;
 
 namespace AP_Param {

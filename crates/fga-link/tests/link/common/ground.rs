@@ -23,6 +23,7 @@ use mavlink::dialects::ardupilotmega::{
 pub const FBWB: u32 = 6;
 pub const CRUISE: u32 = 7;
 pub const AUTO: u32 = 10;
+pub const AVOID_ADSB: u32 = 14;
 pub const GUIDED: u32 = 15;
 /// Height of every mission, metres above home.
 pub const ALTITUDE_M: f64 = 100.0;
