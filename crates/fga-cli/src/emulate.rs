@@ -99,7 +99,8 @@ pub(crate) fn run(args: &EmulateArgs) -> Result<ExitCode, Failure> {
     });
     let done = fly::run_until(&flown, &signals);
     over.store(true, Ordering::Relaxed);
-    if let Ok(vehicle) = emulated.join() {
+    // A link file that cannot be used is told before anything flies.
+    if let (Ok(vehicle), Ok(_)) = (emulated.join(), &done) {
         vehicle.tell_least();
     }
     done

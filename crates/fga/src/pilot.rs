@@ -59,9 +59,7 @@ impl<P: Places + 'static> Pilot for Avoider<P> {
 
 impl Pilot for BeliefAvoider {
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        let mut decision = Decision::default();
-        self.step_into(situation, &mut decision);
-        decision
+        self.step(situation)
     }
 
     fn beliefs(&self) -> Option<&Beliefs> {

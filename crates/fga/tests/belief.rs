@@ -3,7 +3,6 @@
 use fga::avoider::belief::BeliefAvoider;
 use fga::avoider::{Decision, Settings, State};
 use fga::meter::Meter;
-use fga::pilot::Pilot;
 use fga::prediction::{Flyer, MotionState};
 use fga::situation::{
     Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation, Uncertainty,

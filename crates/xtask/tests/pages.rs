@@ -358,17 +358,19 @@ fn the_glossary_has_one_line_for_each_word_and_its_names_exist() {
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(&folder).expect("a folder") {
             let path = entry.expect("an entry").path();
-            if path.is_dir() && !path.ends_with("target") {
+            if path.is_dir() && !path.ends_with("target") && !path.ends_with("xtask") {
                 folders.push(path);
             } else if path.extension().is_some_and(|ending| ending == "rs") {
                 code += &fs::read_to_string(&path).unwrap_or_default();
             }
         }
     }
+    let is_of_name = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    let names: BTreeSet<&str> = code.split(|c| !is_of_name(c)).collect();
     for row in &rows {
         for name in row.get(2).unwrap_or(&"").split('`').skip(1).step_by(2) {
             let last = name.rsplit("::").next().unwrap_or(name);
-            assert!(code.contains(last), "{}: {name}", row[0]);
+            assert!(names.contains(last), "{}: {name}", row[0]);
         }
     }
 }

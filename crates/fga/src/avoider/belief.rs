@@ -37,7 +37,7 @@ const PROVEN: f64 = 1.0 / 86.0;
 const MOST_SEEN: usize = 64;
 
 /// Decides on beliefs about aircraft: call it each cycle with a [`Situation`] of reports and fly its [`Decision`]. Among obstacles that are
-/// no aircraft it is an [`Avoider`].
+/// no aircraft it is an [`Avoider`]. `examples/beliefs.rs` shows one decision.
 #[derive(Debug, Clone)]
 pub struct BeliefAvoider {
     avoider: Avoider,
@@ -68,7 +68,7 @@ struct Choice {
     proven_share: Option<f64>,
     cost_m: f64,
     /// When it left the mission, seconds on the situation's clock: now, while it is on it.
-    left_s: f64,
+    departed_s: f64,
     /// When the way back began that is flown, and when it is on its leg, seconds on the situation's clock.
     back_s: (f64, f64),
     /// Whether something was heard since.
@@ -78,7 +78,7 @@ struct Choice {
     /// Whether it was proven then.
     is_proven: bool,
     /// Whether the avoider decides alone, because no plan keeps clear of what is fixed.
-    is_left: bool,
+    is_delegated: bool,
 }
 
 impl Choice {
@@ -88,12 +88,12 @@ impl Choice {
         p_loss: [0.0; 2],
         proven_share: None,
         cost_m: 0.0,
-        left_s: f64::INFINITY,
+        departed_s: f64::INFINITY,
         has_news: false,
         back_s: (f64::NEG_INFINITY, f64::NEG_INFINITY),
         threat: None,
         is_proven: false,
-        is_left: false,
+        is_delegated: false,
     };
 }
 
@@ -142,6 +142,13 @@ impl BeliefAvoider {
         self.decider.restart();
     }
 
+    /// Decides.
+    pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        let mut decision = Decision::default();
+        self.step_into(situation, &mut decision);
+        decision
+    }
+
     /// Decides into the place of another decision, which is large.
     pub fn step_into(&mut self, situation: &Situation<'_>, decision: &mut Decision) {
         self.decider
@@ -168,7 +175,7 @@ impl BeliefDecider {
         }
     }
 
-    /// Forgets what was chosen, as at the begin of another flight; who is around stays known.
+    /// Forgets what was chosen, as at the beginning of another flight; who is around stays known.
     pub const fn restart(&mut self) {
         self.chooser.forget();
         self.choice = Choice::NONE;
@@ -285,8 +292,8 @@ impl Chooses<'_> {
         let mut mission = Maneuver::hold();
         // A way back keeps its turns until it ends. Laid anew in each step it might never end.
         let (began_s, until_s) = self.choice.back_s;
-        let is_back = avoider.state != State::Recovering || time_s >= until_s;
-        if is_back {
+        let lays_guidance = avoider.state != State::Recovering || time_s >= until_s;
+        if lays_guidance {
             let joined_s = avoider.on_mission(situation, |progress, route| {
                 progress.guidance(route, now, horizon_s, &mut mission)
             });
@@ -326,26 +333,27 @@ impl Chooses<'_> {
         }
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
         // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
-        if self.choice.is_left && matches!(avoider.state, State::Avoiding | State::Recovering) {
+        if self.choice.is_delegated && matches!(avoider.state, State::Avoiding | State::Recovering)
+        {
             return avoider.step_turn_aware(situation, now, None, decision);
         }
         let since_s = time_s - self.choice.at_s;
         let is_due =
             since_s < 0.0 || since_s >= PERIOD_S.1 || self.choice.has_news && since_s >= PERIOD_S.0;
         let before = self.choice.plan;
-        let is_kept = !is_due && !self.choice.is_left && {
+        let is_kept = !is_due && !self.choice.is_delegated && {
             scene.set(&before, decision.command.edit());
             let is_proven = keeps(avoider, &scene, (&before, true), decision, now);
             is_proven || !self.choice.is_proven
         };
-        if !is_kept && (is_due || !self.choice.is_left) {
+        if !is_kept && (is_due || !self.choice.is_delegated) {
             self.choose(avoider, situation, &scene, now, decision);
         }
-        if self.choice.is_left {
+        if self.choice.is_delegated {
             return avoider.step_turn_aware(situation, now, None, decision);
         }
         self.report(avoider, situation, now, &before, decision);
-        if is_back {
+        if lays_guidance {
             avoider.flown.edit().set(mission.stages().iter().copied());
         }
     }
@@ -361,12 +369,12 @@ impl Chooses<'_> {
         decision: &mut Decision,
     ) {
         let others = (self.beliefs, &situation.obstacles);
-        let left_s = if matches!(avoider.state, State::Cruise | State::Threatened) {
+        let departed_s = if matches!(avoider.state, State::Cruise | State::Threatened) {
             scene.time_s
         } else {
-            self.choice.left_s.min(scene.time_s)
+            self.choice.departed_s.min(scene.time_s)
         };
-        let present = (&self.choice.plan, scene.time_s - left_s);
+        let present = (&self.choice.plan, scene.time_s - departed_s);
         let hold = (self.chooser).weigh(scene, others, present, &mut avoider.path);
         let threat = (hold.loss > 0.0).then(|| {
             let demand = avoider.first_demand();
@@ -375,7 +383,7 @@ impl Chooses<'_> {
         let ranked = self.chooser.ranked();
         let mut choice = Choice {
             at_s: scene.time_s,
-            left_s,
+            departed_s,
             back_s: self.choice.back_s,
             threat: threat.flatten().map(|(threat, _)| threat),
             ..Choice::NONE
@@ -408,7 +416,7 @@ impl Chooses<'_> {
         }
         // Then as among exact reports of the expected motions.
         *self.choice = Choice {
-            is_left: true,
+            is_delegated: true,
             p_loss: [hold.loss.min(1.0); 2],
             ..choice
         };
@@ -460,11 +468,12 @@ impl Chooses<'_> {
             record.start_s = Some(from_s - time_s);
         }
         if choice.plan != Plan::Mission {
+            let proof = decision.command.proof();
             record.chosen = Some(Candidate {
-                margin_m: decision
-                    .command
-                    .proof()
-                    .map_or(0.0, |proof| proof.bound().margin_m),
+                margin_m: match proof {
+                    Some(proof) => proof.bound().margin_m,
+                    None => bound_m(avoider, &decision.command, now),
+                },
                 cost: choice.cost_m,
                 verdict: if is_proven {
                     Verdict::Chosen
@@ -474,6 +483,22 @@ impl Chooses<'_> {
             });
         }
     }
+}
+
+/// Lower bound of the separation of a command that is not proven, metres.
+fn bound_m(avoider: &mut Avoider<dyn Places + '_>, command: &Maneuver, now: &Now<'_>) -> f64 {
+    let horizon_s = avoider.settings.horizon_s;
+    avoider.predict(command, now, horizon_s);
+    let around = avoider.tracks.around(now.mission);
+    let asked = (horizon_s, f64::MIN, ENOUGH_M);
+    certify_set(
+        &avoider.flyer,
+        &avoider.path,
+        &around,
+        asked,
+        &avoider.meter,
+    )
+    .margin_m
 }
 
 /// Weight of the futures of which the path that was predicted last keeps clear, each aircraft deciding for itself.
