@@ -169,6 +169,42 @@ class Learned {
   fga_refusal why_ = sized<fga_refusal>();
 };
 
+// The obstacles of a step by raw reports of at most this number of aircraft.
+template <std::uint32_t Aircraft>
+class Reports {
+ public:
+  Reports() noexcept = default;
+  Reports(const Reports &) = delete;
+  Reports &operator=(const Reports &) = delete;
+
+  // Constructs it without aircraft, each of which is forgotten after a lifetime without a report, or constructs it again.
+  [[nodiscard]] fga_status init(double lifetime_s) noexcept {
+    reports_ = nullptr;
+    return fga_reports_init(storage_, sizeof storage_, FGA_ABI_VERSION, Aircraft, lifetime_s, &reports_, &why_);
+  }
+
+  [[nodiscard]] fga_status hear(const fga_report &report, double now_s, fga_enu own_m) noexcept {
+    return fga_reports_hear(reports_, &report, now_s, own_m, &why_);
+  }
+
+  // Gives a situation the obstacles of its time, which lie here, with the same volume around each.
+  [[nodiscard]] fga_status obstacles(double radius_m, double half_height_m, fga_situation &situation) noexcept {
+    situation.obstacles = obstacles_;
+    return fga_reports_obstacles(reports_, situation.time_s, radius_m, half_height_m, obstacles_, Aircraft,
+                                 &situation.obstacle_count, &why_);
+  }
+
+  [[nodiscard]] fga_status counts(fga_report_counts &counts) noexcept { return fga_reports_counts(reports_, &counts); }
+
+  [[nodiscard]] const fga_refusal &why() const noexcept { return why_; }
+
+ private:
+  alignas(FGA_ALIGN) unsigned char storage_[FGA_REPORTS_BYTES(Aircraft)];
+  fga_obstacle obstacles_[Aircraft];
+  fga_reports *reports_ = nullptr;
+  fga_refusal why_ = sized<fga_refusal>();
+};
+
 // Beliefs about aircraft by their raw reports, on which an avoider decides by expected cost.
 class Beliefs {
  public:

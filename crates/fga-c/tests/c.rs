@@ -297,15 +297,17 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
 }
 
 #[test]
-fn the_learner_in_cpp_learns_how_wide_turns_are() {
+fn the_classes_of_cpp_learn_hear_and_believe() {
     if !have(&[("c++", "build-essential")]) {
         return;
     }
     let into = tempfile::tempdir().unwrap();
     let options = sanitized(&["-std=c++17", "-O1"]);
-    let source = folder().join("tests/link/learned.cpp");
-    let program = build_at(&source, "c++", &options, into.path());
-    assert_eq!(ran(&mut Command::new(program)), "0.7\n");
+    for (source, printed) in [("learned", "0.7\n"), ("traffic", "avoiding, avoiding\n")] {
+        let source = folder().join(format!("tests/link/{source}.cpp"));
+        let program = build_at(&source, "c++", &options, into.path());
+        assert_eq!(ran(&mut Command::new(program)), printed);
+    }
 }
 
 /// The page shows the program, its commands run as they are written, and print what it says.
