@@ -32,6 +32,6 @@ pub mod price;
 mod recourse;
 
 pub use beliefs::Beliefs;
-pub use candidate::{Plan, Scene};
+pub use candidate::{Plan, Scene, Up, Way};
 pub use chance::Chance;
 pub use chooser::{Chooser, Ranked};

@@ -56,6 +56,9 @@ pub(crate) struct CorridorArgs {
     /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]
     policy: String,
+    /// Aircraft alone, which report once a second with σ of 5 m and 0.5 m/s.
+    #[arg(long)]
+    noisy: bool,
 }
 
 /// A flight along the x axis.
@@ -252,15 +255,31 @@ fn oracle_m(world: &World) -> f64 {
     best_margin_within(&start, &vehicle, &[there], airspace_of(world), &settings).best_margin_m
 }
 
+/// Aircraft alone, and the errors of their reports.
+fn make_noisy(world: &mut World) {
+    let sensor = &mut world.sensor;
+    (sensor.position_sigma_m, sensor.velocity_sigma_mps) = (5.0, 0.5);
+    sensor.update_period_s = 1.0;
+    for intruder in &mut world.obstacles {
+        if intruder.movement == Movement::Straight {
+            intruder.movement = Movement::SMALL_UAS;
+        }
+    }
+}
+
 fn fly(
-    policy: &PolicyChoice,
+    (policy, is_noisy): (&PolicyChoice, bool),
     (seed, number): (u64, u64),
     course: f64,
     shows: bool,
 ) -> Result<CorridorCount, String> {
-    let Some(world) = drawn(seed, number, course)? else {
+    let Some(mut world) = drawn(seed, number, course)? else {
         return Ok(CorridorCount::default());
     };
+    if is_noisy {
+        make_noisy(&mut world);
+    }
+    let world = policy.sees(&world).unwrap_or(world);
     let mut pilot = policy
         .pilot(&world.settings, &world.vehicle)
         .map_err(|error| error.to_string())?;
@@ -333,7 +352,7 @@ fn fly(
 }
 
 fn counted(
-    policy: &PolicyChoice,
+    policy: (&PolicyChoice, bool),
     of: usize,
     (count, seed): (u64, u64),
 ) -> Result<CorridorCount, String> {
@@ -350,14 +369,14 @@ fn counted(
 /// Runs the experiment.
 pub(crate) fn run(args: &CorridorArgs) -> Result<(), String> {
     let drawn = (args.drawn.count, args.drawn.seed);
-    let policy = parse_policy(&args.policy)?;
+    let policy = (&parse_policy(&args.policy)?, args.noisy);
     if let Some(number) = args.only {
         let (_, course) = COURSES[usize::try_from(number % COURSES.len() as u64).unwrap_or(0)];
-        fly(&policy, (args.drawn.seed, number), course, true)?;
+        fly(policy, (args.drawn.seed, number), course, true)?;
         return Ok(());
     }
     for (of, (name, _)) in COURSES.iter().enumerate() {
-        let count = counted(&policy, of, drawn)?;
+        let count = counted(policy, of, drawn)?;
         let avoidable =
             |lost: &[(u64, f64, f64)]| lost.iter().filter(|lost| lost.2 >= AVOIDABLE_M).count();
         println!(
@@ -387,4 +406,20 @@ pub(crate) fn run(args: &CorridorArgs) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The aircraft has turned round in the corridor; each shorter way back leads through the fence.
+    #[test]
+    fn a_way_back_that_leaves_the_fence_is_not_begun() {
+        for number in [43, 73, 88, 152] {
+            let (_, course) = COURSES[number as usize % COURSES.len()];
+            let policy = (&PolicyChoice::default(), true);
+            let count = fly(policy, (3, number), course, false).unwrap();
+            assert!(count.avoided == 1 && count.left.is_empty(), "{number}");
+        }
+    }
 }

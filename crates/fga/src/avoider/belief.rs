@@ -5,10 +5,12 @@
 //! motion of every aircraft, of zones, ground and limits, in continuous time. Where none is proven, the cheapest one of these that keeps clear
 //! of what is fixed flies; below that, the manoeuvre of an [`Avoider`] among the expected motions.
 
+use core::f64::consts::TAU;
+
 use fga_belief::future::{Future, Futures};
 pub use fga_belief::{Errors, Report, Sigma, Source};
 pub use fga_choice::Beliefs;
-use fga_choice::{Chooser, Plan, Ranked, Scene};
+use fga_choice::{Chooser, Plan, Ranked, Scene, Up, Way};
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::turn_aware::ENOUGH_M;
@@ -410,6 +412,28 @@ impl Chooses<'_> {
                         choice.proven_share = Some(proven_share(avoider, self.beliefs, situation));
                     }
                     *self.choice = choice;
+                    return;
+                }
+            }
+        }
+        // Where no way back keeps clear of what is fixed, the present way is flown on while it does, or a turn to the leg's course, to any side.
+        let present = self.choice.plan;
+        if present.way_at(scene.time_s).is_some() {
+            let to_leg = [0.0, TAU, -TAU].map(|turns_rad| {
+                let course_rad = scene.leg_rad + turns_rad;
+                let up = Up::Level;
+                Plan::Off(Way { course_rad, up }, scene.time_s)
+            });
+            for plan in [present].into_iter().chain(to_leg) {
+                scene.set(&plan, decision.command.edit());
+                if keeps(avoider, scene, (&plan, true), decision, now) {
+                    *self.choice = Choice {
+                        plan,
+                        is_proven: true,
+                        cost_m: self.choice.cost_m,
+                        p_loss: self.choice.p_loss,
+                        ..choice
+                    };
                     return;
                 }
             }
