@@ -556,6 +556,10 @@ fn a_wrong_zone_is_one_sentence_with_its_line() {
             "center_m = [0, 50]\nradius_m = -2",
             "line 9: radius_m is -2, expected a positive number",
         ),
+        (
+            "center_m = [0, 50]\nradius_m = 1e308",
+            "a number from 0 to 10000000",
+        ),
         ("radius_m = 5", "a circle has no centre"),
         (
             "polygon_deg = [[0, 0], [0, 1], [1, 1]]",

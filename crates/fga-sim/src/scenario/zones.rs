@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use fga::limit::LARGEST_M;
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
 use fga_files::scenario::{ZoneKindName, ZoneTable};
@@ -366,7 +367,10 @@ fn zone(
         }
         (None, None, Some(radius)) => WorldOutline::Circle {
             center_m: center(entry, places)?,
-            radius_m: text.positive("radius_m", radius)?,
+            radius_m: {
+                text.positive("radius_m", radius)?;
+                text.within("radius_m", radius, (0.0, LARGEST_M))?
+            },
         },
         (None, None, None) => {
             let message = format!(
