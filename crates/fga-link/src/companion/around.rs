@@ -84,7 +84,8 @@ impl ObstaclesAround {
             (CEILING_ID, _) => "ceiling".to_owned(),
             (_, Some(own)) if !own.name.is_empty() => own.name.clone(),
             (_, Some(_)) => "virtual obstacle".to_owned(),
-            _ => "fence".to_owned(),
+            (u32::MAX, _) => "fence".to_owned(),
+            _ => "lost traffic".to_owned(),
         }
     }
 
