@@ -144,8 +144,8 @@ impl Beliefs {
         has_news
     }
 
-    /// Takes a report of an aircraft with a volume. Returns whether the report is new, or `None` if there is no room for all aircraft: the one
-    /// farthest from the own aircraft is left out. The report must be [valid](Report::is_valid).
+    /// Takes a [valid](Report::is_valid) report of an aircraft with a volume. Returns whether the report is new. Returns `None` if there is no
+    /// room for all aircraft; it then leaves out the farthest one.
     pub fn take(
         &mut self,
         (id, volume): (u32, ProtectedVolume),

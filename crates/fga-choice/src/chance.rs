@@ -155,7 +155,7 @@ impl Looks {
     }
 }
 
-/// Where each future of an aircraft is at each moment, metres from the present position of the own aircraft.
+/// An aircraft's futures at each moment, from the own aircraft's present position, metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
     x: [[f32; FUTURES]; MOMENTS],

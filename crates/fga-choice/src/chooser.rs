@@ -329,10 +329,11 @@ fn others<'a>(
     let (mut nearest, mut all) = (List::new(Nearby::NOTHING), 0_u32);
     let mut keep = |[at_m, v_mps]: [Vec3; 2], margin_m: f64, other| {
         let off_m = at_m - own_m;
-        if off_m.length() > scene.surveillance_radius_m {
+        let apart_m = off_m.length();
+        if apart_m > scene.surveillance_radius_m {
             return;
         }
-        let closing_mps = (own_mps - v_mps).dot(off_m) / off_m.length().max(1.0);
+        let closing_mps = (own_mps - v_mps).dot(off_m) / apart_m.max(1.0);
         let near = Nearby {
             other: Some(other),
             away_m: margin_m - SECONDS as f64 * closing_mps.max(0.0),

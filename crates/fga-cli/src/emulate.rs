@@ -99,7 +99,7 @@ pub(crate) fn run(args: &EmulateArgs) -> Result<ExitCode, Failure> {
     });
     let done = fly::run_until(&flown, &signals);
     over.store(true, Ordering::Relaxed);
-    // A link file that cannot be used is told before anything flies.
+    // Without `fga fly`, as with a bad link file, nothing was avoided.
     if let (Ok(vehicle), Ok(_)) = (emulated.join(), &done) {
         vehicle.tell_least();
     }

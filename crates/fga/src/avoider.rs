@@ -529,15 +529,20 @@ impl Avoider<dyn Places + '_> {
     }
 
     #[inline(never)]
-    fn load_tracks(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) {
+    fn load_tracks(
+        &mut self,
+        situation: &Situation<'_>,
+        kept: Option<&mut Kept<'_>>,
+        may_begin: bool,
+    ) {
         let limits = self.limits();
         let sigmas = self.settings.confidence_sigmas;
         match kept {
             None => self.tracks.load(situation, limits.0, limits.1, sigmas),
             Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
         }
-        // Without traffic there is no manoeuvre to bound.
-        if self.plan.is_some() || !self.tracks.rows().is_empty() {
+        // Without traffic there is no manoeuvre to bound, unless one may begin all the same.
+        if may_begin || self.plan.is_some() || !self.tracks.rows().is_empty() {
             self.bind(situation);
         }
         self.meter.count(self.tracks.work);

@@ -328,11 +328,8 @@ impl Chooses<'_> {
             surveillance_radius_m: avoider.settings.surveillance_radius_m,
             altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
         };
-        avoider.load_tracks(situation, None);
         // Futures reach farther than the tracks: a manoeuvre may begin while none of them is near.
-        if avoider.tracks.rows().is_empty() {
-            avoider.bind(situation);
-        }
+        avoider.load_tracks(situation, None, true);
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
         // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
         if self.choice.is_delegated && matches!(avoider.state, State::Avoiding | State::Recovering)
@@ -416,7 +413,7 @@ impl Chooses<'_> {
                 }
             }
         }
-        // Where no way back keeps clear of what is fixed, the present way is flown on while it does, or a turn to the leg's course, to any side.
+        // The way back may lead through what is fixed. Then the present way goes on, or a turn to the leg's course, while that is proven.
         let present = self.choice.plan;
         if present.way_at(scene.time_s).is_some() {
             let to_leg = [0.0, TAU, -TAU].map(|turns_rad| {
@@ -492,11 +489,11 @@ impl Chooses<'_> {
             record.start_s = Some(from_s - time_s);
         }
         if choice.plan != Plan::Mission {
-            let proof = decision.command.proof();
+            let asked = (avoider.settings.horizon_s, f64::MIN, ENOUGH_M);
             record.chosen = Some(Candidate {
-                margin_m: match proof {
+                margin_m: match decision.command.proof() {
                     Some(proof) => proof.bound().margin_m,
-                    None => bound_m(avoider, &decision.command, now),
+                    None => avoider.margin_of(&decision.command, now, asked),
                 },
                 cost: choice.cost_m,
                 verdict: if is_proven {
@@ -507,22 +504,6 @@ impl Chooses<'_> {
             });
         }
     }
-}
-
-/// Lower bound of the separation of a command that is not proven, metres.
-fn bound_m(avoider: &mut Avoider<dyn Places + '_>, command: &Maneuver, now: &Now<'_>) -> f64 {
-    let horizon_s = avoider.settings.horizon_s;
-    avoider.predict(command, now, horizon_s);
-    let around = avoider.tracks.around(now.mission);
-    let asked = (horizon_s, f64::MIN, ENOUGH_M);
-    certify_set(
-        &avoider.flyer,
-        &avoider.path,
-        &around,
-        asked,
-        &avoider.meter,
-    )
-    .margin_m
 }
 
 /// Weight of the futures of which the path that was predicted last keeps clear, each aircraft deciding for itself.

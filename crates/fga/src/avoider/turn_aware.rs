@@ -106,7 +106,7 @@ impl Avoider<dyn Places + '_> {
         {
             return;
         }
-        self.load_tracks(situation, kept);
+        self.load_tracks(situation, kept, false);
         self.far_s = self.far_horizon_s(now);
         (self.looked_at, self.is_cut) = (0, false);
         match self.state {
@@ -437,7 +437,12 @@ impl Avoider<dyn Places + '_> {
     }
 
     /// Margin of a manoeuvre up to a horizon, between `floor_m`, below which it stops, and `enough_m`.
-    fn margin_of(&mut self, maneuver: &Maneuver, now: &Now<'_>, asked: (f64, f64, f64)) -> f64 {
+    pub(super) fn margin_of(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &Now<'_>,
+        asked: (f64, f64, f64),
+    ) -> f64 {
         self.predict(maneuver, now, asked.0);
         let around = self.tracks.around(now.mission);
         certify_set(&self.flyer, &self.path, &around, asked, &self.meter).proven_m()
@@ -555,7 +560,7 @@ mod tests {
             mission: &situation.mission,
         };
         avoider.meter = crate::meter::Meter::unlimited();
-        avoider.load_tracks(&situation, None);
+        avoider.load_tracks(&situation, None, false);
         avoider.far_s = avoider.far_horizon_s(&now);
         look(&mut avoider, &situation, &now)
     }
