@@ -36,15 +36,10 @@ bool FgaPlane::begin() {
     settings.vehicle.turn_rate_factor = _factor.get();
     settings.vehicle.bank_time_constant_s = _lag.get();
     settings.radius_m = _radius.get();
-    // In need, where nothing is certified with that bank: what ROLL_LIMIT_DEG and the wing allow. Rolling there takes longer.
+    // In need what ROLL_LIMIT_DEG and the wing allow.
     const float stall = sq(plane.aparm.airspeed_min.get() / plane.aparm.airspeed_cruise.get());
     const float steep_rad = MIN(radians(plane.aparm.roll_limit.get() - 2), acosf(MIN(stall, 1)));
-    if (status == FGA_STATUS_OK && steep_rad > radians(_bank.get() + 2)) {
-        settings.in_need.size = sizeof(fga_vehicle);
-        status = fga_vehicle_from_bank(plane.aparm.airspeed_cruise.get(), steep_rad, &settings.in_need, &why);
-        settings.in_need.turn_rate_factor = 0.95 * settings.vehicle.turn_rate_factor;
-        settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
-    }
+    if (status == FGA_STATUS_OK && steep_rad > radians(_bank.get() + 2)) status = fga_task_settings_in_need(&settings, steep_rad, &why);
     if (status == FGA_STATUS_OK) status = fga_task_begin(&task, &settings, storage, sizeof(storage), WAYPOINTS_MOST, &why);
     origin = plane.ahrs.get_home();
     if (status == FGA_STATUS_OK) return true;
@@ -73,13 +68,12 @@ void FgaPlane::follow_mission() {
 
 // All traffic: with AVD_ENABLE 0 nobody else takes samples from this queue. Speeds in cm/s, heading in cdeg.
 void FgaPlane::hear_traffic(double now_s) {
-    const double sigma_m = _sigma.get();
     AP_ADSB::adsb_vehicle_t other;
     while (plane.adsb.next_sample(other)) {
         const double track_rad = radians(other.info.heading * 0.01), speed_mps = other.info.hor_velocity * 0.01;
         const fga_enu velocity {speed_mps * sin(track_rad), speed_mps * cos(track_rad), other.info.ver_velocity * 0.01};
         const fga_enu place = enu(origin.get_distance_NED(plane.adsb.get_location(other)));
-        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, sigma_m, 1, 0, 0, 0};
+        const fga_report report {sizeof(fga_report), other.info.ICAO_address, FGA_MOVEMENT_CREWED, 1, seconds(other.last_update_ms), place, velocity, _sigma.get(), 1, 0, 0, 0};
         fga_task_hear(&task, &report, now_s);
     }
 }

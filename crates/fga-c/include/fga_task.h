@@ -215,6 +215,17 @@ static inline fga_status fga_task_settings_default(fga_task_settings *settings, 
   return status;
 }
 
+// Lets the aircraft of the settings bank up to `bank_rad`, radians, where nothing is certified with its usual bank. It rolls there for longer, so
+// it turns by a little less than the ideal rate. Refuses what fga_vehicle_from_bank refuses.
+static inline fga_status fga_task_settings_in_need(fga_task_settings *settings, double bank_rad, fga_refusal *why) {
+  fga_vehicle *const need = &settings->in_need;
+  need->size = sizeof(fga_vehicle);
+  const fga_status status = fga_vehicle_from_bank(settings->vehicle.airspeed_mps, bank_rad, need, why);
+  need->turn_rate_factor = 0.95 * settings->vehicle.turn_rate_factor;
+  need->bank_time_constant_s = settings->vehicle.bank_time_constant_s;
+  return status;
+}
+
 // Forgets the flight, not the traffic: the next step is the first of another one.
 static inline void fga_task_restart(fga_task *task) {
   (void)fga_avoider_restart(task->avoider);

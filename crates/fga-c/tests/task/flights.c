@@ -140,12 +140,7 @@ static const char *flight(fault fault, double track_deg, double factor, double w
   fga_task_settings settings;
   if (fga_task_settings_default(&settings, SPEED_MPS, 0.75, NULL)) return "no settings";
   settings.vehicle.turn_rate_factor = factor;
-  if (fault == SHOWN_LATE) {
-    settings.in_need.size = sizeof(fga_vehicle);
-    if (fga_vehicle_from_bank(SPEED_MPS, 1.1, &settings.in_need, NULL)) return "no limits in need";
-    settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
-    settings.in_need.turn_rate_factor = 0.95 * factor;
-  }
+  if (fault == SHOWN_LATE && fga_task_settings_in_need(&settings, 1.1, NULL)) return "no limits in need";
   if (fault == ON_BELIEFS || fault == ON_NOISY_BELIEFS || fault == ON_BELIEFS_SILENT_BEFORE) {
     if (fga_beliefs_init(&believed, sizeof believed, FGA_ABI_VERSION, &settings.beliefs, NULL)) return "no beliefs";
   }
@@ -426,10 +421,7 @@ static const char *learns(double factor, fga_task_mode mode, uint32_t pilot_hand
   fga_task_settings settings;
   if (fga_task_settings_default(&settings, SPEED_MPS, 0.75, NULL)) return "no settings";
   settings.vehicle.turn_rate_factor = factor / 0.8;
-  settings.in_need.size = sizeof(fga_vehicle);
-  if (fga_vehicle_from_bank(SPEED_MPS, 1.1, &settings.in_need, NULL)) return "no limits in need";
-  settings.in_need.turn_rate_factor = 0.95 * settings.vehicle.turn_rate_factor;
-  settings.in_need.bank_time_constant_s = settings.vehicle.bank_time_constant_s;
+  if (fga_task_settings_in_need(&settings, 1.1, NULL)) return "no limits in need";
   if (fga_learned_init(aligned, FGA_LEARNED_BYTES, FGA_ABI_VERSION, &settings.vehicle, &settings.learned, NULL) ||
       fga_task_begin(&task, &settings, storage, sizeof storage, 4, NULL) || fga_task_set_mission(&task, &mission, NULL)) {
     return "no task";
