@@ -119,6 +119,11 @@ impl Progress {
         self.is_complete
     }
 
+    /// Whether the aircraft flies back to the last waypoint, which it passed aside.
+    pub const fn returns(&self) -> bool {
+        self.nearest_m < f64::INFINITY && !self.is_complete
+    }
+
     /// The present leg; before the first [`Self::update`] straight on.
     pub fn leg(&self, state: &MotionState) -> Leg {
         let ahead = || Leg::endless(state.position_m, state.course_rad, self.air);
@@ -218,6 +223,7 @@ impl Progress {
     ) {
         if index != self.index {
             self.kept_off = (f64::INFINITY, 0.0);
+            (self.passes, self.nearest_m) = (0, f64::INFINITY);
         }
         self.index = index;
         self.is_unentered = is_unentered;

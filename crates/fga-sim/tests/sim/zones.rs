@@ -266,6 +266,42 @@ fn in_a_corridor_in_wind_the_aircraft_comes_back_after_a_crossing() {
     }
 }
 
+/// An obstacle at rest before the end of the mission, or an aircraft that comes along it, has the aircraft pass the last waypoint aside. In a corridor without room for a
+/// circle it does not turn back through the fence, as it once did; where there is room, it flies back.
+#[test]
+fn back_to_the_last_waypoint_leads_no_way_through_a_fence() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = folder.path().join("end.toml");
+    let mut flown = [0; 2];
+    for number in 0..40 {
+        let random = &mut Random(number);
+        let (before_m, aside_m) = (random.within(15.0, 110.0), random.within(-5.0, 5.0));
+        let (from_m, moves) = if number % 2 == 0 {
+            (900.0 - before_m, "movement = \"still\"")
+        } else {
+            let moves = "movement = \"aircraft\"\nvelocity_mps = [-15, 0, 0]";
+            (2.0 * (900.0 - before_m), moves)
+        };
+        for (is_wide, half_m) in [(false, random.within(36.0, 58.0)), (true, 300.0)] {
+            let text = format!(
+                "name = \"end\"\nduration_s = 300.0\n[mission]\nwaypoints_m = [[0, 0, 500], [900, 0, 500]]\n\
+                 [[obstacle]]\nposition_m = [{from_m:?}, {aside_m:?}, 500]\n{moves}\n[[zone]]\nkind = \"keep-in\"\n\
+                 polygon_m = [[-300, -{half_m:?}], [1200, -{half_m:?}], [1200, {half_m:?}], [-300, {half_m:?}]]\n"
+            );
+            std::fs::write(&scenario, text).unwrap();
+            for policy in [PolicyChoice::Avoider(Start::Free), PolicyChoice::Belief] {
+                let plan = fga_sim::scenario::read(&scenario, None).unwrap();
+                let log = fga_sim::run::fly(plan, &policy, &mut |_| ()).unwrap();
+                assert!(log.zones_kept(), "{number}: {:?}", log.zones);
+                assert!(log.outcome.min_margin_m >= 0.0, "{number}");
+                flown[usize::from(is_wide)] += usize::from(log.outcome.mission_flown);
+            }
+        }
+    }
+    let [narrow, wide] = flown;
+    assert!(narrow < wide && wide > 70, "{narrow} and {wide} of 80");
+}
+
 /// A scenario at 47° north, 8° east and 400 m with zones of a file of an authority: its plan, or the error.
 fn with_zones_of(file: &str, table: &str) -> Result<Plan, String> {
     with_zone(file, &format!("file = 'zones.json'\n{table}"))

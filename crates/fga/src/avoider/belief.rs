@@ -291,6 +291,9 @@ impl Chooses<'_> {
         decision: &mut Decision,
     ) {
         let (time_s, horizon_s) = (situation.time_s, avoider.settings.horizon_s);
+        // Futures reach farther than the tracks: a manoeuvre may begin while none of them is near.
+        avoider.load_tracks(situation, None, true);
+        avoider.ends_before_walls(situation, now);
         let mut mission = Maneuver::hold();
         // A way back keeps its turns until it ends. Laid anew in each step it might never end.
         let (began_s, until_s) = self.choice.back_s;
@@ -328,8 +331,6 @@ impl Chooses<'_> {
             surveillance_radius_m: avoider.settings.surveillance_radius_m,
             altitude_m: leg.point_m(leg.position(now.position_m, 0.0).along_m).z,
         };
-        // Futures reach farther than the tracks: a manoeuvre may begin while none of them is near.
-        avoider.load_tracks(situation, None, true);
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
         // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
         if self.choice.is_delegated && matches!(avoider.state, State::Avoiding | State::Recovering)
@@ -579,15 +580,12 @@ fn keeps(
         if is_proof_wanted {
             return avoider.prove(&mut decision.command, now, asked);
         }
-        avoider.predict(&decision.command, now, horizon_s);
-        let around = avoider.tracks.around(now.mission);
-        let walls = Assumptions {
-            rows: &[],
-            ..around
-        };
-        let mut limits = around.rows.iter().filter(|row| row.id() == u32::MAX);
-        certify_set(&avoider.flyer, &avoider.path, &walls, asked, &avoider.meter).holds(margin_m)
-            && limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
+        if !avoider.keeps_walls(&decision.command, now, asked) {
+            return false;
+        }
+        let rows = avoider.tracks.rows();
+        let mut limits = rows.iter().filter(|row| row.id() == u32::MAX);
+        limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
     })
 }
 

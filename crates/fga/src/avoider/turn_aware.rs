@@ -106,7 +106,8 @@ impl Avoider<dyn Places + '_> {
         {
             return;
         }
-        self.load_tracks(situation, kept, false);
+        self.load_tracks(situation, kept, self.progress.returns());
+        self.ends_before_walls(situation, now);
         self.far_s = self.far_horizon_s(now);
         (self.looked_at, self.is_cut) = (0, false);
         match self.state {

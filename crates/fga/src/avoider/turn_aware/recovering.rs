@@ -4,13 +4,18 @@
 //! turn and flies past it; and the first way that is certified is often shallow, because the obstacle is still near. So another
 //! look begins where the aircraft has come to.
 
+use core::f64::consts::TAU;
+
+use crate::assumptions::Assumptions;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
+use crate::certificate::certify_set;
 use crate::command::Command;
+use crate::maneuver::Maneuver;
 use crate::situation::Situation;
 
-use super::LOOK_EVERY;
 use super::holding::KEEP_SHARE;
+use super::{ENOUGH_M, LOOK_EVERY};
 
 /// Parts of a step's work: one for the manoeuvre that is known.
 const HALVES: u32 = 2;
@@ -19,6 +24,44 @@ const HALVES: u32 = 2;
 const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
+    /// Gives the last waypoint up, to which the aircraft would fly back, where no circle remains between zones and ground: the mission alone
+    /// is flown as it is given.
+    pub(in crate::avoider) fn ends_before_walls(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &Now<'_>,
+    ) {
+        if self.progress.returns() && self.has_walls(now) && !self.can_circle(now) {
+            self.on_mission(situation, |progress, route| {
+                progress.advance_to(route, now, progress.index() + 1);
+            });
+        }
+    }
+
+    /// Whether a level circle from here keeps clear of zones and ground.
+    fn can_circle(&mut self, now: &Now<'_>) -> bool {
+        let circle_s = self.tracks.walls_s();
+        [TAU, -TAU].into_iter().any(|turn_rad| {
+            let circle = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
+            self.keeps_walls(&circle, now, (circle_s, self.wanted_m(), ENOUGH_M))
+        })
+    }
+
+    /// Whether a manoeuvre keeps clear of zones and ground.
+    pub(in crate::avoider) fn keeps_walls(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &Now<'_>,
+        asked: (f64, f64, f64),
+    ) -> bool {
+        self.predict(maneuver, now, asked.0);
+        let walls = Assumptions {
+            rows: &[],
+            ..self.tracks.around(now.mission)
+        };
+        certify_set(&self.flyer, &self.path, &walls, asked, &self.meter).holds(asked.1)
+    }
+
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
     fn keeps_back(&mut self, plan: &mut Plan, back: &mut Command, now: &Now<'_>) -> bool {
         self.prove_back(plan, back, now)
