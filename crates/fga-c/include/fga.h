@@ -228,11 +228,11 @@ enum fga_reason
   FGA_REASON_MANEUVER_CHOSEN = 3,
   // The manoeuvre continues.
   FGA_REASON_MANEUVER_KEPT = 4,
-  // The manoeuvre was no longer certified, and another one replaces it.
+  // Another manoeuvre replaces it: a better one, or it was no longer certified.
   FGA_REASON_MANEUVER_REPLACED = 5,
-  // No manoeuvre is certified: the one with the largest least separation flies.
+  // No manoeuvre is certified: the one that keeps farthest away flies.
   FGA_REASON_BEST_AVAILABLE = 6,
-  // The aircraft is inside a protected volume and leaves it.
+  // The aircraft is inside a protected volume or a zone, and leaves it.
   FGA_REASON_INSIDE_VOLUME = 7,
   // A way back to the mission begins.
   FGA_REASON_REJOIN_CHOSEN = 8,

@@ -53,11 +53,11 @@ pub enum fga_reason {
     ManeuverChosen = 3,
     /// The manoeuvre continues.
     ManeuverKept = 4,
-    /// The manoeuvre was no longer certified, and another one replaces it.
+    /// Another manoeuvre replaces it: a better one, or it was no longer certified.
     ManeuverReplaced = 5,
-    /// No manoeuvre is certified: the one with the largest least separation flies.
+    /// No manoeuvre is certified: the one that keeps farthest away flies.
     BestAvailable = 6,
-    /// The aircraft is inside a protected volume and leaves it.
+    /// The aircraft is inside a protected volume or a zone, and leaves it.
     InsideVolume = 7,
     /// A way back to the mission begins.
     RejoinChosen = 8,
@@ -102,13 +102,11 @@ impl fga_reason {
             Self::WaitingForStart => c"a threat is seen; its manoeuvre begins later",
             Self::ManeuverChosen => c"a certified manoeuvre begins",
             Self::ManeuverKept => c"the manoeuvre continues",
-            Self::ManeuverReplaced => {
-                c"the manoeuvre was no longer certified, and another one replaces it"
-            }
+            Self::ManeuverReplaced => c"another manoeuvre replaces it",
             Self::BestAvailable => {
-                c"no manoeuvre is certified: the one with the largest least separation flies"
+                c"no manoeuvre is certified: the one that keeps farthest away flies"
             }
-            Self::InsideVolume => c"inside a protected volume, which the aircraft leaves",
+            Self::InsideVolume => c"inside a protected volume or a zone, which the aircraft leaves",
             Self::RejoinChosen => c"a way back to the mission begins",
             Self::RejoinKept => c"the way back continues",
             Self::Rejoined => c"back on the leg",

@@ -133,6 +133,15 @@ impl Meeting {
     }
 }
 
+/// How a path passes the futures of an aircraft.
+struct Passes {
+    /// How far each is below and above the path while it is near, by volumes, metres.
+    low: [[f32; FUTURES]; 3],
+    high: [[f32; FUTURES]; 3],
+    /// The least square of its distance, and the moment of that: of all moments, and of those by which a volume is left, m².
+    nearest: [[(f32, usize); FUTURES]; 2],
+}
+
 /// How the futures may look at a later moment, each like one of them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Looks {
@@ -273,52 +282,13 @@ impl Ahead {
             (radius_m.min(COLLISION_M.0), half_m.min(COLLISION_M.1)),
         ];
         let leaves = sizes.map(|size| may_leave && self.is_in(path, size));
-        let mut low = [[f32::MAX; FUTURES]; 3];
-        let mut high = [[f32::MIN; FUTURES]; 3];
-        // The nearest moment of all; and, where the path may leave a volume first, the nearest one after that.
-        let looks = if leaves.contains(&true) { 2 } else { 1 };
-        let mut nearest = [[(f32::MAX, 0_usize); FUTURES]; 2];
-        let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
-        for (((((xs, ys), zs), sigmas), [x, y, z]), moment) in rows.zip(path).zip(0..) {
-            let mut away = [0.0; FUTURES];
-            for ((away, fx), fy) in away.iter_mut().zip(xs).zip(ys) {
-                let (dx, dy) = (fx - x, fy - y);
-                *away = dx * dx + dy * dy;
-            }
-            let near = away.iter().zip(sigmas).any(|(away, sigma)| {
-                let reach_m = radius_m + NEAR_SIGMAS * sigma;
-                *away < reach_m * reach_m
-            });
-            let sizes = if near { sizes.as_slice() } else { &[] };
-            for (((low, high), (radius_m, _)), leaves) in
-                low.iter_mut().zip(&mut high).zip(sizes).zip(leaves)
-            {
-                if leaves && moment < LEAVES_S {
-                    continue;
-                }
-                let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
-                for ((((low, high), away), fz), sigma) in rows {
-                    let dz = fz - z;
-                    let reach_m = radius_m + NEAR_SIGMAS * sigma;
-                    let is_near = *away < reach_m * reach_m;
-                    *low = if is_near { low.min(dz) } else { *low };
-                    *high = if is_near { high.max(dz) } else { *high };
-                }
-            }
-            for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]).take(looks) {
-                for ((least, at), away) in nearest.iter_mut().zip(&away) {
-                    if moment >= from && *away < *least {
-                        (*least, *at) = (*away, moment);
-                    }
-                }
-            }
-        }
+        let Passes { low, high, nearest } = self.passes(path, sizes, leaves);
         let [nearest, later] = nearest;
         let mut each = [Chance::NONE; FUTURES];
         let all = nearest.iter().zip(&later).zip(&mut each);
         for (future, (((_, at), (_, later)), chance)) in all.enumerate() {
             let passing = self.passing(path, *at, future);
-            let later = if looks == 2 {
+            let later = if leaves.contains(&true) {
                 self.passing(path, *later, future)
             } else {
                 passing
@@ -349,6 +319,51 @@ impl Ahead {
             }
         }
         each
+    }
+
+    /// How a path passes each future.
+    fn passes(&self, path: &Path, sizes: [(f32, f32); 3], leaves: [bool; 3]) -> Passes {
+        let mut low = [[f32::MAX; FUTURES]; 3];
+        let mut high = [[f32::MIN; FUTURES]; 3];
+        // The nearest moment of all; and, where the path may leave a volume first, the nearest one after that.
+        let looks = if leaves.contains(&true) { 2 } else { 1 };
+        let mut nearest = [[(f32::MAX, 0_usize); FUTURES]; 2];
+        let rows = self.x.iter().zip(&self.y).zip(&self.z).zip(&self.beside_m);
+        for (((((xs, ys), zs), sigmas), [x, y, z]), moment) in rows.zip(path).zip(0..) {
+            let mut away = [0.0; FUTURES];
+            for ((away, fx), fy) in away.iter_mut().zip(xs).zip(ys) {
+                let (dx, dy) = (fx - x, fy - y);
+                *away = dx * dx + dy * dy;
+            }
+            let is_near = away.iter().zip(sigmas).any(|(away, sigma)| {
+                let reach_m = self.radius_m + NEAR_SIGMAS * sigma;
+                *away < reach_m * reach_m
+            });
+            let sizes = if is_near { sizes.as_slice() } else { &[] };
+            for (((low, high), (radius_m, _)), leaves) in
+                low.iter_mut().zip(&mut high).zip(sizes).zip(leaves)
+            {
+                if leaves && moment < LEAVES_S {
+                    continue;
+                }
+                let rows = low.iter_mut().zip(high).zip(&away).zip(zs).zip(sigmas);
+                for ((((low, high), away), fz), sigma) in rows {
+                    let dz = fz - z;
+                    let reach_m = radius_m + NEAR_SIGMAS * sigma;
+                    let is_near = *away < reach_m * reach_m;
+                    *low = if is_near { low.min(dz) } else { *low };
+                    *high = if is_near { high.max(dz) } else { *high };
+                }
+            }
+            for (nearest, from) in nearest.iter_mut().zip([0, LEAVES_S]).take(looks) {
+                for ((least, at), away) in nearest.iter_mut().zip(&away) {
+                    if moment >= from && *away < *least {
+                        (*least, *at) = (*away, moment);
+                    }
+                }
+            }
+        }
+        Passes { low, high, nearest }
     }
 
     /// How the futures may look at one of the first moments, which are a second apart. What is known then of place and velocity is as sharp as what

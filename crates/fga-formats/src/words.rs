@@ -26,15 +26,15 @@ const fn key_and_words(reason: Reason) -> (&'static str, &'static str) {
         Reason::WaitingForStart => ("waiting-for-start", "a manoeuvre is known and begins later"),
         Reason::ManeuverChosen => ("maneuver-chosen", "a certified manoeuvre begins"),
         Reason::ManeuverKept => ("maneuver-kept", "the manoeuvre is kept"),
-        Reason::ManeuverReplaced => (
-            "maneuver-replaced",
-            "the manoeuvre was no longer certified and is replaced",
-        ),
+        Reason::ManeuverReplaced => ("maneuver-replaced", "another manoeuvre replaces it"),
         Reason::BestAvailable => (
             "best-available",
-            "no manoeuvre is certified, the one with the largest least separation is flown",
+            "no manoeuvre is certified, the one that keeps farthest away is flown",
         ),
-        Reason::InsideVolume => ("inside-volume", "inside a protected volume, leaving it"),
+        Reason::InsideVolume => (
+            "inside-volume",
+            "inside a protected volume or a zone, leaving it",
+        ),
         Reason::RejoinChosen => ("rejoin-chosen", "a way back to the mission begins"),
         Reason::RejoinKept => ("rejoin-kept", "the way back is flown"),
         Reason::Rejoined => ("rejoined", "back on the mission"),

@@ -23,7 +23,7 @@ pub use against::Against;
 pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
-pub use tracks::{AllPlaces, Known, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
+pub use tracks::{AllPlaces, Known, LIMIT_ID, LIMITS, Lent, MAX_TRACKED, Places, Tracks};
 
 use fga_index::quiet;
 

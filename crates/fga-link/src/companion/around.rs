@@ -1,5 +1,6 @@
 //! Who and what is around the aircraft: virtual obstacles, tracks, floor and ceiling?
 
+use fga::avoider::LIMIT_ID;
 use fga::situation::{Movement, Obstacle};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 
@@ -84,7 +85,7 @@ impl ObstaclesAround {
             (CEILING_ID, _) => "ceiling".to_owned(),
             (_, Some(own)) if !own.name.is_empty() => own.name.clone(),
             (_, Some(_)) => "virtual obstacle".to_owned(),
-            (u32::MAX, _) => "fence".to_owned(),
+            (LIMIT_ID, _) => "fence".to_owned(),
             _ => "lost traffic".to_owned(),
         }
     }

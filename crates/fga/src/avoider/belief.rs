@@ -583,8 +583,7 @@ fn keeps(
         if !avoider.keeps_walls(&decision.command, now, asked) {
             return false;
         }
-        let rows = avoider.tracks.rows();
-        let mut limits = rows.iter().filter(|row| row.id() == u32::MAX);
+        let mut limits = avoider.tracks.limits();
         limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
     })
 }

@@ -51,11 +51,11 @@ pub enum Reason {
     ManeuverChosen,
     /// The manoeuvre continues.
     ManeuverKept,
-    /// The manoeuvre was no longer certified, and another one replaces it.
+    /// Another manoeuvre replaces it: a better one, or it was no longer certified.
     ManeuverReplaced,
-    /// No manoeuvre is certified: the one with the largest least separation flies.
+    /// No manoeuvre is certified: the one that keeps farthest away flies.
     BestAvailable,
-    /// The aircraft is inside a protected volume and leaves it.
+    /// The aircraft is inside a protected volume or a zone, and leaves it.
     InsideVolume,
     /// A way back to the mission begins.
     RejoinChosen,

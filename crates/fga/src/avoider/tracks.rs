@@ -33,6 +33,9 @@ const FLAT_M: f64 = 1e9;
 /// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
 const FLAT_WITHIN_M: f64 = 1e4;
 
+/// Identifier of a limit of altitude, and of a plane that leads out of a zone.
+pub const LIMIT_ID: u32 = u32::MAX;
+
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 #[expect(
@@ -326,8 +329,12 @@ impl<P: Places + ?Sized> Tracks<P> {
 
     /// The hazards that are obstacles: without limits of altitude and planes that lead out of a zone.
     pub(super) fn obstacles(&self) -> impl Iterator<Item = &Hazard> {
-        let hazards = self.rows().iter();
-        hazards.filter(|hazard| hazard.volume.radius_m() < 0.5 * FLAT_M)
+        self.rows().iter().filter(|hazard| !is_limit(hazard))
+    }
+
+    /// The others.
+    pub(super) fn limits(&self) -> impl Iterator<Item = &Hazard> {
+        self.rows().iter().filter(|hazard| is_limit(hazard))
     }
 
     /// Whether zones are near.
@@ -359,7 +366,7 @@ impl<P: Places + ?Sized> Tracks<P> {
             let centre_m = Vec3::new(x, y, limit_m + side * FLAT_M);
             let limit = Obstacle {
                 movement: Movement::AtRest,
-                ..Obstacle::straight(u32::MAX, centre_m, Vec3::ZERO, volume)
+                ..Obstacle::straight(LIMIT_ID, centre_m, Vec3::ZERO, volume)
             };
             self.add_limit(&limit, f64::INFINITY);
         }
@@ -572,6 +579,11 @@ impl<P: Places + ?Sized> Tracks<P> {
         self.farthest = Some(farthest);
         farthest
     }
+}
+
+/// Whether a hazard is a limit of altitude, or a plane that leads out of a zone.
+fn is_limit(hazard: &Hazard) -> bool {
+    hazard.volume.radius_m() >= 0.5 * FLAT_M
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::{FLAT_M, Places, Tracks};
+use super::{FLAT_M, LIMIT_ID, Places, Tracks};
 use crate::Vec3;
 use crate::assumptions::LEAVING_SHARE;
 use crate::certificate::Line;
@@ -112,7 +112,7 @@ impl<P: Places + ?Sized> Tracks<P> {
         };
         let center_m = own_m - direction * (FLAT_M + behind_m + wanted_m);
         let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
-        let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
+        let plane = Obstacle::straight(LIMIT_ID, center_m, direction * out_mps, volume);
         let out_s = (way_m.length() + behind_m + 2.0 * wanted_m) / out_mps;
         self.inside = true;
         if !self.add_limit(&plane, out_s) {

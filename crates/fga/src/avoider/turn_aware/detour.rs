@@ -9,10 +9,10 @@ use crate::situation::Situation;
 const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
-const ALONGSIDE: f64 = 2.0;
+const NEAR_RADII: f64 = 2.0;
 
 /// ... and at most this share of the airspeed relative to the aircraft.
-const ALONGSIDE_SPEED: f64 = 0.4;
+const SLOW_SHARE: f64 = 0.4;
 
 /// The first turn of a detour is any up to this to either side, radians, ...
 const TURN_RAD: f64 = 4.0;
@@ -67,9 +67,9 @@ impl Avoider<dyn Places + '_> {
     fn is_accompanied(&self, situation: &Situation<'_>) -> bool {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
-        let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
+        let near_m = NEAR_RADII * own.airspeed_mps / self.flyer.course_rate_radps();
         self.tracks.rows().iter().any(|hazard| {
-            (velocity_mps - hazard.velocity_mps).length() < ALONGSIDE_SPEED * own.airspeed_mps
+            (velocity_mps - hazard.velocity_mps).length() < SLOW_SHARE * own.airspeed_mps
                 && hazard.velocity_mps != -situation.wind_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m
         })

@@ -34,7 +34,7 @@ const SHALLOW_S: f64 = 15.0;
 
 /// An obstacle of less speed relative to the aircraft than this share of its airspeed flies
 /// alongside.
-const ALONGSIDE: f64 = 0.5;
+const SLOWER_SHARE: f64 = 0.5;
 
 /// The mission waits at most this long for an obstacle that flies alongside, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
@@ -77,7 +77,7 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
     let offset = hazard.position_m - own.position_m;
     let relative = own.velocity_mps() - hazard.velocity_mps;
     let square = relative.length_squared().max(1e-9);
-    let slow_mps = ALONGSIDE * own.velocity_mps().length();
+    let slow_mps = SLOWER_SHARE * own.velocity_mps().length();
     let is_slow = square < slow_mps * slow_mps;
     let longest_s = if is_slow { LONGEST_PASS_S } else { f64::MAX };
     (offset.dot(relative) / square).limited(0.0, longest_s)
