@@ -176,8 +176,14 @@ pub struct WindTable {
 pub struct NoiseTable {
     /// On a position, metres.
     pub position_m: Option<Spanned<f64>>,
+    /// On an altitude, metres; without it as on the other axes.
+    pub altitude_m: Option<Spanned<f64>>,
     /// On a velocity, metres per second.
     pub velocity_mps: Option<Spanned<f64>>,
+    /// Of an error that a horizontal position keeps, metres.
+    pub lasting_position_m: Option<Spanned<f64>>,
+    /// Of an error that an altitude keeps, metres.
+    pub lasting_altitude_m: Option<Spanned<f64>>,
 }
 
 /// `[sensor]`: what is seen, and when.

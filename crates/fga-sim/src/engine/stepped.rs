@@ -205,6 +205,7 @@ mod tests {
             "sfo.toml",
             "ridge.toml",
             "fenced-valley.toml",
+            "adsb.toml",
         ] {
             let plan = Plan::read(&scenarios.join(name), None).unwrap();
             let world = plan.world.clone();
