@@ -208,8 +208,9 @@ mod tests {
             "adsb.toml",
         ] {
             let plan = Plan::read(&scenarios.join(name), None).unwrap();
-            let world = plan.world.clone();
             let choice = PolicyChoice::default();
+            let seen = choice.sees(&plan.world);
+            let world = seen.unwrap_or_else(|| plan.world.clone());
             let mut pilot = choice.pilot(&world.settings, &world.vehicle).unwrap();
             let log = fly(plan, &choice, &mut |_| ()).unwrap();
             let mut flight = SteppedFlight::new(world);
