@@ -125,6 +125,14 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration,
             VehicleModel::parse(TomlText::new(Path::new(name), vehicle))?
         }
     };
+    for (cell, span) in &cells {
+        EncounterSource::parse(cell, 0)
+            .and_then(|source| {
+                let drawn = source.around(&model).encounter(0);
+                drawn.map_err(|message| format!("{cell}: {message}"))
+            })
+            .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
+    }
     let horizon_s = match &file.horizon_s {
         None => 60.0,
         Some(horizon_s) => text.within("horizon_s", horizon_s, (1.0, 86_400.0))?,
@@ -190,10 +198,6 @@ fn cells(
         }
         check_values(text, grid.get_ref())?;
         cells_of(grid.get_ref(), &mut cells, &grid.span());
-    }
-    for (cell, span) in &cells {
-        EncounterSource::parse(cell, 0)
-            .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
     }
     Ok(cells)
 }
