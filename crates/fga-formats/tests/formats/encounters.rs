@@ -41,7 +41,7 @@ fn the_kind_says_how_an_obstacle_may_move() {
     let rows = ["still", "straight", "aircraft", "uas", ""]
         .iter()
         .zip(0..)
-        .map(|(kind, id)| format!("1,{id},1,2,3,4,5,6,30,{kind}"))
+        .map(|(kind, id)| format!("1,{id},1,2,3,0,0,0,30,{kind}"))
         .collect::<Vec<_>>()
         .join("\n");
     let found = parse(&format!("{header},kind\n{rows}")).unwrap();
@@ -61,6 +61,9 @@ fn the_kind_says_how_an_obstacle_may_move() {
         wrong.ends_with("column kind holds \"bird\", expected still, straight, aircraft or uas"),
         "{wrong}"
     );
+    let moving = parse(&format!("{header},kind\n1,7,1,2,3,4,5,6,30,still\n")).unwrap_err();
+    let expected = "line 2: obstacle 7 of kind still moves at 4, 5, 6 m/s, expected a velocity of 0 or another kind";
+    assert!(moving.ends_with(expected), "{moving}");
 }
 
 #[test]
