@@ -125,7 +125,8 @@ pub fn replay(
         });
         drop(companion.outbox());
         for entry in companion.take_log() {
-            replayed.decisions += u64::from(entry["kind"] == "decision");
+            replayed.decisions +=
+                u64::from(entry.get("kind").is_some_and(|kind| kind == "decision"));
             line(&entry)?;
         }
     }

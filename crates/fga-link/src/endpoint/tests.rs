@@ -135,7 +135,7 @@ fn a_port_that_is_taken_says_what_to_do() {
         Endpoint::TcpIn(tcp.local_addr().expect("an address").to_string()),
         Endpoint::UdpIn(udp.local_addr().expect("an address").to_string()),
     ] {
-        let error = open(&endpoint).err().expect("it is taken").to_string();
+        let error = open(&endpoint).expect_err("it is taken").to_string();
         assert!(
             error.starts_with("another program uses this port, expected a free one"),
             "{error}"
