@@ -158,15 +158,16 @@ proptest! {
         let round = |value: f64| (value * 1e6).round() / 1e6;
         let made: Vec<Encounter> = rows.chunks(split).zip(100..).map(|(chunk, id)| Encounter {
             id,
-            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle { movement:
-                [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS]
-                    [id as usize % kinds],
-                ..Obstacle::straight(
+            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| {
+                let movements = [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS];
+                let movement = movements[id as usize % kinds];
+                let moves = f64::from(u8::from(movement != Movement::AtRest));
+                Obstacle { movement, ..Obstacle::straight(
                 id,
                 DVec3::new(round(v[0]), round(v[1]), round(v[2])),
-                DVec3::new(round(v[3]), round(v[4]), round(v[5])),
+                DVec3::new(round(v[3]), round(v[4]), round(v[5])) * moves,
                 ProtectedVolume::Sphere { radius_m: round(*radius) },
-            )}).collect(),
+            )}}).collect(),
         }).collect();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("e.csv");
