@@ -130,7 +130,9 @@ fn main() {
         let encounters = if quick { 1 } else { encounters };
         let cell = format!("threats:{threats}:100-500:0-60");
         let source = EncounterSource::parse(&cell, 1).expect("the cell is valid");
-        let drawn: Vec<_> = (0..encounters).map(|n| source.encounter(n)).collect();
+        let drawn: Vec<_> = (0..encounters)
+            .map(|n| source.encounter(n).unwrap())
+            .collect();
         let paper = PaperSettings {
             surveillance_radius_m: f64::INFINITY,
             ..PaperSettings::new(Rule::Corrected(Start::Latest))

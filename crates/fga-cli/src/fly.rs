@@ -16,7 +16,7 @@ use fga_formats::terrain::Terrain;
 use fga_link::config::PolicyName;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
-use fga_link::replay::replay;
+use fga_link::replay::{differences, replay};
 use fga_link::traffic::receiver::ReceiverEndpoint;
 use fga_link::{Companion, Config};
 
@@ -224,24 +224,55 @@ fn run_replay(
         Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;
     companion.set_terrain(terrain);
     let mut failed = None;
+    let mut lines = Vec::new();
     let mut out = io::stdout().lock();
     let done = replay(log.as_ref(), &mut companion, |line| {
+        lines.push(line.to_string());
         writeln!(out, "{line}").inspect_err(|error| failed = Some(error.kind()))
     });
-    match (done, failed) {
-        (Ok(done), _) => {
-            let how = if done.repeats {
-                "; the decisions are the flight's"
-            } else {
-                ""
-            };
-            eprintln!(
-                "{} frames, {} not understood{how}",
-                done.frames, done.skipped
-            );
-            Ok(ExitCode::SUCCESS)
-        }
-        (Err(error), Some(_)) => Err(Failure::of_stdout(error)),
-        (Err(error), None) => Err(named(error)),
+    let done = match (done, failed) {
+        (Ok(done), _) => done,
+        (Err(error), Some(_)) => return Err(Failure::of_stdout(error)),
+        (Err(error), None) => return Err(named(error)),
+    };
+    if done.decisions == 0 {
+        return Err(Failure::Input(format!(
+            "{}: holds no decision ({} frames, {} not understood), expected the log of a flight",
+            path.display(),
+            done.frames,
+            done.skipped
+        )));
     }
+    let flown = path.with_file_name(decision_log(path));
+    let beside = flown.display();
+    let words = match (done.repeats, fs::read_to_string(&flown)) {
+        (false, _) => "not compared: the log has no steps, or another configuration".to_owned(),
+        (true, Err(_)) => format!("not compared: {beside} cannot be read"),
+        (true, Ok(text)) => match differences(&text, &lines) {
+            None => format!("all {} lines are those of {beside}", lines.len()),
+            Some((count, first)) => {
+                return Err(Failure::Input(format!(
+                    "{}: decides otherwise than its flight in {count} of the lines of {beside}, first in {first}",
+                    path.display()
+                )));
+            }
+        },
+    };
+    eprintln!(
+        "{} frames, {} not understood; {words}",
+        done.frames, done.skipped
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The name of the decision log beside a telemetry log, which may be compressed.
+fn decision_log(path: &Path) -> PathBuf {
+    let name = PathBuf::from(path.file_name().unwrap_or_default());
+    let is_packed = name.extension().is_some_and(|ending| ending == "gz");
+    let name = if is_packed {
+        name.with_extension("")
+    } else {
+        name
+    };
+    name.with_extension("jsonl")
 }

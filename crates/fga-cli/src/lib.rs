@@ -125,6 +125,7 @@ pub fn main() -> ExitCode {
 pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
     fga_formats::build::set_commit(fga_build::COMMIT);
     let arguments: Vec<_> = arguments.into_iter().collect();
+    let is_json = arguments.iter().any(|argument| argument == "--json");
     let matches = with_negative_numbers(Cli::command()).try_get_matches_from(&arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -134,16 +135,14 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
                 return ExitCode::FAILURE;
             }
             if error.use_stderr() {
-                let help = help_of(&arguments);
-                eprintln!("fga: {} (see {help})", one_sentence(&error.to_string()));
-                return ExitCode::FAILURE;
+                let (told, help) = (one_sentence(&error.to_string()), help_of(&arguments));
+                return failed(&Failure::Input(format!("{told} (see {help})")), is_json);
             }
             // A pipe closed while printing help is not an error.
             let _ = error.print();
             return ExitCode::SUCCESS;
         }
     };
-    let is_json = arguments.iter().any(|argument| argument == "--json");
     let result = match cli.command {
         FgaCommand::Run(args) => run::run(&args),
         FgaCommand::Batch(args) => batch::run(&args),
@@ -178,14 +177,17 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
             eprintln!("fga: interrupted; nothing was written");
             ExitCode::from(130)
         }
-        Err(failure) => {
-            eprintln!("fga: {failure}");
-            if is_json {
-                common::print_failure(&failure);
-            }
-            ExitCode::FAILURE
-        }
+        Err(failure) => failed(&failure, is_json),
     }
+}
+
+/// Says a failure on standard error, and as JSON where that is asked for.
+fn failed(failure: &Failure, is_json: bool) -> ExitCode {
+    eprintln!("fga: {failure}");
+    if is_json {
+        common::print_failure(failure);
+    }
+    ExitCode::FAILURE
 }
 
 /// The same command, whose options take negative numbers too: the limits of an option answer, not the syntax.

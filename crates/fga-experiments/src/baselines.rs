@@ -270,16 +270,16 @@ fn fly(
             .map_init(
                 || (Engine::new(), world.clone()),
                 |(engine, world), number| {
-                    let encounter = source.encounter(number);
+                    let encounter = source.encounter(number)?;
                     populate(world, &encounter, &settings.model.protection);
                     let mut pilot = factory(&world.settings, &world.vehicle);
                     let outcome = engine.fly(world, pilot.as_mut(), &mut ());
                     let elapsed = engine.elapsed_ns();
                     let mean = elapsed.iter().sum::<u64>() / elapsed.len().max(1) as u64;
-                    (outcome, mean)
+                    Ok((outcome, mean))
                 },
             )
-            .collect();
+            .collect::<Result<_, String>>()?;
         let share = |of: &dyn Fn(&Outcome) -> bool| {
             100.0 * flown.iter().filter(|(o, _)| of(o)).count() as f64 / count as f64
         };
@@ -347,7 +347,7 @@ pub(crate) fn run(args: &BaselinesArgs) -> Result<(), String> {
             print_row(name, &fly(factory, &cells, &model, count)?);
         }
         if method == "all" {
-            print_oracle(&cells, &model.vehicle, count);
+            print_oracle(&cells, &model.vehicle, count)?;
         }
         return Ok(());
     }
@@ -367,7 +367,11 @@ pub(crate) fn run(args: &BaselinesArgs) -> Result<(), String> {
 }
 
 /// The share of each cell that any manoeuvre keeps separated.
-fn print_oracle(cells: &[(&str, EncounterSource)], vehicle: &Vehicle, count: u64) {
+fn print_oracle(
+    cells: &[(&str, EncounterSource)],
+    vehicle: &Vehicle,
+    count: u64,
+) -> Result<(), String> {
     let settings = OracleSettings {
         horizon_s: HORIZON_S,
         enough_m: Some(0.5),
@@ -384,19 +388,20 @@ fn print_oracle(cells: &[(&str, EncounterSource)], vehicle: &Vehicle, count: u64
             };
             let saved = (0..count)
                 .into_par_iter()
-                .filter(|number| {
-                    let obstacles = oracle_obstacles(&source.encounter(*number));
-                    best_margin(&OracleStart::ORIGIN, &vehicle, &obstacles, &settings).best_margin_m
-                        >= 0.0
+                .map(|number| {
+                    let obstacles = oracle_obstacles(&source.encounter(number)?);
+                    let best = best_margin(&OracleStart::ORIGIN, &vehicle, &obstacles, &settings);
+                    Ok(u64::from(best.best_margin_m >= 0.0))
                 })
-                .count();
-            100.0 * saved as f64 / count as f64
+                .sum::<Result<u64, String>>()?;
+            Ok(100.0 * saved as f64 / count as f64)
         })
-        .collect();
+        .collect::<Result<_, String>>()?;
     let mean = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
     print!("{:<24}{mean:>7.1}{:>34}", "oracle", "");
     for share in shares {
         print!("{share:>17.1}");
     }
     println!();
+    Ok(())
 }

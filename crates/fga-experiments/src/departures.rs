@@ -163,7 +163,7 @@ fn beside_oracle(cell: &str, source: &EncounterSource, count: u64) -> Result<(),
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
-            let encounter = source.encounter(n);
+            let encounter = source.encounter(n)?;
             let (ours, _) = fly(&encounter, source.planar, "turn-aware", None)?;
             Ok(fly_oracle(&encounter, source.planar)?.map(|best| (ours, best)))
         })
@@ -200,7 +200,7 @@ fn compare(cell: &str, source: &EncounterSource, count: u64) -> Result<(), Strin
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
-            let encounter = source.encounter(n);
+            let encounter = source.encounter(n)?;
             let ours = fly(&encounter, source.planar, "turn-aware", None)?;
             let published = fly(&encounter, source.planar, "published", Some("t0"))?;
             Ok((n, ours, published))
@@ -295,7 +295,7 @@ fn latest(cell: &str, source: &EncounterSource, count: u64) -> Result<(), String
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
-            let encounter = source.encounter(n);
+            let encounter = source.encounter(n)?;
             let (outcome, _) = fly(&encounter, source.planar, "turn-aware", Some("latest"))?;
             let latest_s = latest_s(&encounter, source.planar)?;
             Ok((n, outcome, latest_s))

@@ -169,7 +169,7 @@ fn fly_one(
     args: &SceneryArgs,
 ) -> Result<GroundFlight, String> {
     let settings = settings(false, PolicyChoice::Avoider(Start::Free), LONGEST_S)?;
-    let encounter = source.encounter(number);
+    let encounter = source.encounter(number)?;
     let mut world = world(&settings, &encounter)?;
     world.sensor = SensorSettings {
         update_period_s: 1.0,

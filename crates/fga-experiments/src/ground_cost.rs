@@ -67,7 +67,7 @@ pub(crate) fn run(args: &CostArgs) -> Result<(), String> {
         for family in &args.families {
             let source = EncounterSource::parse(&format!("{family}:{obstacles}"), args.seed)?;
             for number in 0..args.count {
-                let mut world = world(&settings, &source.encounter(number))?;
+                let mut world = world(&settings, &source.encounter(number)?)?;
                 for obstacle in &mut world.obstacles {
                     obstacle.movement = movement;
                 }

@@ -220,7 +220,7 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
         let settings = settings(source.planar, policy.clone(), HORIZON_S)?;
         let flown: Vec<LostFlight> = (0..args.draw.count)
             .into_par_iter()
-            .map(|number| fly(&settings, &source.encounter(number), args))
+            .map(|number| fly(&settings, &source.encounter(number)?, args))
             .collect::<Result<_, _>>()?;
         let left = |f: &LostFlight| args.layer.is_some_and(|m| f.off_m > f64::from(m) + LEFT_M);
         let saved: Vec<&LostFlight> = flown
@@ -281,7 +281,7 @@ mod tests {
             let settings = settings(false, policy, HORIZON_S).unwrap();
             let (_, source) = args.draw.sources().unwrap().remove(0);
             let flown: Vec<LostFlight> = (0..args.draw.count)
-                .map(|number| fly(&settings, &source.encounter(number), &args).unwrap())
+                .map(|number| fly(&settings, &source.encounter(number).unwrap(), &args).unwrap())
                 .collect();
             assert!(flown.iter().any(|f| f.off_m > 1.0), "none climbs: {cell}");
             assert!(

@@ -115,7 +115,7 @@ pub(crate) fn run(args: &QualityArgs) -> Result<(), String> {
         limits = at_limits(args, source.planar)?;
         let flown: Vec<(bool, Vec<LimitFlight>)> = (0..args.draw.count)
             .into_par_iter()
-            .map(|number| flown(&source.encounter(number), &limits))
+            .map(|number| flown(&source.encounter(number)?, &limits))
             .collect::<Result<_, _>>()?;
         all.extend(flown);
     }

@@ -126,7 +126,7 @@ fn fly(
         airspeed_mps: (heading + model.wind_mps).x,
         ..*source
     };
-    let encounter = drawn.encounter(number);
+    let encounter = drawn.encounter(number)?;
     let mut story = Story::default();
     let outcome = common::fly(&settings, &encounter, &mut story)?;
     let oracle_m = if outcome.separated() {

@@ -169,6 +169,13 @@ struct Grouped {
 impl Grouped {
     /// Adds an obstacle to the encounter of this number.
     fn push(&mut self, id: u64, obstacle: Obstacle) -> Result<(), String> {
+        if obstacle.movement == Movement::AtRest && obstacle.velocity_mps != DVec3::ZERO {
+            let [x, y, z] = obstacle.velocity_mps.to_array();
+            return Err(format!(
+                "obstacle {} of {KIND_COLUMN} still moves at {x}, {y}, {z} m/s, expected a velocity of 0 or another {KIND_COLUMN}",
+                obstacle.id
+            ));
+        }
         let count = self.encounters.len();
         let index = match self.encounters.last() {
             Some(last) if last.id == id => count - 1,

@@ -62,6 +62,15 @@ fn halves(
     (Box::new(reading), Arc::new(writing))
 }
 
+/// An error to listen on a port, with what to do where another program has it.
+fn taken(error: io::Error) -> io::Error {
+    if error.kind() == io::ErrorKind::AddrInUse {
+        let message = "another program uses this port, expected a free one: end that program, or name another port";
+        return io::Error::new(error.kind(), message);
+    }
+    error
+}
+
 /// Opens an endpoint.
 ///
 /// # Errors
@@ -69,7 +78,7 @@ fn halves(
 /// A TCP server that does not answer is no error: the reader tries again.
 pub fn open(endpoint: &Endpoint) -> io::Result<(LinkReader, LinkWriter)> {
     let (socket, writer) = match endpoint {
-        Endpoint::UdpIn(address) => halves(udp::open(resolve(address)?, None)?),
+        Endpoint::UdpIn(address) => halves(udp::open(resolve(address)?, None).map_err(taken)?),
         Endpoint::UdpOut(address) => {
             let remote = resolve(address)?;
             let local = if remote.is_ipv4() {
@@ -80,7 +89,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(LinkReader, LinkWriter)> {
             halves(udp::open(SocketAddr::new(local, 0), Some(remote))?)
         }
         Endpoint::Tcp(address) => halves(tcp::connect(resolve(address)?)),
-        Endpoint::TcpIn(address) => halves(tcp::listen(resolve(address)?)?),
+        Endpoint::TcpIn(address) => halves(tcp::listen(resolve(address)?).map_err(taken)?),
         #[cfg(feature = "serial")]
         Endpoint::Serial { path, baud } => halves(serial::open(path, *baud)?),
         #[cfg(not(feature = "serial"))]

@@ -9,7 +9,7 @@ use std::io::{self, Read};
 
 use fga_formats::clock::Elapsed;
 use mavlink::dialects::ardupilotmega::{HEARTBEAT_DATA, MavCmd, MavMessage};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::Companion;
 use crate::authority::Authority;
@@ -35,8 +35,38 @@ pub struct Replayed {
     pub frames: u64,
     /// Frames that were not understood.
     pub skipped: u64,
-    /// Whether the log has the flight's steps, and the configuration is the flight's: then the decisions are the flight's.
+    /// Decisions.
+    pub decisions: u64,
+    /// Whether the log has the flight's steps, and the configuration is the flight's: then the decisions should be the flight's.
     pub repeats: bool,
+}
+
+/// How many lines differ between the decision logs of a flight and of its replay, and where first; `None` where they are the same.
+pub fn differences(flown: &str, repeated: &[String]) -> Option<(usize, String)> {
+    let flown: Vec<&str> = flown.lines().collect();
+    let most = flown.len().max(repeated.len());
+    let lines = (0..most).map(|at| (at + 1, flown.get(at).copied(), repeated.get(at)));
+    let mut different = lines.filter(|(_, a, b)| *a != b.map(String::as_str));
+    let (number, flown, repeated) = different.next()?;
+    let words = match (flown, repeated) {
+        (Some(flown), Some(repeated)) => {
+            let parsed =
+                |line| serde_json::from_str::<Map<String, Value>>(line).unwrap_or_default();
+            let (flown, repeated) = (parsed(flown), parsed(repeated));
+            let mut keys = flown.keys().chain(repeated.keys());
+            let key = keys.find(|key| flown.get(*key) != repeated.get(*key));
+            let key = key.map_or("kind", String::as_str);
+            let value = |line: &Map<String, Value>| line.get(key).cloned().unwrap_or_default();
+            format!(
+                "{key} is {} in the flight, {} in the replay",
+                value(&flown),
+                value(&repeated)
+            )
+        }
+        (Some(_), None) => "the replay has no such line".to_owned(),
+        (None, _) => "the flight has no such line".to_owned(),
+    };
+    Some((1 + different.count(), format!("line {number}: {words}")))
 }
 
 /// Feeds a telemetry log to a companion and passes each line of its decision log to `line`.
@@ -45,7 +75,7 @@ pub struct Replayed {
 /// nowhere.
 ///
 /// # Errors
-/// An unreadable log, or an error of `line`.
+/// An unreadable log, one with a second flight, or an error of `line`.
 pub fn replay(
     log: impl Read,
     companion: &mut Companion,
@@ -84,12 +114,19 @@ pub fn replay(
         Some(logged) => Some(logged),
         None => reader.next_frame()?,
     } {
+        if matches!(step_of(&logged), Some(Step::Begin { .. })) {
+            return Err(io::Error::other(
+                "another flight begins in the log, expected the log of one start of the program",
+            ));
+        }
         replayed.frames += u64::from(match &mut player {
             Player::Steps(steps) => steps.take(&logged, companion),
             Player::Frames(frames) => frames.take(&logged, companion),
         });
         drop(companion.outbox());
         for entry in companion.take_log() {
+            replayed.decisions +=
+                u64::from(entry.get("kind").is_some_and(|kind| kind == "decision"));
             line(&entry)?;
         }
     }
@@ -257,5 +294,26 @@ impl FrameReplay {
         }
         companion.make_ground(self.now_s);
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_differ_are_counted_and_the_first_is_said() {
+        let flown = "{\"t_s\":1.5,\"kind\":\"decision\"}\n{\"t_s\":2.0}\n";
+        let repeated: Vec<String> = flown.lines().map(str::to_owned).collect();
+        let first = |repeated: &[String]| differences(flown, repeated);
+        assert_eq!(first(&repeated), None);
+        let other = [repeated[0].replace("1.5", "1.25"), "{}".to_owned()];
+        let words = "line 1: t_s is 1.5 in the flight, 1.25 in the replay";
+        assert_eq!(first(&other), Some((2, words.to_owned())));
+        let shorter = "line 2: the replay has no such line";
+        assert_eq!(first(&repeated[..1]), Some((1, shorter.to_owned())));
+        let longer = [repeated, other.to_vec()].concat();
+        let words = "line 3: the flight has no such line";
+        assert_eq!(first(&longer), Some((2, words.to_owned())));
     }
 }

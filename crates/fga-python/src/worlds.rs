@@ -120,11 +120,10 @@ impl PyWorlds {
             )));
         }
         py.detach(|| {
-            for (place, number) in places.into_iter().zip(numbers) {
-                worlds.reset(place, number);
-            }
-        });
-        Ok(())
+            let mut pairs = places.into_iter().zip(numbers);
+            pairs.try_for_each(|(place, number)| worlds.reset(place, number))
+        })
+        .map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     /// The observations of the worlds, one row each.

@@ -110,8 +110,8 @@ pub fn run(
             .collect(),
         ..terms.clone()
     };
-    atomic::prepare_folder(out)?;
     let (sets, left_out) = sets(terms, out)?;
+    atomic::prepare_folder(out)?;
     let stamp = CampaignStamp::of_this_build(TARGET);
     let mut league = League {
         facts: vec![

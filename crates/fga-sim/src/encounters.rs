@@ -20,6 +20,7 @@ pub use random::Random;
 pub use scenery::Scenery;
 pub use source::{Body, EncounterSource};
 
+use draw::LATEST_MEETING_S;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::Encounter;
 
@@ -30,24 +31,22 @@ use crate::oracle::{
 
 impl EncounterSource {
     /// The encounter with this number.
-    pub fn encounter(&self, number: u64) -> Encounter {
+    ///
+    /// # Errors
+    /// One sentence where hardly any draw suits, as with threats that are too far away to be met.
+    pub fn encounter(&self, number: u64) -> Result<Encounter, String> {
         let mut random = Random::new(self.seed, number);
-        let mut obstacles = loop {
-            let drawn = self.family.draw(self, &mut random);
-            if self.clear_at_start(&drawn) && self.suits(&drawn) {
-                break drawn;
-            }
-        };
-        if let Some(threats) = self.bystanders {
-            // The threats are 20 to 30 % of all objects.
-            for _ in 0..random.count((threats * 7).div_ceil(3), threats * 4) {
-                obstacles.push(self.bystander(&mut random));
-            }
-        }
+        let obstacles = self.obstacles(&mut random).ok_or_else(|| {
+            format!(
+                "hardly any draw has obstacles outside of their radius of {} m that meet the aircraft, which flies at \
+                 {} m/s, within {LATEST_MEETING_S} s, expected other distances or speeds",
+                self.radius_m, self.airspeed_mps
+            )
+        })?;
         let volume = ProtectedVolume::Sphere {
             radius_m: self.radius_m,
         };
-        Encounter {
+        Ok(Encounter {
             id: number,
             obstacles: obstacles
                 .into_iter()
@@ -56,7 +55,25 @@ impl EncounterSource {
                     Obstacle::straight(id, body.position_m, body.velocity_mps, volume)
                 })
                 .collect(),
+        })
+    }
+
+    /// Draws until the draw suits.
+    fn obstacles(&self, random: &mut Random) -> Option<Vec<Body>> {
+        let mut obstacles = loop {
+            random.again()?;
+            let drawn = self.family.draw(self, random)?;
+            if self.clear_at_start(&drawn) && self.suits(&drawn) {
+                break drawn;
+            }
+        };
+        if let Some(threats) = self.bystanders {
+            // The threats are 20 to 30 % of all objects.
+            for _ in 0..random.count((threats * 7).div_ceil(3), threats * 4) {
+                obstacles.push(self.bystander(random)?);
+            }
         }
+        Some(obstacles)
     }
 
     fn clear_at_start(&self, bodies: &[Body]) -> bool {
@@ -98,15 +115,16 @@ impl EncounterSource {
         (-5.0..0.0).contains(&one) && margin(Stages::Two, AVOIDABLE_MARGIN_M) >= AVOIDABLE_MARGIN_M
     }
 
-    fn bystander(&self, random: &mut Random) -> Body {
+    fn bystander(&self, random: &mut Random) -> Option<Body> {
         loop {
+            random.again()?;
             let distance_m = random.within(Range(100.0, 500.0));
             let body = Body {
                 position_m: random.direction(self.planar) * distance_m,
                 velocity_mps: random.direction(self.planar) * random.within(Range(0.0, 60.0)),
             };
             if distance_m > self.radius_m && !self.is_threat(&body) {
-                return body;
+                return Some(body);
             }
         }
     }

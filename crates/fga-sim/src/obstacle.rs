@@ -84,7 +84,7 @@ impl TrackReport {
 
 /// A report is extrapolated in a straight line for this long, seconds; then the obstacle is missing
 /// until its next report.
-const CARRIED_ON_S: f64 = 2.0;
+pub(crate) const CARRIED_ON_S: f64 = 2.0;
 
 impl WorldObstacle {
     /// What is known of it at a time; `None` if unknown.

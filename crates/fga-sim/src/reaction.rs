@@ -15,7 +15,7 @@ use crate::engine::{Observer, Sample, SteppedFlight};
 use crate::obstacle::{TrackReport, WorldObstacle};
 use crate::own::FailureKind;
 use crate::policy::{PolicyChoice, PolicyPilot};
-use crate::recorded::plan_of;
+use crate::recording::{pieces, plan_of_pieces};
 use crate::track::TrackPoint;
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
@@ -46,6 +46,7 @@ pub fn react(
         .ownship()
         .and_then(|track| track.samples.first())
         .map_or(0.0, |row| row.time_s);
+    let recording = &pieces(recording);
     let mut others = Vec::new();
     // Rows of the recording that make no track are no obstacle either.
     for (place, aircraft) in recording.aircraft.iter().enumerate().skip(1) {
@@ -62,7 +63,13 @@ pub fn react(
         turned.aircraft.remove(place);
         turned.aircraft.insert(0, track);
         // An aircraft that does not move flies nothing.
-        let Ok(plan) = plan_of(&turned, "", &intruder_model) else {
+        let plan = plan_of_pieces(
+            &turned,
+            String::new(),
+            String::new(),
+            intruder_model.clone(),
+        );
+        let Ok(plan) = plan else {
             continue;
         };
         let mut its = plan.world;

@@ -5,8 +5,8 @@
 //! is its recorded track, without the rows that lie within half a metre of straight legs, and the
 //! protected volume comes from the vehicle file. Times count from the ownship's first row.
 //!
-//! An aircraft exists from its first to its last row; separations hold along the straight lines between
-//! its rows. The avoider knows only the record so far: the last row, extrapolated with its recorded
+//! An aircraft exists from its first to its last row, but for gaps ([`pieces`]); separations hold along the straight lines
+//! between its rows. The avoider knows only the record so far: the last row, extrapolated with its recorded
 //! velocity for at most two seconds, with the row's standard deviations: the largest in any direction.
 //!
 //! Where the ownship's rows have a velocity through the air, the wind is the mean difference of its velocities
@@ -20,6 +20,7 @@ use fga::situation::{Movement, Uncertainty};
 use fga_formats::InputError;
 use fga_formats::daa::{self, TrackSample};
 
+use crate::obstacle::CARRIED_ON_S;
 use crate::plan::Plan;
 use crate::plant::at_airspeed;
 use crate::track::{Track, TrackPoint};
@@ -28,6 +29,9 @@ use crate::world::{Ending, StartState, TrackReport, World, WorldObstacle};
 
 /// Rows nearer than this to a straight leg are not waypoints, metres.
 const STRAIGHT_WITHIN_M: f64 = 0.5;
+
+/// Rows of an aircraft are in one piece up to this many of its usual steps apart.
+const STEPS_IN_A_ROW: f64 = 3.0;
 
 /// Time for the way back after the recording's end, seconds.
 const WAY_BACK_S: f64 = 300.0;
@@ -55,11 +59,45 @@ pub fn parse(
     plan(&recording, name, description, model).map_err(|message| InputError::in_file(path, message))
 }
 
+/// A recording with an aircraft for each piece of another one's rows between two gaps; the ownship's rows stay together.
+///
+/// A gap is longer than [`CARRIED_ON_S`] and than three usual steps (the median) between the rows of the aircraft. In DAIDALUS an
+/// aircraft is there at the times of its rows alone.
+pub(crate) fn pieces(recording: &daa::Recording) -> daa::Recording {
+    let (own, others) = recording.aircraft.split_at(recording.aircraft.len().min(1));
+    let pieces = others.iter().flat_map(|aircraft| {
+        let pairs = aircraft.samples.windows(2);
+        let mut steps_s: Vec<f64> = pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect();
+        steps_s.sort_by(f64::total_cmp);
+        let usual_s = steps_s.get(steps_s.len() / 2).copied().unwrap_or(0.0);
+        let longest_s = CARRIED_ON_S.max(STEPS_IN_A_ROW * usual_s);
+        let pieces = (aircraft.samples).chunk_by(move |a, b| b.time_s - a.time_s <= longest_s);
+        pieces.map(|samples| daa::Track {
+            name: aircraft.name.clone(),
+            samples: samples.to_vec(),
+        })
+    });
+    daa::Recording {
+        aircraft: own.iter().cloned().chain(pieces).collect(),
+        ..recording.clone()
+    }
+}
+
 /// A recording as a flight: the first aircraft is the ownship.
 ///
 /// # Errors
 /// An ownship that does not move; one sentence.
 pub fn plan(
+    recording: &daa::Recording,
+    name: String,
+    description: String,
+    model: VehicleModel,
+) -> Result<Plan, String> {
+    plan_of_pieces(&pieces(recording), name, description, model)
+}
+
+/// The same, of aircraft without gaps.
+pub(crate) fn plan_of_pieces(
     recording: &daa::Recording,
     name: String,
     description: String,
@@ -302,5 +340,34 @@ mod tests {
         assert_eq!(then.velocity_mps, 3.0);
         let later = known[0].known_at(3.5).unwrap().uncertainty;
         assert!((later.position_m - 51.5).abs() < 1e-9, "{later:?}");
+    }
+
+    /// An intruder that was missing for 40 s in a recording of each second was judged on the straight line between.
+    #[test]
+    fn an_aircraft_is_not_there_in_a_gap_of_its_rows() {
+        let plan_without = |missing: core::ops::Range<i32>, step: i32| {
+            let mut text =
+                String::from("NAME sx sy sz vx vy vz time\n- [m] [m] [m] [m/s] [m/s] [m/s] [s]\n");
+            for k in 0..60 {
+                let (time_s, x) = (k * step, 50 * k * step);
+                writeln!(text, "own {x} 0 1000 50 0 0 {time_s}").unwrap();
+                if !missing.contains(&k) {
+                    writeln!(text, "other {} 0 1000 -50 0 0 {time_s}", 6000 - x).unwrap();
+                }
+            }
+            let recording = daa::parse(&text, Path::new("a.daa")).unwrap();
+            let model = VehicleModel::built_in().unwrap();
+            plan(&recording, "a".into(), "a".into(), model).unwrap()
+        };
+        let present = |plan: &Plan| -> Vec<(f64, f64)> {
+            let tracks = plan.world.obstacles.iter().map(|each| &each.track);
+            tracks.map(Track::presence_s).collect()
+        };
+        let gap = plan_without(20..40, 1);
+        assert_eq!(present(&gap), [(0.0, 19.0), (40.0, 59.0)]);
+        assert_eq!(gap.names, ["other", "other"]);
+        // A row or two that are lost are none, and neither are the steps of a slow radar.
+        assert_eq!(present(&plan_without(20..22, 1)), [(0.0, 59.0)]);
+        assert_eq!(present(&plan_without(20..22, 10)), [(0.0, 590.0)]);
     }
 }

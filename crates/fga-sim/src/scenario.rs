@@ -396,12 +396,33 @@ fn obstacle(
         return Err(text.error_at(kind, message));
     }
     obstacle.kind = table.nature().into();
+    stands_still(table, &text)?;
     obstacle.movement = table.movement.into();
     obstacle.charted_sigma_m = charted_sigma_m(table, &text)?;
     if let Some(appears) = &table.appears_s {
         obstacle.appears_s = text.not_negative("appears_s", appears)?;
     }
     Ok(obstacle)
+}
+
+/// Refuses an obstacle that is said to be still and moves: decisions would rely on its rest.
+fn stands_still(table: &ObstacleTable, text: &TomlText<'_>) -> Result<(), InputError> {
+    let message = "an obstacle with movement = \"still\" moves, expected another movement, or neither velocity_mps nor track_m";
+    match (&table.velocity_mps, &table.track_m) {
+        _ if !matches!(table.movement, MovementName::Still) => Ok(()),
+        (Some(velocity), _) if *velocity.get_ref() != [0.0; 3] => {
+            Err(text.error_at(velocity, message))
+        }
+        (_, Some(points))
+            if points
+                .get_ref()
+                .windows(2)
+                .any(|pair| pair[0][1..] != pair[1][1..]) =>
+        {
+            Err(text.error_at(points, message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A note about keys that have other names now; one, however many obstacles have them.
@@ -515,6 +536,16 @@ track_m = [[0, 100, 100, 0], [5, 100, 50, 0]]
                 "position_m = [300, 0, 0]",
                 "position_deg = [1, 2, 3]",
                 "s.toml, line 7: position_deg is geodetic, expected an [origin]",
+            ),
+            (
+                "radius_m = 20",
+                "movement = 'still'\nvelocity_mps = [-20, 0, 0]\nradius_m = 20",
+                "s.toml, line 9: an obstacle with movement = \"still\" moves, expected another movement",
+            ),
+            (
+                "track_m",
+                "movement = 'still'\ntrack_m",
+                "s.toml, line 11: an obstacle with movement = \"still\" moves",
             ),
             (
                 "radius_m = 20",

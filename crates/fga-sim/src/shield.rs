@@ -177,7 +177,7 @@ mod tests {
         let mut shield = Shield::new(empty.settings.avoider, model.vehicle).unwrap();
         (0..count)
             .filter(|number| {
-                let encounter = source.encounter(*number);
+                let encounter = source.encounter(*number).unwrap();
                 let mut world = empty.clone();
                 populate(&mut world, &encounter, &model.protection);
                 world.ending = crate::world::Ending::Horizon;

@@ -10,7 +10,7 @@ pub(crate) mod checks;
 use std::path::Path;
 
 use fga::Vec3;
-use fga::avoider::Settings;
+use fga::avoider::{Settings, SettingsError};
 use fga::search::Objective;
 use fga::situation::ProtectedVolume;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -139,6 +139,8 @@ impl VehicleModel {
         let mut settings = settings(&file, text)?;
         settings.avoider.surveillance_radius_m =
             surveillance_m(&file, &text, airspeed_mps, protection, &settings.avoider)?;
+        let checked = vehicle.check().and_then(|()| settings.avoider.check());
+        checked.map_err(|error| refused(&file, &text, error))?;
         Ok(Self {
             vehicle,
             settings,
@@ -152,6 +154,21 @@ impl VehicleModel {
             name: file.name,
             sha256: fingerprint(text.text().as_bytes()),
         })
+    }
+}
+
+/// What the core refuses though each value is in its own range, at the line of its key.
+fn refused(file: &VehicleFile, text: &TomlText<'_>, error: SettingsError) -> InputError {
+    let value = match error.name {
+        "heading_cost" => &file.cost.heading,
+        "pitch_cost" => &file.cost.pitch,
+        "margin_m" => &file.avoidance.margin_m,
+        "confidence_sigmas" => &file.avoidance.confidence_sigmas,
+        _ => &file.response.bank_time_constant_s,
+    };
+    match value {
+        Some(value) => text.error_at(value, error.to_string()),
+        None => text.error(error.to_string()),
     }
 }
 
@@ -296,6 +313,26 @@ mod tests {
                 "turn_radius_m=30",
                 "turn_radius_m=30\nsurveillance_radius_m=30",
                 "v.toml, line 4: surveillance_radius_m is 30, expected more than protection.radius_m, 30",
+            ),
+            (
+                "radius_m=30\n[",
+                "radius_m=30\n[response]\nbank_time_constant_s=4\n[",
+                "v.toml, line 5: bank_time_constant_s is 4, expected 0, or 0.01 to 10, and no turn",
+            ),
+            (
+                "radius_m=30\n[",
+                "radius_m=30\n[avoidance]\nmargin_m=20000\n[",
+                "v.toml, line 5: margin_m is 20000, expected 0 to 10,000",
+            ),
+            (
+                "radius_m=30\n[",
+                "radius_m=30\n[avoidance]\nconfidence_sigmas=1e5\n[",
+                "v.toml, line 5: confidence_sigmas is 100000, expected 0 to 10",
+            ),
+            (
+                "radius_m=30\n[",
+                "radius_m=30\n[cost]\nheading=1e18\n[",
+                "v.toml, line 5: heading_cost is 1000000000000000000, expected 0 to a million",
             ),
             ("name='a'", "name=", "v.toml, line 1: "),
         ] {

@@ -110,17 +110,19 @@ pub enum WorldsError {
     /// The wind is too strong to hold the line.
     #[error("the wind does not let the line be flown at an airspeed of {0} m/s, expected less")]
     Wind(f64),
+    /// An encounter that cannot be drawn.
+    #[error("{0}")]
+    Drawn(String),
 }
 
 impl Worlds {
     /// `count` worlds, which show encounters 0 to `count` − 1 until a reset.
     ///
     /// # Errors
-    /// Settings that the core refuses, or a wind that is too strong for the line.
+    /// Settings that the core refuses, a wind that is too strong for the line, or encounters that cannot be drawn.
     pub fn new(mut settings: WorldsSettings, count: usize) -> Result<Self, WorldsError> {
         let model = &settings.model;
-        settings.source.airspeed_mps = model.vehicle.airspeed_mps;
-        settings.source.radius_m = model.protection.radius_m();
+        settings.source = settings.source.around(model);
         let batch = BatchSettings {
             horizon_s: settings.horizon_s,
             seed: settings.source.seed,
@@ -135,7 +137,7 @@ impl Worlds {
             settings,
         };
         for number in (0..).take(count) {
-            let flight = SteppedFlight::new(worlds.drawn(number));
+            let flight = SteppedFlight::new(worlds.drawn(number)?);
             let shield = worlds
                 .settings
                 .shielded
@@ -164,23 +166,28 @@ impl Worlds {
         OWN + EACH * self.settings.seen
     }
 
-    fn drawn(&self, number: u64) -> World {
-        let encounter = self.settings.source.encounter(number);
+    fn drawn(&self, number: u64) -> Result<World, WorldsError> {
+        let source = &self.settings.source;
+        let encounter = source.encounter(number).map_err(WorldsError::Drawn)?;
         let mut world = self.empty.clone();
         populate(&mut world, &encounter, &self.settings.model.protection);
-        self.settings.source.scenery(number).place(&mut world);
-        world
+        source.scenery(number).place(&mut world);
+        Ok(world)
     }
 
     /// Loads the encounter with this number into a world; ignores an unknown world.
-    pub fn reset(&mut self, index: usize, number: u64) {
-        let world = self.drawn(number);
+    ///
+    /// # Errors
+    /// An encounter that cannot be drawn.
+    pub fn reset(&mut self, index: usize, number: u64) -> Result<(), WorldsError> {
+        let world = self.drawn(number)?;
         if let Some(place) = self.places.get_mut(index) {
             place.flight.restart(world);
             if let Some(shield) = &mut place.shield {
                 shield.restart();
             }
         }
+        Ok(())
     }
 
     /// Writes the observation of a world into `into`, which has [`Worlds::observed`] places.
@@ -340,7 +347,7 @@ mod tests {
         let mut worlds = worlds(false);
         let mut seen = vec![0.0; worlds.observed()];
         worlds.observe(0, &mut seen);
-        let obstacle = worlds.settings.source.encounter(0).obstacles[0];
+        let obstacle = worlds.settings.source.encounter(0).unwrap().obstacles[0];
         assert_eq!(seen[OWN], 1.0);
         let distance_m = seen[OWN + 1].hypot(seen[OWN + 2]).hypot(seen[OWN + 3]);
         assert!((f64::from(distance_m) - obstacle.position_m.length()).abs() < 0.01);

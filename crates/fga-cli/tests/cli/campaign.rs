@@ -437,6 +437,11 @@ fn unusable_campaigns_are_refused_in_one_sentence() {
             "line 12: speed_mps 30-15: expected FROM not above TO",
         ),
         (
+            "first_seen_m = [300]",
+            "first_seen_m = [0]",
+            "line 8: threats:1:0:15-30: hardly any draw",
+        ),
+        (
             "[[15, 30], 0]",
             "[[15, 30, 45]]",
             "line 12: expected a number or [from, to]",

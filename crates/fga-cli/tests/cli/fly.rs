@@ -367,7 +367,7 @@ fn l3_a_thousand_idle_and_a_thousand_greedy_browsers() {
 
 /// `fga fly --replay` refused a log that `fga check` and `fga identify` read.
 #[test]
-fn l14_a_compressed_log_is_replayed_and_a_damaged_one_refused() {
+fn l14_a_compressed_log_is_read_and_one_without_decisions_or_damaged_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut log = Vec::new();
     let mut writer = fga_link::tlog::TlogWriter::new(&mut log);
@@ -394,8 +394,10 @@ fn l14_a_compressed_log_is_replayed_and_a_damaged_one_refused() {
     };
     for (name, bytes) in [("a.tlog", &log), ("a.tlog.gz", &packed)] {
         let (code, said) = replay(name, bytes);
-        assert_eq!(code, Some(0), "{said}");
-        assert_eq!(said.trim(), "2 frames, 1 not understood");
+        assert_eq!(code, Some(1), "{said}");
+        let expected =
+            "holds no decision (2 frames, 1 not understood), expected the log of a flight";
+        assert!(said.trim().ends_with(expected), "{said}");
     }
     let (code, said) = replay("cut.tlog.gz", &packed[..packed.len() - 9]);
     assert_eq!(code, Some(1), "{said}");
@@ -440,7 +442,48 @@ fn emulate_flies_a_first_manoeuvre_and_says_the_least_separation() {
     assert!(true_m >= 152.4, "{said}");
     assert!(said.contains("fga: avoiding ABC123, "), "{said}");
     assert!((reported_m - true_m).abs() < 15.0, "{said}");
-    assert!(folder.path().join("out/fly").is_dir());
+    let logs = fs::read_dir(folder.path().join("out/fly")).unwrap();
+    let logs = logs.map(|entry| entry.unwrap().path());
+    let log = logs.filter(|path| path.extension().is_some_and(|ending| ending == "tlog"));
+    replay_is_compared(&log.last().unwrap());
+}
+
+/// The replay of a flight's log says whether it decides as the flight did.
+fn replay_is_compared(log: &Path) {
+    let replayed = |code: i32| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_fga"));
+        let output = command.args(["fly", "--replay"]).arg(log).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        said
+    };
+    let flown = log.with_extension("jsonl");
+    let text = fs::read_to_string(&flown).unwrap();
+    let count = text.lines().count();
+    let said = replayed(0);
+    assert!(
+        said.contains(&format!("; all {count} lines are those of ")),
+        "{said}"
+    );
+    fs::write(
+        &flown,
+        text.replacen("\"kind\":\"decision\"", "\"kind\":\"x\"", 1),
+    )
+    .unwrap();
+    let said = replayed(1);
+    assert!(
+        said.contains("decides otherwise than its flight in 1 of the lines"),
+        "{said}"
+    );
+    assert!(
+        said.contains(": kind is \"x\" in the flight, \"decision\" in the replay"),
+        "{said}"
+    );
+    fs::remove_file(flown).unwrap();
+    assert!(replayed(0).contains("; not compared: "));
+    let bytes = fs::read(log).unwrap();
+    fs::write(log, bytes.repeat(2)).unwrap();
+    assert!(replayed(1).contains("another flight begins in the log"));
 }
 
 #[test]

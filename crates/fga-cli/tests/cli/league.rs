@@ -120,6 +120,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, what) in [
         (&["--sets", "lunar"][..], "there is no set \"lunar\""),
+        (&["--sets", "drawn-1hz,lunar"], "there is no set \"lunar\""),
         (
             &["--sets", "drawn-1hz,drawn-1hz"],
             "set drawn-1hz is named twice",
@@ -149,6 +150,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
         assert_eq!(done.status.code(), Some(1), "{arguments:?}");
         assert!(errors(&done).contains(what), "{}", errors(&done));
         assert_eq!(errors(&done).lines().count(), 1, "{}", errors(&done));
+        assert!(!folder.path().join("out").exists(), "{arguments:?}");
     }
 }
 

@@ -117,6 +117,25 @@ fn options_say_what_they_expect() {
     ] {
         refuses(at, arguments, expected);
     }
+    // In JSON the sentence is in the answer, as that of a file is.
+    for (arguments, expected) in [
+        (
+            &["run", "s.toml", "--threads", "1", "--json"][..],
+            "unexpected argument '--threads'",
+        ),
+        (
+            &["batch", "e.csv", "--policy", "nobody", "--json"],
+            "unknown policy \"nobody\"",
+        ),
+        (&["nothing", "--json"], "unrecognized subcommand 'nothing'"),
+    ] {
+        let output = fga_in(at, arguments);
+        assert_eq!(output.status.code(), Some(1));
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let said = answer["error"].as_str().unwrap();
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+        assert_eq!(errors(&output).trim_end(), format!("fga: {said}"));
+    }
     assert!(!at.join("out").exists(), "nothing is written");
 }
 

@@ -116,6 +116,10 @@ fn a_flight_on_beliefs_writes_the_futures_it_weighs() {
             "{x_m} m at {time_s} s"
         );
     }
+    let log = folder.path().join("belief/events.jsonl");
+    assert!(decisions_follow_their_schema(&log) > 3);
+    let text = fs::read_to_string(log).unwrap();
+    assert!(text.contains("\"p_loss\":"), "{text}");
 }
 
 #[test]

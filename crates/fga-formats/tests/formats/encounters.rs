@@ -41,7 +41,7 @@ fn the_kind_says_how_an_obstacle_may_move() {
     let rows = ["still", "straight", "aircraft", "uas", ""]
         .iter()
         .zip(0..)
-        .map(|(kind, id)| format!("1,{id},1,2,3,4,5,6,30,{kind}"))
+        .map(|(kind, id)| format!("1,{id},1,2,3,0,0,0,30,{kind}"))
         .collect::<Vec<_>>()
         .join("\n");
     let found = parse(&format!("{header},kind\n{rows}")).unwrap();
@@ -61,6 +61,9 @@ fn the_kind_says_how_an_obstacle_may_move() {
         wrong.ends_with("column kind holds \"bird\", expected still, straight, aircraft or uas"),
         "{wrong}"
     );
+    let moving = parse(&format!("{header},kind\n1,7,1,2,3,4,5,6,30,still\n")).unwrap_err();
+    let expected = "line 2: obstacle 7 of kind still moves at 4, 5, 6 m/s, expected a velocity of 0 or another kind";
+    assert!(moving.ends_with(expected), "{moving}");
 }
 
 #[test]
@@ -155,15 +158,16 @@ proptest! {
         let round = |value: f64| (value * 1e6).round() / 1e6;
         let made: Vec<Encounter> = rows.chunks(split).zip(100..).map(|(chunk, id)| Encounter {
             id,
-            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle { movement:
-                [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS]
-                    [id as usize % kinds],
-                ..Obstacle::straight(
+            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| {
+                let movements = [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS];
+                let movement = movements[id as usize % kinds];
+                let moves = f64::from(u8::from(movement != Movement::AtRest));
+                Obstacle { movement, ..Obstacle::straight(
                 id,
                 DVec3::new(round(v[0]), round(v[1]), round(v[2])),
-                DVec3::new(round(v[3]), round(v[4]), round(v[5])),
+                DVec3::new(round(v[3]), round(v[4]), round(v[5])) * moves,
                 ProtectedVolume::Sphere { radius_m: round(*radius) },
-            )}).collect(),
+            )}}).collect(),
         }).collect();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("e.csv");

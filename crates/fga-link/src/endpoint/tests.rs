@@ -123,3 +123,22 @@ fn a_lost_connection_is_made_again() {
         assert!(writer.write(b"heard"));
     }
 }
+
+#[test]
+fn a_port_that_is_taken_says_what_to_do() {
+    let (tcp, udp) = (
+        TcpListener::bind("127.0.0.1:0"),
+        std::net::UdpSocket::bind("127.0.0.1:0"),
+    );
+    let (tcp, udp) = (tcp.expect("a port"), udp.expect("a port"));
+    for endpoint in [
+        Endpoint::TcpIn(tcp.local_addr().expect("an address").to_string()),
+        Endpoint::UdpIn(udp.local_addr().expect("an address").to_string()),
+    ] {
+        let error = open(&endpoint).expect_err("it is taken").to_string();
+        assert!(
+            error.starts_with("another program uses this port, expected a free one"),
+            "{error}"
+        );
+    }
+}

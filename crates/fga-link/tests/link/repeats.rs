@@ -19,7 +19,7 @@ use fga::Vec3;
 use fga_formats::geodesy::Geodetic;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::player::{PlayedState, sbs_lines};
-use fga_link::replay::{Replayed, replay};
+use fga_link::replay::{Replayed, differences, replay};
 use fga_link::steps::Step;
 use fga_link::tlog::{TlogReader, TlogWriter};
 use fga_link::{Companion, Config};
@@ -156,6 +156,8 @@ fn repeats_a_flight(name: &str, config: &str) -> (PathBuf, Vec<Value>) {
         assert_eq!(flown, repeated, "line {number}");
     }
     assert_eq!(flown.len(), repeated.len());
+    let repeated: Vec<String> = repeated.iter().map(Value::to_string).collect();
+    assert_eq!(differences(&text, &repeated), None);
     // Another configuration repeats nothing, and says so.
     let (done, _) = replayed(&log, &format!("{config}\n[traffic]\ndrop_after_s = 10.0\n"));
     assert!(!done.repeats);

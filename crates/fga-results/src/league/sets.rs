@@ -201,6 +201,7 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
         terms.sets.iter().map(String::as_str).collect()
     };
     let (mut sets, mut left_out): (Vec<Set>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut shipped = Vec::new();
     for name in asked {
         let set = match SHIPPED.iter().find(|set| set.name == name) {
             None if Path::new(name).extension().is_some_and(|is| is == "toml") => {
@@ -213,8 +214,11 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
                     shipped_names()
                 )));
             }
-            Some(set) => match of_shipped(set, terms, out)? {
-                Ok(set) => set,
+            Some(set) => match of_shipped(set, terms, out) {
+                Ok(found) => {
+                    shipped.push(set);
+                    found
+                }
                 // A set that was asked for is needed.
                 Err(why) if !terms.sets.is_empty() => return Err(CampaignError::Other(why)),
                 Err(why) => {
@@ -230,6 +234,15 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
             )));
         }
         sets.push(set);
+    }
+    // Nothing is written for a set that is not there.
+    for set in shipped {
+        let folder = out.join(set.name);
+        if matches!(set.needs, Needs::Fleets) {
+            draw_fleets(&folder, terms.encounters.unwrap_or(FLEETS))?;
+        }
+        atomic::prepare_folder(&folder)?;
+        atomic::write(&folder.join(CAMPAIGN), set.campaign)?;
     }
     Ok((sets, left_out))
 }
@@ -251,12 +264,11 @@ fn of_file(path: &Path, terms: &Terms) -> Set {
     }
 }
 
-/// A shipped set, whose files are written into the folder; or why it cannot be flown.
-fn of_shipped(
-    set: &Shipped,
-    terms: &Terms,
-    out: &Path,
-) -> Result<Result<Set, String>, OutputError> {
+/// The campaign file of a shipped set, in its folder.
+const CAMPAIGN: &str = "campaign.toml";
+
+/// A shipped set, whose files belong into the folder; or why it cannot be flown.
+fn of_shipped(set: &Shipped, terms: &Terms, out: &Path) -> Result<Set, String> {
     let mut overrides = Overrides {
         vehicle: Some(set.vehicle.to_owned()),
         own: terms.own.clone(),
@@ -267,17 +279,16 @@ fn of_shipped(
     match set.needs {
         Needs::Nothing => overrides.encounters = terms.encounters,
         Needs::Fleets => {
-            draw_fleets(&folder, terms.encounters.unwrap_or(FLEETS))?;
             overrides.recordings.push(folder.clone());
             reaction = LeagueReaction::Itself;
         }
         Needs::Recordings(place) | Needs::Model(place) => {
             let path = terms.data.as_ref().map(|data| data.join(place));
             let Some(path) = path.filter(|path| path.exists()) else {
-                return Ok(Err(format!(
+                return Err(format!(
                     "set {} needs {place} in the folder of data (--data, or FGA_DATA), and it is not there",
                     set.name
-                )));
+                ));
             };
             if matches!(set.needs, Needs::Model(_)) {
                 overrides.encounters = terms.encounters;
@@ -287,15 +298,12 @@ fn of_shipped(
             }
         }
     }
-    atomic::prepare_folder(&folder)?;
-    let path = folder.join("campaign.toml");
-    atomic::write(&path, set.campaign)?;
-    Ok(Ok(Set {
+    Ok(Set {
         name: set.name.to_owned(),
         reaction,
-        path,
+        path: folder.join(CAMPAIGN),
         overrides,
-    }))
+    })
 }
 
 /// Draws fleets into a folder.

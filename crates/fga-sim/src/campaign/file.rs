@@ -70,7 +70,22 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration,
     let file = CampaignFile::read(&text)?;
     let beside = |name: &str| path.parent().unwrap_or(Path::new("")).join(name);
 
-    let cells = cells(&text, &file)?;
+    let vehicle = match (&overrides.vehicle, &file.vehicle) {
+        (Some(text), _) => Some(text.clone()),
+        (None, Some(name)) => Some(read_text(&beside(name.get_ref()))?),
+        (None, None) => None,
+    };
+    let model = match &vehicle {
+        None => VehicleModel::built_in()?,
+        Some(vehicle) => {
+            let name = file
+                .vehicle
+                .as_ref()
+                .map_or("vehicle", |v| v.get_ref().as_str());
+            VehicleModel::parse(TomlText::new(Path::new(name), vehicle))?
+        }
+    };
+    let cells = cells(&text, &file, &model)?;
     let files = encounter_files(&file.files, &beside)?;
     let models = models(&text, &file.model, overrides, &beside)?;
     let mut folders: Vec<PathBuf> = file
@@ -109,21 +124,6 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration,
                 .map_err(|message| text.error_at(name, format!("intruders: {message}")))?,
         ),
         (None, None) => None,
-    };
-    let vehicle = match (&overrides.vehicle, &file.vehicle) {
-        (Some(text), _) => Some(text.clone()),
-        (None, Some(name)) => Some(read_text(&beside(name.get_ref()))?),
-        (None, None) => None,
-    };
-    let model = match &vehicle {
-        None => VehicleModel::built_in()?,
-        Some(vehicle) => {
-            let name = file
-                .vehicle
-                .as_ref()
-                .map_or("vehicle", |v| v.get_ref().as_str());
-            VehicleModel::parse(TomlText::new(Path::new(name), vehicle))?
-        }
     };
     let horizon_s = match &file.horizon_s {
         None => 60.0,
@@ -169,10 +169,11 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration,
     })
 }
 
-/// The cells, and the cells of the grids, each with its position in the file.
+/// The cells, and the cells of the grids, each with its position in the file; encounters of each can be drawn around the aircraft.
 fn cells(
     text: &TomlText<'_>,
     file: &CampaignFile,
+    model: &VehicleModel,
 ) -> Result<Vec<(String, core::ops::Range<usize>)>, InputError> {
     let mut cells = Vec::new();
     for cell in &file.cells {
@@ -193,6 +194,10 @@ fn cells(
     }
     for (cell, span) in &cells {
         EncounterSource::parse(cell, 0)
+            .and_then(|source| {
+                let drawn = source.around(model).encounter(0);
+                drawn.map_err(|message| format!("{cell}: {message}"))
+            })
             .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
     }
     Ok(cells)

@@ -144,10 +144,8 @@ impl Campaign {
         let mut cells = Vec::new();
         for &seed in &configuration.seeds {
             for cell in &configuration.cells {
-                let mut source = EncounterSource::parse(cell, seed).map_err(wrong)?;
-                source.airspeed_mps = model.vehicle.airspeed_mps;
-                source.radius_m = model.protection.radius_m();
-                cells.push(source);
+                let source = EncounterSource::parse(cell, seed).map_err(wrong)?;
+                cells.push(source.around(&model));
             }
         }
         let mut models = Vec::new();
@@ -410,7 +408,10 @@ impl Campaign {
             .cells
             .get(turn * configuration.cells.len() + kind)
             .ok_or_else(past)?;
-        let scene = CampaignScene::Rows(source.encounter(number));
+        let scene = CampaignScene::Rows(source.encounter(number).map_err(|message| {
+            let cell = &configuration.cells[kind];
+            CampaignError::Other(format!("{cell}: {message}"))
+        })?);
         Ok(Drawn {
             scenery: source.scenery(number),
             ..drawn(self.files.len() + kind, source.seed, scene)

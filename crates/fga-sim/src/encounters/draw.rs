@@ -7,14 +7,14 @@ use super::random::{Random, level};
 use super::source::{Body, EncounterSource};
 
 impl Family {
-    pub(super) fn draw(&self, source: &EncounterSource, random: &mut Random) -> Vec<Body> {
-        match *self {
+    pub(super) fn draw(&self, source: &EncounterSource, random: &mut Random) -> Option<Vec<Body>> {
+        Some(match *self {
             Self::Threats(threats) | Self::Among(_, threats) => (0..threats.count)
                 .map(|_| level_threat(source, random, threats.first_seen_m, threats.speed_mps))
-                .collect(),
+                .collect::<Option<_>>()?,
             Self::FromAnywhere(threats) => (0..threats.count)
                 .map(|_| threat(source, random, threats.first_seen_m, threats.speed_mps))
-                .collect(),
+                .collect::<Option<_>>()?,
             Self::HeadOn {
                 first_seen_m,
                 speed_mps,
@@ -22,13 +22,13 @@ impl Family {
             Self::Overtaking => overtaking(source, random),
             Self::Wall { gap } => wall(source, random, gap),
             Self::Stream { count } => stream(source, random, count),
-            Self::Pincer { count } => pincer(source, random, count),
-        }
+            Self::Pincer { count } => pincer(source, random, count)?,
+        })
     }
 }
 
 /// A threat meets the aircraft within this time, seconds: well within the horizon of 60 s.
-const LATEST_MEETING_S: f64 = 45.0;
+pub(super) const LATEST_MEETING_S: f64 = 45.0;
 
 /// A static obstacle ahead, in the way.
 fn static_threat(source: &EncounterSource, random: &mut Random, seen: Range) -> Body {
@@ -56,11 +56,17 @@ fn coarse_sin(turns: f64) -> f64 {
 const COARSE: f64 = 0.0011;
 
 /// A threat in level flight at the aircraft's altitude: redrawn until it is one.
-fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
+fn level_threat(
+    source: &EncounterSource,
+    random: &mut Random,
+    seen: Range,
+    speed: Range,
+) -> Option<Body> {
     if speed.1 <= 0.0 {
-        return static_threat(source, random, seen);
+        return Some(static_threat(source, random, seen));
     }
     loop {
+        random.again()?;
         let distance = random.within(seen);
         let (bearing, course) = (random.unit(), random.unit());
         let speed = random.within(speed);
@@ -76,7 +82,7 @@ fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, spee
             velocity_mps: level(course) * speed,
         };
         if source.is_threat(&body) && meeting_s(source, &body) <= LATEST_MEETING_S {
-            return body;
+            return Some(body);
         }
     }
 }
@@ -88,14 +94,20 @@ fn meeting_s(source: &EncounterSource, body: &Body) -> f64 {
 }
 
 /// A threat at a distance, on any bearing from which its speed allows a threat.
-fn threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
+fn threat(
+    source: &EncounterSource,
+    random: &mut Random,
+    seen: Range,
+    speed: Range,
+) -> Option<Body> {
     if speed.1 <= 0.0 {
-        return static_threat(source, random, seen);
+        return Some(static_threat(source, random, seen));
     }
     let own = Vec3::X * source.airspeed_mps;
     // Relative velocities just inside the cone: rounding must not remove the threat.
     let reach = source.radius_m * (1.0 - 1e-9);
     loop {
+        random.again()?;
         let distance = random.within(seen);
         let bearing = random.direction(source.planar);
         let speed = random.within(speed);
@@ -125,7 +137,7 @@ fn threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Ran
         };
         let soon = meeting_s(source, &body) <= LATEST_MEETING_S;
         if lambda > 0.0 && soon && source.is_threat(&body) {
-            return body;
+            return Some(body);
         }
     }
 }
@@ -220,14 +232,14 @@ fn stream(source: &EncounterSource, random: &mut Random, count: u32) -> Vec<Body
 }
 
 /// Fast threats that arrive within a second of each other.
-fn pincer(source: &EncounterSource, random: &mut Random, count: u32) -> Vec<Body> {
+fn pincer(source: &EncounterSource, random: &mut Random, count: u32) -> Option<Vec<Body>> {
     let arrival_s = random.within(Range(3.0, 6.5));
     (0..count)
         .map(|_| {
             loop {
-                let body = level_threat(source, random, Range(180.0, 500.0), Range(40.0, 60.0));
+                let body = level_threat(source, random, Range(180.0, 500.0), Range(40.0, 60.0))?;
                 if (meeting_s(source, &body) - arrival_s).abs() < 0.5 {
-                    return body;
+                    return Some(body);
                 }
             }
         })
@@ -276,7 +288,8 @@ mod tests {
                     &mut random,
                     threats.first_seen_m,
                     threats.speed_mps,
-                );
+                )
+                .unwrap();
                 assert_eq!(found.position_m, expected.position_m);
                 assert_eq!(found.velocity_mps, expected.velocity_mps);
                 assert_eq!(random.unit(), again.unit());

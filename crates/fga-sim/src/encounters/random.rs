@@ -14,21 +14,37 @@ pub(super) fn level(turns: f64) -> Vec3 {
     Vec3::new(cos, sin, 0.0)
 }
 
+/// Most repeated draws of an encounter: a hundred times what the rarest cell in use needs, and at most seconds.
+const MOST_DRAWS: u32 = 10_000_000;
+
 /// The random stream of one encounter.
 #[derive(Debug, Clone)]
-pub struct Random(ChaCha8Rng);
+pub struct Random {
+    stream: ChaCha8Rng,
+    /// Draws that may still be repeated.
+    left: u32,
+}
 
 impl Random {
     /// Stream `stream` of the master seed.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
-        Self(generator)
+        Self {
+            stream: generator,
+            left: MOST_DRAWS,
+        }
+    }
+
+    /// Counts a draw that is repeated until it suits; nothing once there were too many.
+    pub(super) fn again(&mut self) -> Option<()> {
+        self.left = self.left.checked_sub(1)?;
+        Some(())
     }
 
     /// Uniform in [0, 1): the upper 53 bits of an integer times 2⁻⁵³, exact.
     pub fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+        (self.stream.next_u64() >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
     }
 
     /// Uniform in a range.
@@ -40,13 +56,13 @@ impl Random {
     pub fn count(&mut self, least: u32, most: u32) -> u32 {
         let values = u64::from(most.saturating_sub(least)) + 1;
         // A multiply and shift; the bias of 2⁻³² does not matter here.
-        let drawn = (((self.0.next_u64() >> 32) * values) >> 32) as u32;
+        let drawn = (((self.stream.next_u64() >> 32) * values) >> 32) as u32;
         least + drawn
     }
 
     /// +1 or −1.
     pub fn sign(&mut self) -> f64 {
-        if self.0.next_u64() >> 63 == 0 {
+        if self.stream.next_u64() >> 63 == 0 {
             1.0
         } else {
             -1.0

@@ -3,6 +3,7 @@
 use fga::Vec3;
 
 use super::family::Family;
+use crate::vehicle_file::VehicleModel;
 
 /// A cell or family with all parameters of its encounters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,16 @@ impl EncounterSource {
             airspeed_mps: 15.0,
             bystanders: None,
             seed,
+        }
+    }
+
+    /// The same around another aircraft.
+    #[must_use]
+    pub const fn around(self, model: &VehicleModel) -> Self {
+        Self {
+            airspeed_mps: model.vehicle.airspeed_mps,
+            radius_m: model.protection.radius_m(),
+            ..self
         }
     }
 

@@ -5,6 +5,7 @@ use fga_formats::tally::Tally;
 use super::*;
 use crate::campaign::parse_policy;
 use crate::engine::Engine;
+use crate::recorded::plan_of;
 use crate::track::Track;
 
 /// Two aircraft that meet head-on at 50 m/s each, level, 100 m aside, after 60 s; rows once a second. The second one begins later.

@@ -26,7 +26,7 @@ fn lost(cell: &str, start: Start, count: u64) -> Vec<u64> {
     let mut engine = Engine::new();
     let mut lost = Vec::new();
     for number in 0..count {
-        let encounter = source.encounter(number);
+        let encounter = source.encounter(number).unwrap();
         populate(&mut world, &encounter, &settings.model.protection);
         let pilot = settings.policy.pilot(&world.settings, &world.vehicle);
         let outcome = engine.fly(&world, pilot.unwrap().as_mut(), &mut ());

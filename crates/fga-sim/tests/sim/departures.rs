@@ -31,7 +31,7 @@ fn ratio(cell: &str) -> f64 {
     let mut engine = Engine::new();
     let mut sum_m = [0.0, 0.0];
     for number in 0..COUNT {
-        let encounter = source.encounter(number);
+        let encounter = source.encounter(number).unwrap();
         populate(&mut world, &encounter, &settings.model.protection);
         let policy = &settings.policy;
         let mut pilot = policy.pilot(&world.settings, &world.vehicle).unwrap();

@@ -26,7 +26,8 @@ pub(crate) fn drawn_settings(number: u64) -> BatchSettings {
 /// Adds one or two intruders; those of every third encounter are crewed.
 pub(crate) fn add_intruders(world: &mut World, settings: &BatchSettings, number: u64) {
     let cell = ["threats:1:300-600:0-30", "threats:2:300-600:0-60"][usize::from(number % 4 > 1)];
-    let encounter = EncounterSource::parse(cell, 11).unwrap().encounter(number);
+    let source = EncounterSource::parse(cell, 11).unwrap();
+    let encounter = source.encounter(number).unwrap();
     populate(world, &encounter, &settings.model.protection);
     if number.is_multiple_of(3) {
         for obstacle in &mut world.obstacles {

@@ -34,7 +34,7 @@ fn threats_come_closer_than_their_radius_and_bystanders_do_not() {
             speed_mps,
         } = threats;
         for number in 0..3 {
-            let encounter = source.encounter(number);
+            let encounter = source.encounter(number).unwrap();
             for obstacle in &encounter.obstacles {
                 let miss = straight_miss(obstacle.position_m, obstacle.velocity_mps);
                 let is_threat = obstacle.id < count;
@@ -68,12 +68,12 @@ fn an_encounter_does_not_depend_on_those_before_it() {
         "overtaking",
     ] {
         let source = EncounterSource::parse(cell, 5).unwrap();
-        let forwards: Vec<_> = (0..4).map(|n| source.encounter(n)).collect();
-        let backwards: Vec<_> = (0..4).rev().map(|n| source.encounter(n)).collect();
+        let forwards: Vec<_> = (0..4).map(|n| source.encounter(n).unwrap()).collect();
+        let backwards: Vec<_> = (0..4).rev().map(|n| source.encounter(n).unwrap()).collect();
         assert!(forwards.iter().eq(backwards.iter().rev()));
         assert_ne!(forwards[0].obstacles, forwards[1].obstacles);
         let other = EncounterSource::parse(cell, 6).unwrap();
-        assert_ne!(forwards[0], other.encounter(0));
+        assert_ne!(forwards[0], other.encounter(0).unwrap());
     }
 }
 
@@ -81,7 +81,10 @@ fn an_encounter_does_not_depend_on_those_before_it() {
 fn a_gap_is_wide_enough_and_a_wall_has_none() {
     for number in 0..50 {
         for (cell, gaps) in [("wall,planar", 0), ("wall-gap,planar", 1)] {
-            let wall = EncounterSource::parse(cell, 2).unwrap().encounter(number);
+            let wall = EncounterSource::parse(cell, 2)
+                .unwrap()
+                .encounter(number)
+                .unwrap();
             let wide = wall
                 .obstacles
                 .windows(2)
@@ -103,5 +106,26 @@ fn a_wrong_cell_names_the_expected_form() {
     ] {
         let message = EncounterSource::parse(cell, 0).unwrap_err();
         assert!(message.contains(part), "{message}");
+    }
+}
+
+#[test]
+fn a_cell_that_nothing_can_meet_says_so() {
+    for cell in [
+        "threats:1:5000:5",
+        "threats:1:0:5",
+        "threats:1:1e18:5",
+        "threats:1:300:1e308",
+        "from-anywhere:1:5000:5",
+        "valley:1:5000:5",
+        "head-on:0:5",
+        "threats:1:20:0",
+    ] {
+        let message = EncounterSource::parse(cell, 0).unwrap().encounter(0);
+        let message = message.unwrap_err();
+        assert!(
+            message.contains("expected other distances or speeds"),
+            "{cell}: {message}"
+        );
     }
 }

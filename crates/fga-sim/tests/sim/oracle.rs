@@ -23,6 +23,7 @@ fn cell(name: &str, number: u64) -> Vec<OracleObstacle> {
     EncounterSource::parse(name, 7)
         .unwrap()
         .encounter(number)
+        .unwrap()
         .obstacles
         .iter()
         .map(OracleObstacle::from)

@@ -93,7 +93,7 @@ fn fly(model: VehicleModel, policy: &PolicyChoice) -> [usize; 2] {
     ] {
         let source = EncounterSource::parse(cell, 5).unwrap();
         for number in 0..60 {
-            let encounter = source.encounter(number);
+            let encounter = source.encounter(number).unwrap();
             populate(&mut world, &encounter, &settings.model.protection);
             let [all, made] = fly_both(&mut engine, &world, policy);
             sum = [sum[0] + all, sum[1] + made];

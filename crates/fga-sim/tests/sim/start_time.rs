@@ -109,6 +109,7 @@ fn fly_cell(cell: &str, start: Start, count: u64) -> (u32, u32) {
     for number in 0..count {
         world.obstacles = source
             .encounter(number)
+            .unwrap()
             .obstacles
             .iter()
             .map(|o| {
