@@ -121,7 +121,14 @@ impl Progress {
 
     /// Whether the aircraft flies back to the last waypoint, which it passed aside.
     pub const fn returns(&self) -> bool {
-        self.nearest_m < f64::INFINITY && !self.is_complete
+        self.nearest_m < f64::INFINITY && self.corner.is_none() && !self.is_complete
+    }
+
+    /// How long the flight along the leg takes from a state to the leg's end, seconds; negative beyond it.
+    pub fn to_end_s(&self, state: &MotionState) -> f64 {
+        let leg = self.leg(state);
+        let along_m = leg.position(state.position_m, state.time_s).along_m;
+        (leg.length_m - along_m) / leg.ground_speed_mps.max(f64::MIN_POSITIVE)
     }
 
     /// The present leg; before the first [`Self::update`] straight on.
@@ -136,7 +143,8 @@ impl Progress {
         leg.is_some_and(|leg| !leg.can_be_flown())
     }
 
-    /// Whether the aircraft is back on the present leg, or has no leg to return to; its height counts where it can climb.
+    /// Whether the aircraft is back on the present leg, or has no leg to return to; its height counts where it can climb. A leg that
+    /// begins at a place of the aircraft is a way back.
     pub fn is_back(&self, state: &MotionState, can_climb: bool) -> bool {
         let is_on = |leg: &Leg| {
             let position = leg.position(state.position_m, state.time_s);
@@ -144,7 +152,8 @@ impl Progress {
             position.cross_m.abs().max(above_m.abs()) <= BACK_WITHIN_M
                 && leg.turn_onto_rad(state).abs() <= BACK_WITHIN_RAD
         };
-        self.is_complete || !self.is_unentered && self.leg.as_ref().is_some_and(is_on)
+        let is_own = self.restart.is_some_and(|own| own.index == self.index);
+        self.is_complete || !self.is_unentered && !is_own && self.leg.as_ref().is_some_and(is_on)
     }
 
     pub(crate) fn legs<'a>(&self, route: &'a Route<'a>) -> Legs<'a> {

@@ -3,10 +3,13 @@
 use crate::bend::{Exit, Turner};
 use crate::leg::Leg;
 use fga_proof::Vec3;
+use fga_proof::certificate::Line;
+use fga_proof::ground::{Binding, Ground};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::Meter;
 use fga_proof::situation::{Mission, Passing};
+use fga_proof::zone::Zone;
 
 /// Straight flight in which the lag of a turn dies out, as a multiple of the distance by which a quarter turn is late: the
 /// lag acts at either end of a turn, and as much again is room.
@@ -93,6 +96,29 @@ impl Route<'_> {
         let late_m = (quarter.from_m.x - self.radius_m()).max(0.0);
         self.radius_m() + SETTLING * late_m
     }
+}
+
+/// Whether a line keeps a distance from a mission's zones, metres, and clears the ground, but for those that one of some places breaks.
+pub fn is_clear(
+    mission: &Mission<'_>,
+    (line, margin_m): (&Line, f64),
+    spared_m: &[Vec3],
+    meter: &Meter,
+) -> bool {
+    let is_clear_of = |zone: &Zone<'_>| {
+        meter.take(LEG + zone.edges().count())
+            && (zone.nearest_m(line, margin_m) >= margin_m
+                || spared_m.iter().any(|place_m| zone.is_entered(*place_m)))
+    };
+    let is_above = |ground: &Ground<'_>, line: &Line| {
+        let (deepest_m, _) = ground.deepest(line, Binding::ALL, meter);
+        deepest_m >= 0.0
+    };
+    mission.zones.iter().all(is_clear_of)
+        && mission.ground.is_none_or(|ground| {
+            let mut spared = spared_m.iter().map(|place_m| Line::at(*place_m));
+            is_above(ground, line) || spared.any(|place| !is_above(ground, &place))
+        })
 }
 
 impl Legs<'_> {

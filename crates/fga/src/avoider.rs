@@ -148,6 +148,8 @@ pub struct Avoider<P: ?Sized = AllPlaces> {
     flown: Command,
     /// The climb angles that a manoeuvre may command between the mission's limits of altitude, radians.
     level_rad: (f64, f64),
+    /// Whether it has left its mission in this flight.
+    has_avoided: bool,
     /// The last chosen way back.
     returned: Option<Returned>,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
@@ -212,6 +214,7 @@ impl<P> Avoider<P> {
             plan: None,
             flown: Command::hold(),
             level_rad: (f64::NEG_INFINITY, f64::INFINITY),
+            has_avoided: false,
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
@@ -271,7 +274,7 @@ impl Avoider<dyn Places + '_> {
         self.progress = Progress::new();
         self.tracks.forget();
         self.plan = None;
-        self.returned = None;
+        (self.returned, self.has_avoided) = (None, false);
         (self.last_time_s, self.set_back_s) = (f64::NEG_INFINITY, 0.0);
         self.cycle = 0;
         self.drift = drift::Drift::default();
@@ -577,9 +580,9 @@ impl Avoider<dyn Places + '_> {
         let rate_radps = self.flyer.climb_rate_radps().max(f64::MIN_POSITIVE);
         let levels_m = self.flyer.airspeed_mps() * (1.0 - cos) / rate_radps;
         let period_s = self.settings.decision_period_s;
-        // The climb angle changes meanwhile, at most.
+        // The climb angle c changes meanwhile by r p at most: v p (c + r p), and level from there v ((c + r p)² - c²) / 2r more.
         let steps_m =
-            self.flyer.airspeed_mps() * period_s * (sin.abs() + 2.0 * rate_radps * period_s);
+            2.0 * self.flyer.airspeed_mps() * period_s * (sin.abs() + rate_radps * period_s);
         let z_m = own.position_m.z;
         let down_m = if sin < 0.0 { levels_m } else { 0.0 };
         let up_m = if sin > 0.0 { levels_m } else { 0.0 };

@@ -19,7 +19,6 @@ use crate::avoider::{
     Verdict,
 };
 use crate::certificate::{Hazard, certify_set};
-use crate::limit::whole;
 use crate::list::List;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
@@ -299,9 +298,7 @@ impl Chooses<'_> {
         let (began_s, until_s) = self.choice.back_s;
         let lays_guidance = avoider.state != State::Recovering || time_s >= until_s;
         if lays_guidance {
-            let joined_s = avoider.on_mission(situation, |progress, route| {
-                progress.guidance(route, now, horizon_s, &mut mission)
-            });
+            let joined_s = avoider.guide((situation, now), horizon_s, &mut mission);
             self.choice.back_s = (time_s, time_s + joined_s);
         } else {
             mission.set_later(&avoider.flown, time_s - began_s);
@@ -343,8 +340,8 @@ impl Chooses<'_> {
         let before = self.choice.plan;
         let is_kept = !is_due && !self.choice.is_delegated && {
             scene.set(&before, decision.command.edit());
-            let is_proven = keeps(avoider, &scene, (&before, true), decision, now);
-            is_proven || !self.choice.is_proven
+            let asked = (&before, self.choice.is_proven);
+            keeps(avoider, asked, decision, now)
         };
         if !is_kept && (is_due || !self.choice.is_delegated) {
             self.choose(avoider, situation, &scene, now, decision);
@@ -402,7 +399,7 @@ impl Chooses<'_> {
             choice.is_proven = is_wanted;
             for one in ranked.iter().filter(is_near) {
                 scene.set(&one.plan, decision.command.edit());
-                if keeps(avoider, scene, (&one.plan, is_wanted), decision, now) {
+                if keeps(avoider, (&one.plan, is_wanted), decision, now) {
                     choice.plan = one.plan;
                     choice.cost_m = one.cost_m;
                     choice.p_loss = [hold.loss, one.chance.loss].map(|p| p.min(1.0));
@@ -414,17 +411,20 @@ impl Chooses<'_> {
                 }
             }
         }
-        // The way back may lead through what is fixed. Then the present way goes on, or a turn to the leg's course, while that is proven.
+        // Among others the present way goes on, or a turn to the leg's course, while that is proven. Where only what is fixed is in the way
+        // back, the avoider looks for another one.
         let present = self.choice.plan;
-        if present.way_at(scene.time_s).is_some() {
+        let is_away = matches!(avoider.state, State::Avoiding | State::Recovering);
+        if present != Plan::Mission && cheapest.as_ref().is_some_and(is_off) {
             let to_leg = [0.0, TAU, -TAU].map(|turns_rad| {
                 let course_rad = scene.leg_rad + turns_rad;
                 let up = Up::Level;
                 Plan::Off(Way { course_rad, up }, scene.time_s)
             });
+            let to_leg = to_leg.into_iter().filter(|_| is_away);
             for plan in [present].into_iter().chain(to_leg) {
                 scene.set(&plan, decision.command.edit());
-                if keeps(avoider, scene, (&plan, true), decision, now) {
+                if keeps(avoider, (&plan, true), decision, now) {
                     *self.choice = Choice {
                         plan,
                         is_proven: true,
@@ -565,7 +565,6 @@ fn is_on_mission(avoider: &Avoider<dyn Places + '_>, plan: &Plan) -> bool {
 /// Whether the command of a decision keeps clear of what is fixed; where a proof is wanted, of what is expected too, and then it has its proof.
 fn keeps(
     avoider: &mut Avoider<dyn Places + '_>,
-    scene: &Scene<'_>,
     (plan, is_proof_wanted): (&Plan, bool),
     decision: &mut Decision,
     now: &Now<'_>,
@@ -575,7 +574,7 @@ fn keeps(
     }
     let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
     let asked = (horizon_s, margin_m, ENOUGH_M);
-    let until_s = walls_s(avoider, scene, plan, &decision.command, now);
+    let until_s = walls_s(avoider, plan, &decision.command, now);
     avoider.within_walls(until_s, |avoider| {
         if is_proof_wanted {
             return avoider.prove(&mut decision.command, now, asked);
@@ -591,7 +590,6 @@ fn keeps(
 /// How long zones and ground count for a plan, seconds: a way back up to its leg, because the mission itself is flown as it is given.
 fn walls_s(
     avoider: &mut Avoider<dyn Places + '_>,
-    scene: &Scene<'_>,
     plan: &Plan,
     command: &Maneuver,
     now: &Now<'_>,
@@ -602,13 +600,5 @@ fn walls_s(
     if is_on_mission(avoider, plan) {
         return 0.0;
     }
-    let horizon_s = avoider.settings.horizon_s;
-    avoider.predict(command, now, horizon_s);
-    let can_climb = avoider.can_climb();
-    let mut seconds = (0..whole(horizon_s, 600)).map(|second| second as f64);
-    let back_s = seconds.find(|second| {
-        let state = avoider.path.state_at(&avoider.flyer, *second);
-        state.is_some_and(|state| scene.progress.is_back(&state, can_climb))
-    });
-    back_s.unwrap_or(horizon_s)
+    avoider.back_s(command, now)
 }

@@ -106,7 +106,8 @@ impl Avoider<dyn Places + '_> {
         {
             return;
         }
-        self.load_tracks(situation, kept, self.progress.returns());
+        let is_away = matches!(self.state, State::Avoiding | State::Recovering);
+        self.load_tracks(situation, kept, is_away || self.progress.returns());
         self.ends_before_walls(situation, now);
         self.far_s = self.far_horizon_s(now);
         (self.looked_at, self.is_cut) = (0, false);
@@ -162,10 +163,7 @@ impl Avoider<dyn Places + '_> {
             return;
         }
         self.plan = None;
-        let (nominal, far_s) = (decision.command.edit(), self.far_s);
-        self.on_mission(situation, |progress, route| {
-            progress.guidance(route, now, far_s, nominal)
-        });
+        self.guide((situation, now), self.far_s, decision.command.edit());
         let (nominal, demand) = (&decision.command, self.first_demand());
         self.withstand(&|_| Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(nominal, now, &demand) else {
@@ -328,8 +326,11 @@ impl Avoider<dyn Places + '_> {
         plan.rung = kept.unwrap_or(plan.rung);
         let passes_s = plan.threat.map_or(0.0, |threat| threat.closest_s);
         let passes_s = plan.threat_found_s + passes_s - time_s;
+        // With nobody near it circles between walls until there is a way back: straight on it would fly away.
+        let is_alone = is_bound && self.tracks.obstacles().next().is_none();
         let answer = match kept {
             _ if is_waiting => None,
+            Some(_) if is_alone => self.circle(&plan, now),
             Some(_) => (is_due.then(|| self.better(&plan, flown, situation, now))).flatten(),
             None if is_due || self.grids < GRIDS_A_SEARCH => {
                 (self.inside(passes_s, now, |avoider| {

@@ -7,11 +7,15 @@
 use core::f64::consts::TAU;
 
 use crate::assumptions::Assumptions;
+use crate::avoider::demand::WANTED;
 use crate::avoider::intruders::Freedom;
-use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
+use crate::avoider::tracks::zones::known_s;
+use crate::avoider::{Against, Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::certificate::certify_set;
 use crate::command::Command;
-use crate::maneuver::Maneuver;
+use crate::limit::whole;
+use crate::maneuver::{Maneuver, Stage};
+use crate::search::Outcome;
 use crate::situation::Situation;
 
 use super::holding::KEEP_SHARE;
@@ -24,14 +28,33 @@ const HALVES: u32 = 2;
 const SOONER_S: f64 = 0.5;
 
 impl Avoider<dyn Places + '_> {
-    /// Gives the last waypoint up, to which the aircraft would fly back, where no circle remains between zones and ground: the mission alone
-    /// is flown as it is given.
+    /// Sets a command to the guidance along the mission up to a horizon, and returns the moment from which it is straight, seconds. Once a
+    /// manoeuvre has led off the mission it stays between the limits of altitude.
+    pub(in crate::avoider) fn guide(
+        &mut self,
+        (situation, now): (&Situation<'_>, &Now<'_>),
+        horizon_s: f64,
+        command: &mut Maneuver,
+    ) -> f64 {
+        let straight_s = self.on_mission(situation, |progress, route| {
+            progress.guidance(route, now, horizon_s, command)
+        });
+        if self.has_avoided {
+            command.limit_climbs(self.level_rad.0, self.level_rad.1);
+        }
+        straight_s
+    }
+
+    /// Gives the last waypoint up, to which the aircraft would fly back after a manoeuvre, where neither the way there nor a circle keeps
+    /// clear of zones and ground: the mission alone is flown as it is given.
     pub(in crate::avoider) fn ends_before_walls(
         &mut self,
         situation: &Situation<'_>,
         now: &Now<'_>,
     ) {
-        if self.progress.returns() && self.has_walls(now) && !self.can_circle(now) {
+        self.has_avoided |= matches!(self.state, State::Avoiding | State::Recovering);
+        let is_bound = self.has_avoided && self.progress.returns() && self.has_walls(now);
+        if is_bound && !self.can_circle(now) && !self.can_return(situation, now) {
             self.on_mission(situation, |progress, route| {
                 progress.advance_to(route, now, progress.index() + 1);
             });
@@ -45,6 +68,20 @@ impl Avoider<dyn Places + '_> {
             let circle = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
             self.keeps_walls(&circle, now, (circle_s, self.wanted_m(), ENOUGH_M))
         })
+    }
+
+    /// Whether the guidance to the end of the mission does.
+    fn can_return(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> bool {
+        let (mut back, horizon_s) = (Maneuver::hold(), self.settings.horizon_s);
+        let straight_s = self.guide((situation, now), horizon_s, &mut back);
+        let joined = self.after(now, back.stages(), straight_s);
+        let to_end_s = self.progress.to_end_s(&joined);
+        let end_s = straight_s + to_end_s;
+        to_end_s >= 0.0
+            && end_s <= known_s(&self.flyer, situation.wind_mps, self.wanted_m())
+            && self.within_walls(end_s, |avoider| {
+                avoider.keeps_walls(&back, now, (end_s, avoider.wanted_m(), ENOUGH_M))
+            })
     }
 
     /// Whether a manoeuvre keeps clear of zones and ground.
@@ -112,8 +149,50 @@ impl Avoider<dyn Places + '_> {
         self.settle(situation, now, decision);
     }
 
+    /// Whether guidance keeps clear of zones and ground until it is back.
+    fn joins_before_walls(&mut self, guidance: &Maneuver, now: &Now<'_>) -> bool {
+        let back_s = self.back_s(guidance, now);
+        let asked = (back_s, self.wanted_m(), ENOUGH_M);
+        self.within_walls(back_s, |avoider| avoider.keeps_walls(guidance, now, asked))
+    }
+
+    /// When guidance is back on its leg or at the end of it, whole seconds; the horizon if it is not within that.
+    pub(in crate::avoider) fn back_s(&mut self, guidance: &Maneuver, now: &Now<'_>) -> f64 {
+        let (horizon_s, can_climb) = (self.settings.horizon_s, self.can_climb());
+        self.predict(guidance, now, horizon_s);
+        let mut seconds = (0..whole(horizon_s, 600)).map(|second| second as f64);
+        let back_s = seconds.find(|second| {
+            let state = self.path.state_at(&self.flyer, *second);
+            state.is_some_and(|state| {
+                self.progress.is_back(&state, can_climb) || self.progress.to_end_s(&state) <= 0.0
+            })
+        });
+        back_s.unwrap_or(horizon_s)
+    }
+
+    /// Takes straight on as the manoeuvre that is flown: the search goes on from it.
+    fn hold_on(&mut self, now: &Now<'_>, time_s: f64) {
+        let straight_on = Stage::turn(0.0, now.course_rad, now.climb_rad);
+        self.flown.edit().set([straight_on]);
+        self.state = State::Avoiding;
+        self.plan = Some(Plan {
+            decided_s: time_s,
+            start_s: time_s,
+            joined_s: f64::INFINITY,
+            outcome: Outcome::Open,
+            rung: WANTED,
+            margin_m: 0.0,
+            cost: 0.0,
+            latest_start_s: None,
+            threat: None,
+            threat_found_s: time_s,
+            next_start_s: None,
+            against: Against::default(),
+        });
+    }
+
     /// Without a planned way back: follows the guidance along the mission, on the way back until the aircraft is on its leg by position
-    /// and course, whatever was planned.
+    /// and course, whatever was planned, while that is clear of zones and ground.
     #[inline(never)]
     pub(super) fn settle(
         &mut self,
@@ -127,6 +206,10 @@ impl Avoider<dyn Places + '_> {
         if decision.record.reason == Reason::Clear {
             decision.record.reason = Reason::Rejoined;
             if !self.progress.is_back(now, self.can_climb()) {
+                if self.has_walls(now) && !self.joins_before_walls(&decision.command, now) {
+                    self.hold_on(now, situation.time_s);
+                    return self.avoid(situation, now, decision);
+                }
                 self.state = State::Recovering;
                 (decision.state, decision.record.reason) = (self.state, Reason::RejoinKept);
             }

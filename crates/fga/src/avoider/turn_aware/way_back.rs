@@ -6,11 +6,11 @@ use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
 use crate::avoider::tracks::zones::known_s;
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
-use crate::certificate::Hazard;
+use crate::certificate::{Hazard, Line};
 use crate::command::Command;
-use crate::limit::Limit as _;
+use crate::limit::{Limit as _, whole};
 use crate::maneuver::{Maneuver, Stage};
-use crate::mission::Join;
+use crate::mission::{Join, is_clear};
 use crate::prediction::MotionState;
 use crate::search::Outcome;
 use crate::situation::Situation;
@@ -38,6 +38,9 @@ const SLOWER_SHARE: f64 = 0.5;
 
 /// The mission waits at most this long for an obstacle that flies alongside, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
+
+/// The longest way back that is looked at among zones, seconds.
+const LONGEST_BACK_S: usize = 600;
 
 /// The turn and the flight after which the aircraft flies to the next waypoint, radians and turn radii, preferred first: a
 /// near waypoint is reached from farther away.
@@ -216,10 +219,8 @@ impl Avoider<dyn Places + '_> {
         let known_s = known_s(&self.flyer, situation.wind_mps, self.wanted_m());
         let back_s = self.progress.back_s(joined);
         let walls_s = back_s.min(known_s);
-        self.predict(maneuver, now, far.horizon_s.max(walls_s));
-        // Straight to a waypoint only where all that stands on the way is known.
-        let is_unknown = back_s > joined.joined_s.max(known_s);
-        if self.has_walls(now) && is_unknown {
+        self.predict(maneuver, now, far.horizon_s.max(back_s));
+        if !self.is_clear_later(situation, (known_s, back_s)) {
             return false;
         }
         let ahead = self.way_ahead(plan, joined, (situation, now), &far);
@@ -253,6 +254,34 @@ impl Avoider<dyn Places + '_> {
                 self.way_back_and_on(plan, joined.joined_s, now, &far, maneuver)
             }
         }
+    }
+
+    /// Whether the path leads clear of the mission's zones and ground between two moments, seconds, where they are beyond those that are
+    /// near: each second of it is a line. It is proven once they are near.
+    fn is_clear_later(&self, situation: &Situation<'_>, (from_s, until_s): (f64, f64)) -> bool {
+        if until_s <= from_s {
+            return true;
+        }
+        let place_m = |second: usize| {
+            let at_s = (from_s + second as f64).min(until_s);
+            let state = self.path.state_at(&self.flyer, at_s)?;
+            Some(state.position_m + situation.wind_mps * at_s)
+        };
+        let seconds = whole(until_s - from_s, LONGEST_BACK_S);
+        let spared_m =
+            [Some(situation.ownship.position_m), place_m(seconds)].map(Option::unwrap_or_default);
+        (0..seconds).all(|second| {
+            let [Some(from_m), Some(to_m)] = [second, second + 1].map(place_m) else {
+                return true;
+            };
+            let line = Line::between(from_m, to_m);
+            is_clear(
+                &situation.mission,
+                (&line, self.wanted_m()),
+                &spared_m,
+                &self.meter,
+            )
+        })
     }
 
     /// Does something while zones and ground count up to a moment, seconds. Of a way back that is its return: the mission itself is flown as it
