@@ -14,7 +14,7 @@ use fga::Vec3;
 use fga::avoider::{Avoider, Block, Kept, Settings, State};
 use fga::situation::{Columns, Mission, Obstacles, Ownship, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
-use fga_sim::encounters::{Random, Range};
+use fga_campaign::encounters::{Random, Range};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Steps of a minute.

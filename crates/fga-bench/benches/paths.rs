@@ -5,8 +5,8 @@ use core::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use dubins_paths::f64::{DubinsPath as Bare, PosRot};
 use fga::Vec3;
+use fga_campaign::encounters::{Random, Range};
 use fga_paper::dubins::{ClimbLimits, DubinsPath, Pose};
-use fga_sim::encounters::{Random, Range};
 
 /// Turn radius, metres.
 const RADIUS_M: f64 = 30.0;

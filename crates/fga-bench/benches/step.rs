@@ -17,8 +17,8 @@ use fga::pilot::Pilot;
 use fga::situation::Obstacle;
 
 use fga_bench::{fly, ownship, settings, vehicle};
+use fga_campaign::encounters::EncounterSource;
 use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
-use fga_sim::encounters::EncounterSource;
 
 /// Flights of each encounter.
 const RUNS: usize = 5;

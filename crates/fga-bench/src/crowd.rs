@@ -4,7 +4,7 @@ use fga::Vec3;
 use fga::certificate::Hazard;
 use fga::situation::Columns;
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
-use fga_sim::encounters::{Random, Range};
+use fga_campaign::encounters::{Random, Range};
 
 /// Protected radius, metres.
 const RADIUS_M: f64 = 30.0;

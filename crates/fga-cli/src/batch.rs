@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use fga_campaign::batch::{
+    BatchRow, BatchSettings, MoreColumns, TIMING_COLUMNS, TRACK_COLUMNS, result_columns,
+};
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
 use fga_formats::words::{counted, per_second};
-use fga_sim::batch::{
-    BatchRow, BatchSettings, MoreColumns, TIMING_COLUMNS, TRACK_COLUMNS, result_columns,
-};
 use serde_json::json;
 
 use crate::batch_args::BatchArgs;

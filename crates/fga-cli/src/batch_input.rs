@@ -2,11 +2,11 @@
 
 use std::process::ExitCode;
 
-use fga_sim::batch::{
+use fga_campaign::batch::{
     BatchError, BatchRow, BatchSettings, EncounterTracks, MoreColumns, empty_world, fly_all,
     fly_tracks, plan, show,
 };
-use fga_sim::drawn::{self, DrawnContent, RowTable};
+use fga_campaign::drawn::{self, DrawnContent, RowTable};
 use fga_sim::run::RunLog;
 use fga_sim::vehicle_file::VehicleModel;
 

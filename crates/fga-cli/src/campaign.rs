@@ -5,6 +5,11 @@ use std::process::ExitCode;
 use std::sync::Once;
 
 use clap::{Args, Subcommand};
+use fga_campaign::campaign::file::{self, Overrides};
+use fga_campaign::campaign::{
+    Campaign, CampaignError, CampaignStamp, CampaignTask, Folder, Manifest, PolicyTimes, RESULTS,
+    Shard, assemble, merge, reread, run as fly,
+};
 use fga_formats::atomic;
 use fga_formats::error::read_text;
 use fga_formats::words::{counted, per_second};
@@ -13,11 +18,6 @@ use fga_results::campaign::{decision_times, document, finish};
 use fga_results::flight::summary as flight_summary;
 use fga_results::flight_files;
 use fga_results::provenance::{Provenance, TARGET};
-use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::{
-    Campaign, CampaignError, CampaignStamp, CampaignTask, Folder, Manifest, PolicyTimes, RESULTS,
-    Shard, assemble, merge, reread, run as fly,
-};
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
@@ -351,7 +351,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
     let policy = match (&args.policy, campaign.policies.first()) {
         (Some(name), _) => match &args.start {
             Some(start) => PolicyChoice::parse(name, Some(start)),
-            None => fga_sim::campaign::parse_policy(name),
+            None => fga_campaign::campaign::parse_policy(name),
         }
         .map_err(Failure::Input)?,
         (None, Some(first)) => first.clone(),

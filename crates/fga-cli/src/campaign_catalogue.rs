@@ -4,8 +4,8 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use fga_campaign::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
 use fga_report::listing::{Listing, ListingRow, ListingTally};
-use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
 use fga_sim::policy::PolicyChoice;
 use fga_view::Catalogue;
 

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_campaign::campaign::file::{self, Overrides};
+use fga_campaign::campaign::{Campaign, CampaignScene};
+use fga_campaign::drawn::{
+    DrawnContent, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
+};
 use fga_formats::atomic::{AtomicFile, AtomicFolder};
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic, daa, encounters};
-use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::{Campaign, CampaignScene};
-use fga_sim::drawn::{
-    DrawnContent, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
-};
 use serde_json::json;
 
 use crate::batch_input::PARTS;

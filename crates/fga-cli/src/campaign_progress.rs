@@ -4,8 +4,8 @@ use core::time::Duration;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
+use fga_campaign::campaign::{CampaignProgress, Expected};
 use fga_formats::words::{counted, per_second};
-use fga_sim::campaign::{CampaignProgress, Expected};
 
 /// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
 pub(crate) struct ProgressDisplay {

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_campaign::campaign::{Campaign, Folder, RESULTS};
 use fga_formats::atomic;
 use fga_results::campaign::safety::with_traffic;
-use fga_sim::campaign::{Campaign, Folder, RESULTS};
 use serde_json::json;
 
 use crate::common::AnswerArgs;

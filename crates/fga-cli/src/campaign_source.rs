@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fga_sim::campaign::file::Overrides;
+use fga_campaign::campaign::file::Overrides;
 
 /// Sources of encounters, besides the file.
 #[derive(Args, Debug)]

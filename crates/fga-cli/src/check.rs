@@ -4,6 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_campaign::campaign::Campaign;
+use fga_campaign::campaign::file::{self as campaign_file, Overrides};
+use fga_campaign::drawn::{self, DrawnContent};
+use fga_campaign::recorded;
 use fga_files::TomlText;
 use fga_files::surveillance::CREWED_MPS;
 use fga_formats::error::read_text;
@@ -16,10 +20,6 @@ use fga_formats::{
     InputError, areas, conf, daa, encounter_model, flight_log, missions, recordings,
 };
 use fga_results::flight_file;
-use fga_sim::campaign::Campaign;
-use fga_sim::campaign::file::{self as campaign_file, Overrides};
-use fga_sim::drawn::{self, DrawnContent};
-use fga_sim::recorded;
 use fga_sim::run::Plan;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;

@@ -7,9 +7,9 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use fga_campaign::campaign::{MOST_ENCOUNTERS, parse_policy};
 use fga_formats::InputError;
 use fga_formats::tally::Tally;
-use fga_sim::campaign::{MOST_ENCOUNTERS, parse_policy};
 use fga_sim::policy::{PolicyChoice, policy_names};
 use fga_sim::vehicle_file::VehicleModel;
 

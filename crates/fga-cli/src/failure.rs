@@ -3,8 +3,8 @@
 use std::io;
 
 use fga::avoider::SettingsError;
+use fga_campaign::batch::BatchError;
 use fga_formats::{InputError, OutputError};
-use fga_sim::batch::BatchError;
 
 /// The failure of a command, shown as one sentence.
 #[derive(Debug)]

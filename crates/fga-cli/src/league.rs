@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_campaign::campaign::CampaignError;
 use fga_results::league::{Terms, checked_data, data_of_environment, run as fly};
-use fga_sim::campaign::CampaignError;
 
 use crate::campaign_progress::ProgressDisplay;
 use crate::common::{

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_campaign::batch::{BatchSettings, EncounterTracks};
+use fga_campaign::drawn::{self, DrawnContent};
+use fga_campaign::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
 use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
 use fga_formats::number::push_fixed;
 use fga_formats::words::{counted, push_csv_field};
-use fga_sim::batch::{BatchSettings, EncounterTracks};
-use fga_sim::drawn::{self, DrawnContent};
-use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;

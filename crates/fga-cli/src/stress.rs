@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use fga::situation::MovementBounds;
+use fga_campaign::campaign::CampaignProgress;
+use fga_campaign::stress::{MOST_INTRUDERS, Stress};
 use fga_results::stress::run as fly;
-use fga_sim::campaign::CampaignProgress;
-use fga_sim::stress::{MOST_INTRUDERS, Stress};
 
 use crate::campaign_progress::ProgressDisplay;
 use crate::common::{

@@ -11,14 +11,14 @@
 
 use clap::Args;
 use fga::vehicle::Vehicle;
+use fga_campaign::batch::{BatchSettings, empty_world, populate};
+use fga_campaign::encounters::{DrawnThreats, EncounterSource, Family, Range};
+use fga_campaign::oracle::{OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::baselines::{
     Baseline, BaselinePilot, Cube, Orca, PotentialField, Steering, VelocityObstacles, View,
     VoltagePotential, Waypoints,
 };
-use fga_sim::batch::{BatchSettings, empty_world, populate};
-use fga_sim::encounters::{DrawnThreats, EncounterSource, Family, Range};
 use fga_sim::engine::{Engine, Outcome};
-use fga_sim::oracle::{OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;

@@ -13,7 +13,7 @@ use fga::meter::Meter;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
-use fga_sim::encounters::{Random, Range};
+use fga_campaign::encounters::{Random, Range};
 use fga_sim::fine::{FineFlight, GrowingBody};
 use rayon::prelude::*;
 

@@ -1,11 +1,11 @@
 //! Common parts of the experiments: the aircraft, the flight, and the cells.
 
 use clap::Args;
+use fga_campaign::batch::{BatchSettings, empty_world, populate};
+use fga_campaign::encounters::EncounterSource;
+use fga_campaign::oracle::OracleObstacle;
 use fga_formats::encounters::Encounter;
-use fga_sim::batch::{BatchSettings, empty_world, populate};
-use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{Engine, Observer, Outcome};
-use fga_sim::oracle::OracleObstacle;
 use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::World;

@@ -15,11 +15,11 @@ use fga::situation::{Movement, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
 use fga::zone::ALL_HEIGHTS_M;
 use fga::{Vec2, Vec3};
-use fga_sim::campaign::parse_policy;
-use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
-use fga_sim::oracle::{
+use fga_campaign::campaign::parse_policy;
+use fga_campaign::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_within,
 };
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::track::Track;
 use fga_sim::wind::crab;

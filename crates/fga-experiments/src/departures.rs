@@ -14,13 +14,13 @@ use fga::maneuver::{Maneuver, Stage};
 use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
-use fga_formats::encounters::Encounter;
-use fga_sim::encounters::{EncounterSource, Random, Range};
-use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
-use fga_sim::mission_pilot::MissionPilot;
-use fga_sim::oracle::{
+use fga_campaign::encounters::{EncounterSource, Random, Range};
+use fga_campaign::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, least_departure,
 };
+use fga_formats::encounters::Encounter;
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use fga_sim::mission_pilot::MissionPilot;
 use fga_sim::policy::{Pilot, PolicyChoice};
 use rayon::prelude::*;
 

@@ -8,11 +8,11 @@ use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga_campaign::batch::BatchSettings;
+use fga_campaign::encounters::{Random, Range};
+use fga_campaign::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_formats::encounters::Encounter;
-use fga_sim::batch::BatchSettings;
-use fga_sim::encounters::{Random, Range};
 use fga_sim::engine::{DecisionMoment, Observer, Outcome};
-use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_sim::wind::crab;
 use rayon::prelude::*;
 

@@ -6,11 +6,11 @@
 use clap::Args;
 use fga::avoider::Start;
 use fga::situation::Movement;
-use fga_sim::encounters::{EncounterSource, Scenery};
-use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
-use fga_sim::oracle::{
+use fga_campaign::encounters::{EncounterSource, Scenery};
+use fga_campaign::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, airspace_of, best_margin_within,
 };
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Sample};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::sensor::SensorSettings;
 use rayon::prelude::*;

@@ -4,7 +4,7 @@
 use clap::Args;
 use fga::avoider::{Start, State};
 use fga::situation::Movement;
-use fga_sim::encounters::EncounterSource;
+use fga_campaign::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::world::World;

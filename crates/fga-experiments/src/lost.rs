@@ -12,13 +12,13 @@ use clap::Args;
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
-use fga_formats::encounters::Encounter;
-use fga_sim::batch::BatchSettings;
-use fga_sim::campaign::parse_policy;
-use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome};
-use fga_sim::oracle::{
+use fga_campaign::batch::BatchSettings;
+use fga_campaign::campaign::parse_policy;
+use fga_campaign::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
+use fga_formats::encounters::Encounter;
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome};
 use fga_sim::track::{Track, TrackPoint};
 use fga_sim::world::{World, WorldObstacle};
 use rayon::prelude::*;

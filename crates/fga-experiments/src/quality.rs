@@ -5,12 +5,12 @@
 
 use clap::Args;
 use fga::avoider::{LEAST_WORK, Settings};
-use fga_formats::encounters::Encounter;
-use fga_sim::batch::BatchSettings;
-use fga_sim::engine::{DecisionMoment, Observer};
-use fga_sim::oracle::{
+use fga_campaign::batch::BatchSettings;
+use fga_campaign::oracle::{
     AVOIDABLE_MARGIN_M, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
+use fga_formats::encounters::Encounter;
+use fga_sim::engine::{DecisionMoment, Observer};
 use fga_sim::policy::PolicyChoice;
 use rayon::prelude::*;
 

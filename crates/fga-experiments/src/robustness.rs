@@ -8,11 +8,11 @@
 use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Reason, State};
-use fga_sim::batch::BatchSettings;
-use fga_sim::campaign::parse_policy;
-use fga_sim::encounters::EncounterSource;
+use fga_campaign::batch::BatchSettings;
+use fga_campaign::campaign::parse_policy;
+use fga_campaign::encounters::EncounterSource;
+use fga_campaign::oracle::{Judge, OracleSettings};
 use fga_sim::engine::{DecisionMoment, Observer, Outcome};
-use fga_sim::oracle::{Judge, OracleSettings};
 use fga_sim::wind::crab;
 use rayon::prelude::*;
 

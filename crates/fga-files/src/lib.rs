@@ -1,6 +1,6 @@
 //! Scenario, vehicle and campaign files as they are written: their tables, keys and words.
 //!
-//! The tables hold what the file says, with the place of each value. `fga-sim` checks the values and makes a world of
+//! The tables hold what the file says, with the place of each value. `fga-sim` and `fga-campaign` check the values and make worlds of
 //! them. The tables have a crate of their own because their code is large and rarely runs: it is compiled early, beside
 //! other crates, and without optimization.
 //!

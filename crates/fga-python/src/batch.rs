@@ -9,14 +9,14 @@ use arrow_array::{Array, RecordBatch};
 use arrow_schema::DataType;
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga_campaign::batch::{
+    BatchError, BatchRow, BatchSettings, FAILURE_COLUMN, MoreColumns, fly_all, result_columns,
+};
+use fga_campaign::drawn::{self, RowTable};
+use fga_campaign::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_formats::InputError;
 use fga_formats::encounters::{self, COLUMNS, Encounter, KIND_COLUMN, movement_of};
 use fga_formats::number::push_fixed;
-use fga_sim::batch::{
-    BatchError, BatchRow, BatchSettings, FAILURE_COLUMN, MoreColumns, fly_all, result_columns,
-};
-use fga_sim::drawn::{self, RowTable};
-use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

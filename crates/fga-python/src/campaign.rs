@@ -3,16 +3,16 @@
 use core::sync::atomic::Ordering;
 use std::path::{Path, PathBuf};
 
-use fga_formats::error::read_text;
-use fga_results::campaign::finish;
-use fga_results::provenance::{Provenance, TARGET};
-use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::folder::{encode_block, number_of};
-use fga_sim::campaign::metrics::Access;
-use fga_sim::campaign::{
+use fga_campaign::campaign::file::{self, Overrides};
+use fga_campaign::campaign::folder::{encode_block, number_of};
+use fga_campaign::campaign::metrics::Access;
+use fga_campaign::campaign::{
     Campaign, CampaignConfiguration, CampaignError, CampaignFlyer, CampaignStamp, CampaignTask,
     Folder, Manifest, RESULTS, Row, Shard, assemble, reading, run as fly,
 };
+use fga_formats::error::read_text;
+use fga_results::campaign::finish;
+use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::own::OwnPolicy;
 use fga_sim::run::RunLog;
 use parquet::errors::ParquetError;
@@ -254,7 +254,7 @@ impl PyCampaign {
         fga_formats::atomic::prepare_folder(&out).map_err(output)?;
         if resume && folder.file(RESULTS).exists() {
             folder.open(&self.manifest(), true).map_err(failed)?;
-            let told = fga_sim::campaign::reread(&folder, &self.core, None).map_err(failed)?;
+            let told = fga_campaign::campaign::reread(&folder, &self.core, None).map_err(failed)?;
             return Ok(told.sha256);
         }
         let task = CampaignTask {

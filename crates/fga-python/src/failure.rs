@@ -1,8 +1,8 @@
 //! Errors of the libraries as exceptions: ValueError for wrong input, FileNotFoundError for a file that is not there, OSError
 //! for an unwritable path, each with the sentence of the program.
 
+use fga_campaign::campaign::CampaignError;
 use fga_formats::{InputError, OutputError};
-use fga_sim::campaign::CampaignError;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyValueError};
 

@@ -10,7 +10,7 @@ use fga::avoider::{Reason, State};
 use fga::maneuver::Maneuver;
 use fga::situation::{Obstacle, Passing, Situation};
 use fga::vehicle::Vehicle;
-use fga_sim::campaign::parse_policy;
+use fga_campaign::campaign::parse_policy;
 use fga_sim::own::{FailureKind, Outside, OwnPolicy, PolicyAnswer, PolicyFailure, Silence, Worker};
 use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
 use fga_sim::world::{WorldGround, WorldZone};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::vehicle::Vehicle;
-use fga_sim::campaign::parse_policy;
+use fga_campaign::campaign::parse_policy;
 use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
 use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};

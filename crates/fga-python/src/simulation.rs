@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::situation::Situation;
+use fga_campaign::campaign::{FlownPath, metrics_of};
 use fga_results::{flight, flight_files, provenance, replay_page};
-use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::{Outcome, SteppedFlight};
 use fga_sim::run::{Plan, RunLog};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};

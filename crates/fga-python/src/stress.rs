@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use fga::situation::Movement;
+use fga_campaign::stress::{MOST_INTRUDERS, Stress};
 use fga_results::stress::run as fly;
-use fga_sim::stress::{MOST_INTRUDERS, Stress};
 use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;

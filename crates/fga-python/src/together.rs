@@ -5,8 +5,10 @@ use arrow_array::types::Float64Type;
 use arrow_array::{Array as _, RecordBatch};
 use arrow_schema::DataType;
 use fga::situation::ProtectedVolume;
-use fga_sim::batch::{BatchError, BatchRow, BatchSettings, Questions, empty_world, fly_together};
-use fga_sim::drawn::RowTable;
+use fga_campaign::batch::{
+    BatchError, BatchRow, BatchSettings, Questions, empty_world, fly_together,
+};
+use fga_campaign::drawn::RowTable;
 use fga_sim::own::{FailureKind, PolicyAnswer, PolicyFailure};
 use fga_sim::policy::PolicySettings;
 use pyo3::prelude::*;

@@ -3,10 +3,10 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::maneuver::Maneuver;
-use fga_sim::encounters::EncounterSource;
+use fga_campaign::encounters::EncounterSource;
+use fga_campaign::worlds::{Stepped, Worlds, WorldsSettings};
 use fga_sim::shield::Shield;
 use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::worlds::{Stepped, Worlds, WorldsSettings};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;

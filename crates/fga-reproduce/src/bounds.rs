@@ -6,6 +6,12 @@ use core::fmt::Write as _;
 use fga::Vec3;
 use fga::certificate::Hazard;
 use fga::situation::{Movement, Obstacle, Ownship, ProtectedVolume};
+use fga_campaign::batch::{self, BatchSettings};
+use fga_campaign::campaign::CampaignScene;
+use fga_campaign::campaign::parse_policy;
+use fga_campaign::oracle::{
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
 use fga_formats::atomic;
 use fga_formats::encounters::Encounter;
 use fga_paper::bounds::{
@@ -16,11 +22,7 @@ use fga_paper::timing::Geometry;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
-use fga_sim::batch::{self, BatchSettings};
-use fga_sim::campaign::CampaignScene;
-use fga_sim::campaign::parse_policy;
 use fga_sim::engine::Engine;
-use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use fga_report::interval::Estimate;
-use fga_sim::campaign::{
+use fga_campaign::campaign::{
     Campaign, CampaignConfiguration, CampaignFlyer, Row, Summary, TimedRow, Totals,
 };
+use fga_report::interval::Estimate;
 use rayon::prelude::*;
 
 use crate::ReproduceError;

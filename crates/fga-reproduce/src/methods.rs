@@ -2,11 +2,11 @@
 
 use core::fmt::Write as _;
 
+use fga_campaign::campaign::Totals;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
-use fga_sim::campaign::Totals;
 
 use crate::ReproduceError;
 use crate::flights::{Flights, METHODS, PLANAR, fly, method};

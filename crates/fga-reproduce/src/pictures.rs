@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use fga::Vec3;
+use fga_campaign::campaign::parse_policy;
+use fga_campaign::oracle::{
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
 use fga_files::TomlText;
 use fga_formats::atomic;
 use fga_formats::export::{self, Format};
 use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
-use fga_sim::campaign::parse_policy;
-use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::run::{RunLog, fly};
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use fga_campaign::campaign::CampaignError;
 use fga_formats::{InputError, OutputError};
-use fga_sim::campaign::CampaignError;
 
 /// What to reproduce, and where to.
 pub struct Setting<'a> {

@@ -2,10 +2,10 @@
 
 use core::fmt::Write as _;
 
+use fga_campaign::campaign::Row;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::report::{Cell, Column, Reading, Section, SectionBlock, Table};
-use fga_sim::campaign::Row;
 
 use crate::ReproduceError;
 use crate::Setting;

@@ -4,10 +4,10 @@ pub mod risk;
 pub mod safety;
 pub mod summary;
 
-use fga_formats::atomic;
-use fga_sim::campaign::{
+use fga_campaign::campaign::{
     Assembled, Campaign, CampaignError, Folder, Manifest, PolicyTimes, Summary,
 };
+use fga_formats::atomic;
 use serde_json::{Value, json};
 
 use crate::flight_files;

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use fga::situation::ProtectedVolume;
+use fga_campaign::campaign::metrics::{Access, FIELDS, Metrics};
+use fga_campaign::campaign::{FlownPath, metrics_of};
 use fga_formats::OutputError;
-use fga_sim::campaign::metrics::{Access, FIELDS, Metrics};
-use fga_sim::campaign::{FlownPath, metrics_of};
 use fga_sim::engine::Observer as _;
 use fga_sim::run::RunLog;
 use serde_json::{Value, json};

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use fga::avoider::State;
+use fga_campaign::batch::push_sample;
 use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::decision;
 use fga_formats::words::decision_words;
 use fga_report::overview::{self, ClosestApproach, MomentKind, Overview, OverviewMoment};
 use fga_report::profile::{Profile, ProfilePoint};
-use fga_sim::batch::push_sample;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
 use serde_json::{Value, json};

@@ -10,13 +10,13 @@ mod terms;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use fga_formats::{InputError, atomic};
-use fga_report::league::{League, LeagueSet};
-use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::{
+use fga_campaign::campaign::file::{self, Overrides};
+use fga_campaign::campaign::{
     Campaign, CampaignError, CampaignProgress, CampaignStamp, CampaignTask, Folder, RESULTS, Shard,
     assemble, policy_called, reread, run as fly,
 };
+use fga_formats::{InputError, atomic};
+use fga_report::league::{League, LeagueSet};
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 

@@ -5,12 +5,12 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use fga_campaign::campaign::{CampaignError, CampaignStamp};
+use fga_campaign::stress::{FoundEncounter, Stress, StressFailure, StressFlight, search, show};
 use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic};
 use fga_report::report::{Cell, Column, ReportPage, Section, SectionBlock, Table};
-use fga_sim::campaign::{CampaignError, CampaignStamp};
 use fga_sim::own::FailureKind;
-use fga_sim::stress::{FoundEncounter, Stress, StressFailure, StressFlight, search, show};
 use serde_json::{Value, json};
 
 use crate::named_rows::{NamedRow, csv, objects, rounded};

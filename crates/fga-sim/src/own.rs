@@ -13,8 +13,7 @@ mod pilot;
 mod pipe;
 mod worker;
 
-pub(crate) use outside::Nobody;
-pub use outside::{FailureKind, Make, Outside, PolicyAnswer, PolicyFailure};
+pub use outside::{FailureKind, Make, Nobody, Outside, PolicyAnswer, PolicyFailure};
 pub use pilot::{OwnPilot, OwnPolicy};
 pub use pipe::{PREFIX, piped};
 pub use worker::{Silence, Worker};

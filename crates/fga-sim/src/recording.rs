@@ -5,7 +5,7 @@
 //! is its recorded track, without the rows that lie within half a metre of straight legs, and the
 //! protected volume comes from the vehicle file. Times count from the ownship's first row.
 //!
-//! An aircraft exists from its first to its last row, but for gaps ([`pieces`]); separations hold along the straight lines
+//! An aircraft exists from its first to its last row, but for gaps (`pieces`); separations hold along the straight lines
 //! between its rows. The avoider knows only the record so far: the last row, extrapolated with its recorded
 //! velocity for at most two seconds, with the row's standard deviations: the largest in any direction.
 //!

@@ -25,6 +25,8 @@ use crate::plant::{Autopilot, PlantDifference};
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 
+pub use checks::plant;
+
 use checks::{drift_mps, given};
 
 /// The built-in vehicle: Table 4 of the paper.

@@ -6,12 +6,12 @@
     clippy::cast_sign_loss,
     reason = "the whole part is wanted, and the cast keeps it in range"
 )]
-pub(crate) fn whole(number: f64) -> u32 {
+pub fn whole(number: f64) -> u32 {
     number as u32
 }
 
 /// The value at a share of the way through a sorted list, the nearest one.
-pub(crate) fn nearest<T: Copy>(sorted: &[T], share: f64) -> Option<T> {
+pub fn nearest<T: Copy>(sorted: &[T], share: f64) -> Option<T> {
     let last = sorted.len().saturating_sub(1) as f64;
     sorted.get(whole((share * last).round()) as usize).copied()
 }

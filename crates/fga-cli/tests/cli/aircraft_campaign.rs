@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::support::{columns, errors, fga_in, rows};
 
-const MODEL: &str = include_str!("../../../fga-sim/tests/models/uncorrelated.txt");
+const MODEL: &str = include_str!("../../../fga-campaign/tests/models/uncorrelated.txt");
 
 const CAMPAIGN: &str =
     "name = 'aircraft'\npolicies = ['none', 'turn-aware']\nvehicle = 'ga.toml'\n";

@@ -3,8 +3,8 @@
 use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use fga_campaign::campaign::file::{self as campaign_file, Overrides};
 use fga_files::TomlText;
-use fga_sim::campaign::file::{self as campaign_file, Overrides};
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::support::{columns, errors, fga_in};
 
-const MODEL: &str = include_str!("../../../fga-sim/tests/models/uncorrelated.txt");
+const MODEL: &str = include_str!("../../../fga-campaign/tests/models/uncorrelated.txt");
 
 const VEHICLE: &str = include_str!("../../../../vehicles/general-aviation.toml");
 

@@ -349,7 +349,7 @@ fn transition_counts(text: &str, now: usize) -> Tables {
 #[test]
 fn transitions_are_distributed_like_the_tables_of_the_model() {
     let small =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../fga-sim/tests/models/uncorrelated.txt");
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../fga-campaign/tests/models/uncorrelated.txt");
     let others = ["uncor_1200code_v2p1", "cor_v1"]
         .iter()
         .filter_map(|name| data(&format!("encounter-models/{name}.txt")));

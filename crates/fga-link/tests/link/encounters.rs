@@ -6,7 +6,7 @@ use crate::new_leg::come_back;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_emulator::{PlaneMode, PlantSettings};
-use fga_sim::oracle::{
+use fga_judge::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
 use mavlink::dialects::ardupilotmega::MavMissionType;

@@ -4,9 +4,9 @@ use crate::report::{Cell, Column, Section, SectionBlock, Table};
 
 const AIRCRAFT: &str = "crates/fga-cli/tests/cli/aircraft_campaign.rs";
 const RECOMPUTED: &str = "crates/fga-cli/tests/cli/recomputed.rs";
-const RISK: &str = "crates/fga-sim/src/campaign/risk.rs";
-const JUDGE: &str = "crates/fga-sim/src/campaign/judge.rs";
-const MODELED: &str = "crates/fga-sim/tests/sim/modeled.rs";
+const RISK: &str = "crates/fga-campaign/src/campaign/risk.rs";
+const JUDGE: &str = "crates/fga-campaign/src/campaign/judge.rs";
+const MODELED: &str = "crates/fga-campaign/tests/campaign/modeled.rs";
 
 /// Numbers of the page, how they are held, the file of the test, the test.
 const TRACED: &[[&str; 4]] = &[
@@ -79,7 +79,7 @@ const TRACED: &[[&str; 4]] = &[
     [
         "extrapolated NMAC ratio",
         "coverage over a distribution whose probability is known",
-        "crates/fga-sim/src/campaign/tail.rs",
+        "crates/fga-campaign/src/campaign/tail.rs",
         "the_interval_covers_the_probability_of_a_known_distribution",
     ],
     [

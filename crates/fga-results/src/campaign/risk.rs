@@ -3,10 +3,10 @@
 use core::fmt::Write as _;
 use std::path::Path;
 
+use fga_campaign::campaign::risk::{LossCount, LossRule, PolicyRisk, RiskClass, Risks};
+use fga_campaign::campaign::{Campaign, Tail};
 use fga_formats::OutputError;
 use fga_formats::atomic;
-use fga_sim::campaign::risk::{LossCount, LossRule, PolicyRisk, RiskClass, Risks};
-use fga_sim::campaign::{Campaign, Tail};
 use serde_json::{Value, json};
 
 use crate::named_rows::{csv, objects, rounded};

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
+use fga_campaign::campaign::risk::{LossCount, PolicyRisk, RiskClass, RiskRatio, Risks};
+use fga_campaign::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
+use fga_campaign::drawn::TRACKS;
+use fga_campaign::recorded::RecordingSource;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::safety_case::{Assumed, ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
-use fga_sim::campaign::risk::{LossCount, PolicyRisk, RiskClass, RiskRatio, Risks};
-use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
-use fga_sim::drawn::TRACKS;
 use fga_sim::policy::PolicyChoice;
-use fga_sim::recorded::RecordingSource;
 use fga_sim::sensor::SensorSettings;
 
 use crate::replay_page;

@@ -3,11 +3,11 @@
 use core::fmt::Write as _;
 use std::path::Path;
 
+use fga_campaign::campaign::{Campaign, Quantiles, Summary, Totals};
 use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::words::counted;
 use fga_report::interval::Estimate;
-use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
 use serde_json::{Value, json};
 
 use super::risk;

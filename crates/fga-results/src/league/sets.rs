@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use fga_campaign::campaign::CampaignError;
+use fga_campaign::campaign::file::{self, Overrides};
+use fga_campaign::campaign::policy_called;
+use fga_campaign::drawn::{DrawnContent, DrawnWriter, Origin, TRACKS};
+use fga_campaign::encounters::fleet::fleet;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
-use fga_sim::campaign::CampaignError;
-use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::policy_called;
-use fga_sim::drawn::{DrawnContent, DrawnWriter, Origin, TRACKS};
-use fga_sim::encounters::fleet::fleet;
 use fga_sim::policy::PolicyChoice;
 
 use super::terms::Terms;

@@ -1,8 +1,8 @@
 //! The results of the policies: for the page, for the tables, in words.
 
+use fga_campaign::campaign::{Campaign, Manifest, Summary};
 use fga_report::league::{League, LeagueSet, Standing};
 use fga_report::safety_case::SafetyCase;
-use fga_sim::campaign::{Campaign, Manifest, Summary};
 use serde_json::{Value, json};
 
 use super::sets::LeagueReaction;

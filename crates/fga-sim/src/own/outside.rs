@@ -107,7 +107,7 @@ pub trait Outside: Send {
 }
 
 /// Answers nothing: for flights whose answers come all at once.
-pub(crate) struct Nobody;
+pub struct Nobody;
 
 impl Outside for Nobody {
     fn answer(&mut self, _situation: &Situation<'_>) -> Result<PolicyAnswer, PolicyFailure> {

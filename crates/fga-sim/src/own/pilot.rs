@@ -71,7 +71,10 @@ impl OwnPolicy {
     }
 
     /// A pilot that asks nobody: its answers are given to it.
-    pub(crate) fn pilot_of_answers(
+    ///
+    /// # Errors
+    /// As [`Self::pilot`].
+    pub fn pilot_of_answers(
         &self,
         settings: &PolicySettings,
         vehicle: &Vehicle,
@@ -140,7 +143,7 @@ pub struct OwnPilot {
 
 impl OwnPilot {
     /// The decision by an answer; without one, and from a failure on, the mission.
-    pub(crate) fn decide(
+    pub fn decide(
         &mut self,
         situation: &Situation<'_>,
         answer: impl FnOnce(&mut dyn Outside) -> Result<PolicyAnswer, PolicyFailure>,

@@ -3,9 +3,8 @@ use fga_formats::daa::{Recording, Track as Recorded, TrackSample};
 use fga_formats::tally::Tally;
 
 use super::*;
-use crate::campaign::parse_policy;
 use crate::engine::Engine;
-use crate::recorded::plan_of;
+use crate::recording::plan;
 use crate::track::Track;
 
 /// Two aircraft that meet head-on at 50 m/s each, level, 100 m aside, after 60 s; rows once a second. The second one begins later.
@@ -40,16 +39,18 @@ fn model() -> VehicleModel {
 }
 
 fn reacted(recording: &Recording, policy: &str, intruders: &str) -> (World, World) {
-    let world = plan_of(recording, "", &model()).unwrap().world;
-    let policy = parse_policy(policy).unwrap();
-    let intruders = parse_policy(intruders).unwrap();
+    let world = plan(recording, String::new(), String::new(), model())
+        .unwrap()
+        .world;
+    let policy = PolicyChoice::parse(policy, None).unwrap();
+    let intruders = PolicyChoice::parse(intruders, None).unwrap();
     let answer = react(world.clone(), recording, &model(), &policy, &intruders).unwrap();
     assert_eq!(answer.failure, None);
     (world, answer.world)
 }
 
 fn least_m(world: &World, policy: &str) -> f64 {
-    let policy = parse_policy(policy).unwrap();
+    let policy = PolicyChoice::parse(policy, None).unwrap();
     let mut pilot = policy.pilot(&world.settings, &world.vehicle).unwrap();
     let mut engine = Engine::new();
     engine.fly(world, pilot.as_mut(), &mut ());

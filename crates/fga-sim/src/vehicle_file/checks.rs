@@ -109,7 +109,11 @@ fn bank_time_constant_s(lag: &Spanned<f64>, text: TomlText<'_>) -> Result<f64, I
     text.within("bank_time_constant_s", lag, (0.01, 10.0))
 }
 
-pub(crate) fn plant(table: &PlantTable, text: TomlText<'_>) -> Result<PlantDifference, InputError> {
+/// What a table says that the plant does otherwise than its pilot believes.
+///
+/// # Errors
+/// A value out of its limits, with its line.
+pub fn plant(table: &PlantTable, text: TomlText<'_>) -> Result<PlantDifference, InputError> {
     let within = |key, value: &Option<Spanned<f64>>, limits| {
         let value = value.as_ref().map(|value| text.within(key, value, limits));
         value.transpose()
