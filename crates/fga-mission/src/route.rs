@@ -136,7 +136,9 @@ impl Legs<'_> {
 mod tests {
     use super::*;
     use crate::draw::{along, table_4};
+    use fga_proof::Vec2;
     use fga_proof::vehicle::Vehicle;
+    use fga_proof::zone::{ALL_HEIGHTS_M, Outline};
 
     #[test]
     fn legs_lead_from_waypoint_to_waypoint_or_from_a_restart() {
@@ -154,6 +156,26 @@ mod tests {
             });
             assert_eq!(lengths_m(&legs), [Some(100.0), Some(20.0), None]);
         });
+    }
+
+    #[test]
+    fn a_line_is_clear_beside_a_zone_and_where_the_mission_breaks_it() {
+        let zones = [Zone {
+            keep_in: false,
+            outline: Outline::Circle(Vec2::new(100.0, 0.0), 20.0),
+            heights_m: ALL_HEIGHTS_M,
+        }];
+        let mission = Mission {
+            zones: &zones,
+            ..Mission::new(&[])
+        };
+        let is_clear_at = |y_m: f64, margin_m: f64, spared_m: &[Vec3]| {
+            let line = Line::between(Vec3::new(0.0, y_m, 0.0), Vec3::new(200.0, y_m, 0.0));
+            is_clear(&mission, (&line, margin_m), spared_m, &Meter::unlimited())
+        };
+        assert!(is_clear_at(31.0, 10.0, &[]) && !is_clear_at(29.0, 10.0, &[]));
+        assert!(is_clear_at(29.0, 0.0, &[]) && !is_clear_at(5.0, 0.0, &[Vec3::ZERO]));
+        assert!(is_clear_at(5.0, 0.0, &[Vec3::new(100.0, 1.0, 0.0)]));
     }
 
     #[test]

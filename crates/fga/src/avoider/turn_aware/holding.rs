@@ -1,13 +1,9 @@
 //! Whether the certificate of a manoeuvre still holds.
 
-use core::f64::consts::TAU;
-
-use super::Answer;
 use crate::avoider::demand::{RUNGS, WANTED};
 use crate::avoider::{Avoider, Now, Places, Plan};
 use crate::command::Command;
-use crate::maneuver::Maneuver;
-use crate::search::{Found, Outcome, Turns};
+use crate::search::Outcome;
 
 /// A manoeuvre continues while this share of the margin is certified, over at least this share of the horizon ...
 pub(super) const KEEP_SHARE: f64 = 0.5;
@@ -16,31 +12,6 @@ pub(super) const KEEP_SHARE: f64 = 0.5;
 const KEEP_SHORTER_S: f64 = 1.0;
 
 impl Avoider<dyn Places + '_> {
-    /// A proven circle, once what is flown has been flown for the time of one.
-    pub(super) fn circle(&mut self, plan: &Plan, now: &Now<'_>) -> Option<Answer> {
-        if self.last_time_s - plan.decided_s < self.tracks.walls_s() {
-            return None;
-        }
-        let wanted = self.demand_of(WANTED);
-        self.search(&Maneuver::HOLD, now, &wanted, |search| {
-            [TAU, -TAU].into_iter().find_map(|turn_rad| {
-                let turns = Turns {
-                    wait_s: 0.0,
-                    turn_rad,
-                    climb_rad: 0.0,
-                    second: None,
-                };
-                let found = Found {
-                    turns,
-                    margin_m: wanted.margin_m,
-                    cost: 0.0,
-                };
-                let proven = search.proven(found)?;
-                Some(Answer::new(search, proven, WANTED))
-            })
-        })
-    }
-
     /// The highest rung whose demand the rest of the manoeuvre of a plan keeps, with a new certificate in the plan; the longer horizon only where
     /// it was planned for it.
     pub(super) fn kept_rung(

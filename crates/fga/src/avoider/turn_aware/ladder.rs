@@ -1,5 +1,6 @@
 //! The highest rung of the ladder on which a manoeuvre is certified; below the last one, the manoeuvre with the largest margin.
 
+use core::f64::consts::TAU;
 use core::ops::Range;
 
 use crate::avoider::demand::{BEYOND_M, Demand, RUNGS, WANTED};
@@ -100,6 +101,31 @@ impl Avoider<dyn Places + '_> {
                 };
                 let proven = search.proven(found)?;
                 Some(Answer::new(search, proven, rung))
+            })
+        })
+    }
+
+    /// A proven circle, once what is flown has been flown for the time of one.
+    pub(super) fn circle(&mut self, plan: &Plan, now: &Now<'_>) -> Option<Answer> {
+        if self.last_time_s - plan.decided_s < self.tracks.walls_s() {
+            return None;
+        }
+        let wanted = self.demand_of(WANTED);
+        self.search(&Maneuver::HOLD, now, &wanted, |search| {
+            [TAU, -TAU].into_iter().find_map(|turn_rad| {
+                let turns = Turns {
+                    wait_s: 0.0,
+                    turn_rad,
+                    climb_rad: 0.0,
+                    second: None,
+                };
+                let found = Found {
+                    turns,
+                    margin_m: wanted.margin_m,
+                    cost: 0.0,
+                };
+                let proven = search.proven(found)?;
+                Some(Answer::new(search, proven, WANTED))
             })
         })
     }
