@@ -2,6 +2,7 @@
 
 use alloc::sync::Arc;
 use core::f64::consts::TAU;
+use core::fmt::Write as _;
 
 use fga::Vec2;
 use std::path::Path;
@@ -228,9 +229,11 @@ fn beside_zones_the_aircraft_comes_back_and_enters_none() {
             let radius_m = random.within(20.0, 150.0);
             let aside_m = side * (radius_m + random.within(15.0, 40.0));
             let along_m = random.within(100.0, length_m);
-            text += &format!(
+            write!(
+                text,
                 "[[zone]]\nkind = \"keep-out\"\ncenter_m = [{along_m:?}, {aside_m:?}]\nradius_m = {radius_m:?}\n"
-            );
+            )
+            .unwrap();
         }
         std::fs::write(&scenario, text).unwrap();
         let model = VehicleModel::read(Path::new("../../vehicles/rascal-110.toml")).unwrap();
