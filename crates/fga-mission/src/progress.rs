@@ -124,6 +124,11 @@ impl Progress {
         self.nearest_m < f64::INFINITY && self.corner.is_none() && !self.is_complete
     }
 
+    /// Whether the aircraft has come off the turn round by which it was to enter its leg.
+    pub const fn is_off_turn(&self) -> bool {
+        self.is_unentered && self.turn.is_none()
+    }
+
     /// How long the flight along the leg takes from a state to the leg's end, seconds; negative beyond it.
     pub fn to_end_s(&self, state: &MotionState) -> f64 {
         let leg = self.leg(state);

@@ -1,5 +1,7 @@
 //! Missions are flown completely: survey lines, corners up to a turn back, curves of short legs.
 
+use std::path::Path;
+
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Passing, ProtectedVolume};
@@ -7,6 +9,7 @@ use fga_files::TomlText;
 use fga_sim::engine::{Engine, Observer, Outcome, Sample};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::track::Track;
+use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::{World, WorldObstacle};
 
 #[derive(Default)]
@@ -229,4 +232,20 @@ fn a_sphere_is_passed_in_a_strong_headwind() {
     let plan = fga_sim::scenario::parse(TomlText::new(path, text), Some(model)).unwrap();
     let (_, outcome) = fly(&plan.world);
     assert!(outcome.min_margin_m >= 0.0 && outcome.mission_flown);
+}
+
+/// An aircraft 5 % faster than its file comes off the turn round to a leg after a waypoint that it flies over. By beliefs it circled there for
+/// ever, because each turn round was flown to its end.
+#[test]
+fn by_beliefs_a_turn_round_that_is_missed_begins_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = folder.path().join("fast.toml");
+    let text = "name = 'fast'\nduration_s = 400.0\n[mission]\nwaypoints_m = [[0, 0, 500], [1152.5, 0, 500], [1240, 791.4, 500]]\n\
+        passing = ['fly-by', 'fly-over', 'fly-over']\n[plant]\nairspeed_mps = 23.07\nwind_error_mps = [0.8, -1.3, 0]\n\
+        [[obstacle]]\nmovement = 'aircraft'\nposition_m = [1537.4, -932.3, 500]\nvelocity_mps = [-17.5, 24, 0]\n";
+    std::fs::write(&scenario, text).unwrap();
+    let model = VehicleModel::read(Path::new("../../vehicles/rascal-110.toml")).unwrap();
+    let plan = fga_sim::scenario::read(&scenario, Some(model)).unwrap();
+    let log = fga_sim::run::fly(plan, &PolicyChoice::Belief, &mut |_| ()).unwrap();
+    assert!(log.outcome.mission_flown, "{:?}", log.samples.last());
 }

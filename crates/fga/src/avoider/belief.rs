@@ -296,7 +296,9 @@ impl Chooses<'_> {
         let mut mission = Maneuver::hold();
         // A way back keeps its turns until it ends. Laid anew in each step it might never end.
         let (began_s, until_s) = self.choice.back_s;
-        let lays_guidance = avoider.state != State::Recovering || time_s >= until_s;
+        let lays_guidance = avoider.state != State::Recovering
+            || time_s >= until_s
+            || avoider.progress.is_off_turn();
         if lays_guidance {
             let joined_s = avoider.guide((situation, now), horizon_s, &mut mission);
             self.choice.back_s = (time_s, time_s + joined_s);
