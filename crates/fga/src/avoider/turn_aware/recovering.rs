@@ -170,9 +170,9 @@ impl Avoider<dyn Places + '_> {
         back_s.unwrap_or(horizon_s)
     }
 
-    /// Takes straight on as the manoeuvre that is flown: the search goes on from it.
+    /// Takes level flight straight on as the manoeuvre that is flown: the search goes on from it.
     fn hold_on(&mut self, now: &Now<'_>, time_s: f64) {
-        let straight_on = Stage::turn(0.0, now.course_rad, now.climb_rad);
+        let straight_on = Stage::turn(0.0, now.course_rad, 0.0);
         self.flown.edit().set([straight_on]);
         self.state = State::Avoiding;
         self.plan = Some(Plan {

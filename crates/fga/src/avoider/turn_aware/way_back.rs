@@ -268,11 +268,13 @@ impl Avoider<dyn Places + '_> {
             Some(state.position_m + situation.wind_mps * at_s)
         };
         let seconds = whole(until_s - from_s, LONGEST_BACK_S);
-        let spared_m =
-            [Some(situation.ownship.position_m), place_m(seconds)].map(Option::unwrap_or_default);
+        let Some(end_m) = place_m(seconds) else {
+            return false;
+        };
+        let spared_m = [situation.ownship.position_m, end_m];
         (0..seconds).all(|second| {
             let [Some(from_m), Some(to_m)] = [second, second + 1].map(place_m) else {
-                return true;
+                return false;
             };
             let line = Line::between(from_m, to_m);
             is_clear(
