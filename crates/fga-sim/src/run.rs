@@ -16,7 +16,7 @@ use fga::situation::{Obstacle, ProtectedVolume};
 use fga_files::TomlText;
 use fga_files::from_mission::{over, scenario_text};
 use fga_formats::error::{read_bytes, text_of};
-use fga_formats::words::LEAST_CHANCE;
+use fga_formats::words::{LEAST_CHANCE, proof_key};
 use fga_formats::{InputError, gzip, missions};
 use fga_judge::ground::GroundSeparation;
 
@@ -240,12 +240,13 @@ impl Logger<'_> {
     }
 }
 
-/// Whether a decision has another state, reason or threat than the previous one.
+/// Whether a decision has another state, reason or threat than the previous one, or lost or won its proof.
 fn differs(before: &Decision, now: &Decision) -> bool {
     let threat = |decision: &Decision| decision.record.threat.map(|threat| threat.id);
     before.state != now.state
         || before.record.reason != now.record.reason
         || threat(before) != threat(now)
+        || proof_key(&before.command) != proof_key(&now.command)
 }
 
 /// Flies a plan; `watch` sees every decision.
