@@ -230,7 +230,7 @@ enum fga_reason
   FGA_REASON_MANEUVER_KEPT = 4,
   // Another manoeuvre replaces it: a better one, or it was no longer certified.
   FGA_REASON_MANEUVER_REPLACED = 5,
-  // No manoeuvre is certified: the one that keeps farthest away flies.
+  // No manoeuvre is certified: the manoeuvre that keeps farthest away flies.
   FGA_REASON_BEST_AVAILABLE = 6,
   // The aircraft is inside a protected volume or a zone, and leaves it.
   FGA_REASON_INSIDE_VOLUME = 7,
@@ -1013,7 +1013,7 @@ fga_status fga_beliefs_init(void *storage,
                             struct fga_refusal *why);
 
 // Takes a report of an aircraft. `radius_m` and `half_height_m` are the volume around it; a half height of 0 means a sphere. Reports, situations
-// and `now_s` share one clock. `own_m` is the own aircraft's position.
+// and `now_s` share one clock. `own_m` is the place of the own aircraft, metres.
 //
 // It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft without a report for 8 s is forgotten, unless the
 // situation has it. What rests or flies straight by contract is an obstacle of the situation; it takes the place of an aircraft with its

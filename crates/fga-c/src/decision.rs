@@ -55,7 +55,7 @@ pub enum fga_reason {
     ManeuverKept = 4,
     /// Another manoeuvre replaces it: a better one, or it was no longer certified.
     ManeuverReplaced = 5,
-    /// No manoeuvre is certified: the one that keeps farthest away flies.
+    /// No manoeuvre is certified: the manoeuvre that keeps farthest away flies.
     BestAvailable = 6,
     /// The aircraft is inside a protected volume or a zone, and leaves it.
     InsideVolume = 7,
@@ -104,7 +104,7 @@ impl fga_reason {
             Self::ManeuverKept => c"the manoeuvre continues",
             Self::ManeuverReplaced => c"another manoeuvre replaces it",
             Self::BestAvailable => {
-                c"no manoeuvre is certified: the one that keeps farthest away flies"
+                c"no manoeuvre is certified: the manoeuvre that keeps farthest away flies"
             }
             Self::InsideVolume => c"inside a protected volume or a zone, which the aircraft leaves",
             Self::RejoinChosen => c"a way back to the mission begins",

@@ -29,7 +29,7 @@ const fn key_and_words(reason: Reason) -> (&'static str, &'static str) {
         Reason::ManeuverReplaced => ("maneuver-replaced", "another manoeuvre replaces it"),
         Reason::BestAvailable => (
             "best-available",
-            "no manoeuvre is certified, the one that keeps farthest away is flown",
+            "no manoeuvre is certified, the manoeuvre that keeps farthest away is flown",
         ),
         Reason::InsideVolume => (
             "inside-volume",

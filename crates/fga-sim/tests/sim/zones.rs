@@ -1,4 +1,4 @@
-//! Zones of files: which they are, and what flies among them.
+//! Zones are read from files, and flights keep clear of them.
 
 use alloc::sync::Arc;
 use core::f64::consts::TAU;
