@@ -23,7 +23,7 @@ const TURNS_RADPS: f32 = 0.015;
 const CLIMBS_MPS: f32 = 1.0;
 
 /// The complement of the error function is the -16th power of 1 + a₁x + … + a₆x⁶ within 3e-7 (Abramowitz and Stegun, 7.1.28).
-const ERROR: [f32; 6] = [
+const ERFC: [f32; 6] = [
     0.070_523_08,
     0.042_282_01,
     0.009_270_527,
@@ -232,16 +232,12 @@ impl Futures {
         let below = |x: f32| {
             let sigmas = x / sigma_m;
             let by = sigmas.abs() * core::f32::consts::FRAC_1_SQRT_2;
-            let sum = 1.0 + ERROR.iter().rev().fold(0.0, |sum, a| (sum + a) * by);
-            let beyond = 0.5 / squared(squared(squared(squared(sum))));
+            let sum = 1.0 + ERFC.iter().rev().fold(0.0, |sum, a| (sum + a) * by);
+            let beyond = 0.5 / (0..4).fold(sum, |power, _| power * power);
             if sigmas > 0.0 { 1.0 - beyond } else { beyond }
         };
         (below(half_m - least_m) - below(-half_m - most_m)).max(0.0)
     }
-}
-
-fn squared(x: f32) -> f32 {
-    x * x
 }
 
 /// The acceleration of a turn, given the mean of place and velocity: mean, and σ along an axis.

@@ -138,7 +138,7 @@ struct Passes {
     /// How far each is below and above the path while it is near, by volumes, metres.
     low: [[f32; FUTURES]; 3],
     high: [[f32; FUTURES]; 3],
-    /// The least square of its distance, and the moment of that: of all moments, and of those by which a volume is left, m².
+    /// The square of the least distance of each, m², and its moment: among all moments, and among those after a volume is left.
     nearest: [[(f32, usize); FUTURES]; 2],
 }
 
@@ -164,7 +164,7 @@ impl Looks {
     }
 }
 
-/// An aircraft's futures at each moment, from the own aircraft's present position, metres.
+/// Where the futures of an aircraft are at each moment, metres from the present place of the own aircraft.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
     x: [[f32; FUTURES]; MOMENTS],

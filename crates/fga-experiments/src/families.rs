@@ -6,7 +6,6 @@
 
 use clap::{Args, ValueEnum};
 use fga::Vec3;
-use fga::avoider::State;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_campaign::batch::BatchSettings;
 use fga_campaign::encounters::{Random, Range};
@@ -196,7 +195,7 @@ struct LastManeuver {
 impl Observer for LastManeuver {
     fn decision(&mut self, moment: &DecisionMoment<'_>) {
         let time_s = moment.time_s;
-        let is_open = matches!(moment.decision.state, State::Avoiding | State::Recovering);
+        let is_open = moment.decision.state.is_away();
         if is_open && !self.is_open && time_s < self.by_s {
             (self.began_s, self.back_s) = (time_s, None);
         } else if !is_open && self.is_open {

@@ -35,4 +35,4 @@ mod way_back;
 pub use bend::{Bend, Exit, Turner};
 pub use join::Join;
 pub use progress::{BACK_WITHIN_M, BACK_WITHIN_RAD, Progress};
-pub use route::{Route, is_clear};
+pub use route::Route;

@@ -3,13 +3,10 @@
 use crate::bend::{Exit, Turner};
 use crate::leg::Leg;
 use fga_proof::Vec3;
-use fga_proof::certificate::Line;
-use fga_proof::ground::{Binding, Ground};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Stage;
 use fga_proof::meter::Meter;
 use fga_proof::situation::{Mission, Passing};
-use fga_proof::zone::Zone;
 
 /// Straight flight in which the lag of a turn dies out, as a multiple of the distance by which a quarter turn is late: the
 /// lag acts at either end of a turn, and as much again is room.
@@ -98,29 +95,6 @@ impl Route<'_> {
     }
 }
 
-/// Whether a line keeps a distance from a mission's zones, metres, and clears the ground, but for those that one of some places breaks.
-pub fn is_clear(
-    mission: &Mission<'_>,
-    (line, margin_m): (&Line, f64),
-    spared_m: &[Vec3],
-    meter: &Meter,
-) -> bool {
-    let is_clear_of = |zone: &Zone<'_>| {
-        meter.take(LEG + zone.edges().count())
-            && (zone.nearest_m(line, margin_m) >= margin_m
-                || spared_m.iter().any(|place_m| zone.is_entered(*place_m)))
-    };
-    let is_above = |ground: &Ground<'_>, line: &Line| {
-        let (deepest_m, _) = ground.deepest(line, Binding::ALL, meter);
-        deepest_m >= 0.0
-    };
-    mission.zones.iter().all(is_clear_of)
-        && mission.ground.is_none_or(|ground| {
-            let mut spared = spared_m.iter().map(|place_m| Line::at(*place_m));
-            is_above(ground, line) || spared.any(|place| !is_above(ground, &place))
-        })
-}
-
 impl Legs<'_> {
     /// The leg that begins at a waypoint.
     pub(crate) fn leg(&self, index: usize) -> Option<Leg> {
@@ -136,9 +110,7 @@ impl Legs<'_> {
 mod tests {
     use super::*;
     use crate::draw::{along, table_4};
-    use fga_proof::Vec2;
     use fga_proof::vehicle::Vehicle;
-    use fga_proof::zone::{ALL_HEIGHTS_M, Outline};
 
     #[test]
     fn legs_lead_from_waypoint_to_waypoint_or_from_a_restart() {
@@ -156,26 +128,6 @@ mod tests {
             });
             assert_eq!(lengths_m(&legs), [Some(100.0), Some(20.0), None]);
         });
-    }
-
-    #[test]
-    fn a_line_is_clear_beside_a_zone_and_where_the_mission_breaks_it() {
-        let zones = [Zone {
-            keep_in: false,
-            outline: Outline::Circle(Vec2::new(100.0, 0.0), 20.0),
-            heights_m: ALL_HEIGHTS_M,
-        }];
-        let mission = Mission {
-            zones: &zones,
-            ..Mission::new(&[])
-        };
-        let is_clear_at = |y_m: f64, margin_m: f64, spared_m: &[Vec3]| {
-            let line = Line::between(Vec3::new(0.0, y_m, 0.0), Vec3::new(200.0, y_m, 0.0));
-            is_clear(&mission, (&line, margin_m), spared_m, &Meter::unlimited())
-        };
-        assert!(is_clear_at(31.0, 10.0, &[]) && !is_clear_at(29.0, 10.0, &[]));
-        assert!(is_clear_at(29.0, 0.0, &[]) && !is_clear_at(5.0, 0.0, &[Vec3::ZERO]));
-        assert!(is_clear_at(5.0, 0.0, &[Vec3::new(100.0, 1.0, 0.0)]));
     }
 
     #[test]

@@ -185,8 +185,8 @@ fn moments(log: &RunLog) -> Vec<OverviewMoment> {
     let mut before = State::Cruise;
     for entry in &log.decisions {
         let now = entry.decision.state;
-        let away = matches!(before, State::Avoiding | State::Recovering);
-        let on_route = matches!(now, State::Cruise | State::Threatened);
+        let away = before.is_away();
+        let on_route = !now.is_away();
         let kinds = [
             (away && on_route, MomentKind::Rejoined),
             (

@@ -401,6 +401,7 @@ impl Avoider<dyn Places + '_> {
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
+        self.has_avoided |= self.state.is_away();
         self.tables.forget_turns();
         self.level_rad = self.level_rad(situation);
         let most = self.settings.work_limit;

@@ -191,7 +191,7 @@ impl Flier {
         } else if step.is_multiple_of(10) {
             self.away_m.push(distance_m(&self.mission_m, position_m));
         }
-        if is_near && matches!(self.state, State::Avoiding | State::Recovering) {
+        if is_near && self.state.is_away() {
             self.calm_s = 0.0;
         } else if !self.is_complete {
             self.calm_s += PERIOD_S;

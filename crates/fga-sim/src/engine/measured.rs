@@ -151,11 +151,11 @@ impl Milestones {
         if self.last == State::Avoiding && state != State::Avoiding {
             self.clear_s = Some(time_s);
         }
-        let away = matches!(self.last, State::Avoiding | State::Recovering);
-        if away && matches!(state, State::Cruise | State::Threatened) {
+        let away = self.last.is_away();
+        if away && !state.is_away() {
             self.rejoined_s = None;
             self.says_back = true;
-        } else if !matches!(state, State::Cruise | State::Threatened) {
+        } else if state.is_away() {
             self.says_back = false;
         }
         self.says_flown = decision.record.reason == Reason::MissionComplete;

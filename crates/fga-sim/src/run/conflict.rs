@@ -31,8 +31,8 @@ pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<RunConflict> {
         progress.follow(time_s, moment.ownship.position_m, None, || {
             moment.ownship.velocity_mps() + world.wind_mps
         });
-        let was_away = matches!(last, State::Avoiding | State::Recovering);
-        let on_route = matches!(now, State::Cruise | State::Threatened);
+        let was_away = last.is_away();
+        let on_route = !now.is_away();
         if let Some(conflict) = conflicts.last_mut() {
             if last == State::Avoiding && now != State::Avoiding {
                 conflict.clear_s = Some(time_s);

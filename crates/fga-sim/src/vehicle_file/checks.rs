@@ -167,10 +167,10 @@ pub(crate) fn sensor(
             Some(rate) => 1.0 / text.positive("update_rate_hz", rate)?,
         },
         position_sigma_m: given!(text, noise.position_m not_negative; usual.position_sigma_m),
-        altitude_sigma_m: match &noise.altitude_m {
-            None => usual.altitude_sigma_m,
-            Some(sigma_m) => Some(text.not_negative("altitude_m", sigma_m)?),
-        },
+        altitude_sigma_m: (noise.altitude_m.as_ref())
+            .map(|sigma_m| text.not_negative("altitude_m", sigma_m))
+            .transpose()?
+            .or(usual.altitude_sigma_m),
         velocity_sigma_mps: given!(text, noise.velocity_mps not_negative; usual.velocity_sigma_mps),
         position_bias_m: given!(text, noise.lasting_position_m not_negative; usual.position_bias_m),
         altitude_bias_m: given!(text, noise.lasting_altitude_m not_negative; usual.altitude_bias_m),

@@ -332,8 +332,7 @@ impl Chooses<'_> {
         };
         avoider.withstand(&|_| Freedom::Expected, (0.0, avoider.settings.margin_m));
         // A manoeuvre that the avoider began alone ends by it: two that take turns keep clear of nothing.
-        if self.choice.is_delegated && matches!(avoider.state, State::Avoiding | State::Recovering)
-        {
+        if self.choice.is_delegated && avoider.state.is_away() {
             return avoider.step_turn_aware(situation, now, None, decision);
         }
         let since_s = time_s - self.choice.at_s;
@@ -368,10 +367,11 @@ impl Chooses<'_> {
         decision: &mut Decision,
     ) {
         let others = (self.beliefs, &situation.obstacles);
-        let departed_s = if matches!(avoider.state, State::Cruise | State::Threatened) {
-            scene.time_s
-        } else {
+        let is_away = avoider.state.is_away();
+        let departed_s = if is_away {
             self.choice.departed_s.min(scene.time_s)
+        } else {
+            scene.time_s
         };
         let present = (&self.choice.plan, scene.time_s - departed_s);
         let hold = (self.chooser).weigh(scene, others, present, &mut avoider.path);
@@ -413,17 +413,16 @@ impl Chooses<'_> {
                 }
             }
         }
-        // Among others the present way goes on, or a turn to the leg's course, while that is proven. Where only what is fixed is in the way
-        // back, the avoider looks for another one.
+        // Where traffic is in the way, the present way goes on, or a turn to the leg's course, while that is proven. Where zones, ground or
+        // limits alone block the way back, the avoider looks for another one.
         let present = self.choice.plan;
-        let is_away = matches!(avoider.state, State::Avoiding | State::Recovering);
         if present != Plan::Mission && cheapest.as_ref().is_some_and(is_off) {
             let to_leg = [0.0, TAU, -TAU].map(|turns_rad| {
                 let course_rad = scene.leg_rad + turns_rad;
                 let up = Up::Level;
                 Plan::Off(Way { course_rad, up }, scene.time_s)
             });
-            let to_leg = to_leg.into_iter().filter(|_| is_away);
+            let to_leg = (to_leg.into_iter()).filter(|_| is_away);
             for plan in [present].into_iter().chain(to_leg) {
                 scene.set(&plan, decision.command.edit());
                 if keeps(avoider, (&plan, true), decision, now) {
@@ -467,9 +466,7 @@ impl Chooses<'_> {
                 (State::Avoiding, Reason::ManeuverReplaced)
             }
             (_, Some(_)) => (State::Avoiding, Reason::ManeuverKept),
-            (Plan::Off(..), None) if matches!(was, State::Cruise | State::Threatened) => {
-                (State::Threatened, Reason::WaitingForStart)
-            }
+            (Plan::Off(..), None) if !was.is_away() => (State::Threatened, Reason::WaitingForStart),
             (_, None) if was == State::Avoiding => (State::Recovering, Reason::RejoinChosen),
             (_, None) if was == State::Recovering => {
                 if avoider.progress.is_back(now, avoider.can_climb()) {
@@ -561,7 +558,7 @@ fn keeps_clear(
 
 /// Whether a command flies the mission on its leg, which is never avoided for what is fixed.
 fn is_on_mission(avoider: &Avoider<dyn Places + '_>, plan: &Plan) -> bool {
-    *plan == Plan::Mission && matches!(avoider.state, State::Cruise | State::Threatened)
+    *plan == Plan::Mission && !avoider.state.is_away()
 }
 
 /// Whether the command of a decision keeps clear of what is fixed; where a proof is wanted, of what is expected too, and then it has its proof.
@@ -581,11 +578,10 @@ fn keeps(
         if is_proof_wanted {
             return avoider.prove(&mut decision.command, now, asked);
         }
-        if !avoider.keeps_walls(&decision.command, now, asked) {
-            return false;
-        }
+        avoider.predict(&decision.command, now, horizon_s);
         let mut limits = avoider.tracks.limits();
-        limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
+        avoider.keeps_walls(now, asked)
+            && limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
     })
 }
 

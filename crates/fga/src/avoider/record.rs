@@ -26,6 +26,11 @@ impl State {
         Self::Recovering,
     ];
 
+    /// Whether the aircraft is off its mission: it avoids, or comes back.
+    pub const fn is_away(self) -> bool {
+        matches!(self, Self::Avoiding | Self::Recovering)
+    }
+
     /// The state's name in logs and files.
     pub const fn name(self) -> &'static str {
         match self {
@@ -53,7 +58,7 @@ pub enum Reason {
     ManeuverKept,
     /// Another manoeuvre replaces it: a better one, or it was no longer certified.
     ManeuverReplaced,
-    /// No manoeuvre is certified: the one that keeps farthest away flies.
+    /// No manoeuvre is certified: the manoeuvre that keeps farthest away flies.
     BestAvailable,
     /// The aircraft is inside a protected volume or a zone, and leaves it.
     InsideVolume,

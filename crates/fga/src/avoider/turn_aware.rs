@@ -73,6 +73,24 @@ impl Answer {
 }
 
 impl Plan {
+    /// Decided at a time, seconds, and begun then; nothing is known of it.
+    fn at(time_s: f64) -> Self {
+        Self {
+            decided_s: time_s,
+            start_s: time_s,
+            joined_s: f64::INFINITY,
+            outcome: Outcome::Open,
+            rung: WANTED,
+            margin_m: 0.0,
+            cost: 0.0,
+            latest_start_s: None,
+            threat: None,
+            threat_found_s: time_s,
+            next_start_s: None,
+            against: Against::default(),
+        }
+    }
+
     /// The plan with another manoeuvre, decided now.
     fn with(&self, answer: &Answer, time_s: f64) -> Self {
         Self {
@@ -106,8 +124,8 @@ impl Avoider<dyn Places + '_> {
         {
             return;
         }
-        let is_away = matches!(self.state, State::Avoiding | State::Recovering);
-        self.load_tracks(situation, kept, is_away || self.progress.returns());
+        let may_begin = self.state.is_away() || self.progress.returns();
+        self.load_tracks(situation, kept, may_begin);
         self.ends_before_walls(situation, now);
         self.far_s = self.far_horizon_s(now);
         (self.looked_at, self.is_cut) = (0, false);
@@ -257,18 +275,14 @@ impl Avoider<dyn Places + '_> {
     ) {
         let time_s = situation.time_s;
         let plan = Plan {
-            decided_s: time_s,
             start_s: time_s + answer.found.turns.wait_s,
-            joined_s: f64::INFINITY,
             outcome: answer.outcome,
             margin_m: answer.found.margin_m,
             rung: answer.rung,
             cost: answer.found.cost,
-            latest_start_s: None,
             threat: Some(threat),
-            threat_found_s: time_s,
             against,
-            next_start_s: None,
+            ..Plan::at(time_s)
         };
         self.plan = Some(plan);
         core::mem::swap(&mut self.flown, &mut self.tables.answer);

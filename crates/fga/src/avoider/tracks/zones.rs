@@ -10,7 +10,7 @@ use crate::ground::{Binding, Ground};
 use crate::limit::Limit as _;
 use crate::meter::Meter;
 use crate::prediction::Flyer;
-use crate::situation::{Obstacle, ProtectedVolume, Situation};
+use crate::situation::{Mission, Obstacle, ProtectedVolume, Situation};
 use crate::zone::Zone;
 
 /// Zones are known at least this far beyond the flight of a full circle, metres: margins are capped there.
@@ -207,4 +207,54 @@ fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
 /// The least distance of some lines from a zone, metres; at most a given one, and negative on the wrong side.
 fn nearest_m(zone: &Zone<'_>, lines: impl Iterator<Item = Line>, most_m: f64) -> f64 {
     lines.fold(most_m, |least_m, line| zone.nearest_m(&line, least_m))
+}
+
+/// Whether a line keeps a distance from a mission's zones, metres, and clears the ground, but for those that one of some places breaks.
+pub(in crate::avoider) fn is_clear(
+    mission: &Mission<'_>,
+    (line, margin_m): (&Line, f64),
+    spared_m: &[Vec3],
+    meter: &Meter,
+) -> bool {
+    let is_clear_of = |zone: &Zone<'_>| {
+        meter.take(zone.work())
+            && (zone.nearest_m(line, margin_m) >= margin_m
+                || spared_m.iter().any(|place_m| zone.is_entered(*place_m)))
+    };
+    let is_above = |ground: &Ground<'_>, line: &Line| {
+        let (deepest_m, _) = ground.deepest(line, Binding::ALL, meter);
+        deepest_m >= 0.0
+    };
+    mission.zones.iter().all(is_clear_of)
+        && mission.ground.is_none_or(|ground| {
+            let mut spared = spared_m.iter().map(|place_m| Line::at(*place_m));
+            is_above(ground, line) || spared.any(|place| !is_above(ground, &place))
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec2;
+    use crate::zone::{ALL_HEIGHTS_M, Outline};
+
+    #[test]
+    fn a_line_is_clear_beside_a_zone_and_where_the_mission_breaks_it() {
+        let zones = [Zone {
+            keep_in: false,
+            outline: Outline::Circle(Vec2::new(100.0, 0.0), 20.0),
+            heights_m: ALL_HEIGHTS_M,
+        }];
+        let mission = Mission {
+            zones: &zones,
+            ..Mission::new(&[])
+        };
+        let is_clear_at = |y_m: f64, margin_m: f64, spared_m: &[Vec3]| {
+            let line = Line::between(Vec3::new(0.0, y_m, 0.0), Vec3::new(200.0, y_m, 0.0));
+            is_clear(&mission, (&line, margin_m), spared_m, &Meter::unlimited())
+        };
+        assert!(is_clear_at(31.0, 10.0, &[]) && !is_clear_at(29.0, 10.0, &[]));
+        assert!(is_clear_at(29.0, 0.0, &[]) && !is_clear_at(5.0, 0.0, &[Vec3::ZERO]));
+        assert!(is_clear_at(5.0, 0.0, &[Vec3::new(100.0, 1.0, 0.0)]));
+    }
 }

@@ -7,15 +7,13 @@
 use core::f64::consts::TAU;
 
 use crate::assumptions::Assumptions;
-use crate::avoider::demand::WANTED;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::tracks::zones::known_s;
-use crate::avoider::{Against, Avoider, Decision, Now, Places, Plan, Reason, State};
+use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
 use crate::certificate::certify_set;
 use crate::command::Command;
 use crate::limit::whole;
 use crate::maneuver::{Maneuver, Stage};
-use crate::search::Outcome;
 use crate::situation::Situation;
 
 use super::holding::KEEP_SHARE;
@@ -52,7 +50,6 @@ impl Avoider<dyn Places + '_> {
         situation: &Situation<'_>,
         now: &Now<'_>,
     ) {
-        self.has_avoided |= matches!(self.state, State::Avoiding | State::Recovering);
         let is_bound = self.has_avoided && self.progress.returns() && self.has_walls(now);
         if is_bound && !self.can_circle(now) && !self.can_return(situation, now) {
             self.on_mission(situation, |progress, route| {
@@ -66,7 +63,8 @@ impl Avoider<dyn Places + '_> {
         let circle_s = self.tracks.walls_s();
         [TAU, -TAU].into_iter().any(|turn_rad| {
             let circle = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
-            self.keeps_walls(&circle, now, (circle_s, self.wanted_m(), ENOUGH_M))
+            self.predict(&circle, now, circle_s);
+            self.keeps_walls(now, (circle_s, self.wanted_m(), ENOUGH_M))
         })
     }
 
@@ -80,18 +78,13 @@ impl Avoider<dyn Places + '_> {
         to_end_s >= 0.0
             && end_s <= known_s(&self.flyer, situation.wind_mps, self.wanted_m())
             && self.within_walls(end_s, |avoider| {
-                avoider.keeps_walls(&back, now, (end_s, avoider.wanted_m(), ENOUGH_M))
+                avoider.predict(&back, now, end_s);
+                avoider.keeps_walls(now, (end_s, avoider.wanted_m(), ENOUGH_M))
             })
     }
 
-    /// Whether a manoeuvre keeps clear of zones and ground.
-    pub(in crate::avoider) fn keeps_walls(
-        &mut self,
-        maneuver: &Maneuver,
-        now: &Now<'_>,
-        asked: (f64, f64, f64),
-    ) -> bool {
-        self.predict(maneuver, now, asked.0);
+    /// Whether the path that was predicted last keeps clear of zones and ground.
+    pub(in crate::avoider) fn keeps_walls(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> bool {
         let walls = Assumptions {
             rows: &[],
             ..self.tracks.around(now.mission)
@@ -153,7 +146,7 @@ impl Avoider<dyn Places + '_> {
     fn joins_before_walls(&mut self, guidance: &Maneuver, now: &Now<'_>) -> bool {
         let back_s = self.back_s(guidance, now);
         let asked = (back_s, self.wanted_m(), ENOUGH_M);
-        self.within_walls(back_s, |avoider| avoider.keeps_walls(guidance, now, asked))
+        self.within_walls(back_s, |avoider| avoider.keeps_walls(now, asked))
     }
 
     /// When guidance is back on its leg or at the end of it, whole seconds; the horizon if it is not within that.
@@ -175,20 +168,7 @@ impl Avoider<dyn Places + '_> {
         let straight_on = Stage::turn(0.0, now.course_rad, 0.0);
         self.flown.edit().set([straight_on]);
         self.state = State::Avoiding;
-        self.plan = Some(Plan {
-            decided_s: time_s,
-            start_s: time_s,
-            joined_s: f64::INFINITY,
-            outcome: Outcome::Open,
-            rung: WANTED,
-            margin_m: 0.0,
-            cost: 0.0,
-            latest_start_s: None,
-            threat: None,
-            threat_found_s: time_s,
-            next_start_s: None,
-            against: Against::default(),
-        });
+        self.plan = Some(Plan::at(time_s));
     }
 
     /// Without a planned way back: follows the guidance along the mission, on the way back until the aircraft is on its leg by position

@@ -4,13 +4,13 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
-use crate::avoider::tracks::zones::known_s;
+use crate::avoider::tracks::zones::{is_clear, known_s};
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
 use crate::certificate::{Hazard, Line};
 use crate::command::Command;
 use crate::limit::{Limit as _, whole};
 use crate::maneuver::{Maneuver, Stage};
-use crate::mission::{Join, is_clear};
+use crate::mission::Join;
 use crate::prediction::MotionState;
 use crate::search::Outcome;
 use crate::situation::Situation;
@@ -272,17 +272,13 @@ impl Avoider<dyn Places + '_> {
             return false;
         };
         let spared_m = [situation.ownship.position_m, end_m];
-        (0..seconds).all(|second| {
-            let [Some(from_m), Some(to_m)] = [second, second + 1].map(place_m) else {
-                return false;
-            };
-            let line = Line::between(from_m, to_m);
-            is_clear(
-                &situation.mission,
-                (&line, self.wanted_m()),
-                &spared_m,
-                &self.meter,
-            )
+        let mut last_m = place_m(0);
+        (1..=seconds).all(|second| {
+            let before_m = core::mem::replace(&mut last_m, place_m(second));
+            before_m.zip(last_m).is_some_and(|(from_m, to_m)| {
+                let line = (&Line::between(from_m, to_m), self.wanted_m());
+                is_clear(&situation.mission, line, &spared_m, &self.meter)
+            })
         })
     }
 
