@@ -324,18 +324,15 @@ impl MissionProgress {
         }
     }
 
-    /// Notes the waypoints that the aircraft comes to, wherever it is along the line: an aircraft that leaves its
-    /// mission far behind is near none of the line.
+    /// Notes how near the aircraft comes to each waypoint, and which ones it visits, wherever it is along the line: an aircraft that
+    /// leaves its mission far behind is near none of the line.
     fn visit(&mut self, from_m: Vec3, step: Vec3, time_s: f64) {
-        if !self.notes_visits {
-            return;
-        }
         for (index, waypoint) in self.waypoints.iter_mut().enumerate().skip(1) {
             let distance_m = distance_m(waypoint.position_m - from_m, step);
             if distance_m < waypoint.nearest.0 {
                 waypoint.nearest = (distance_m, time_s);
             }
-            let is_here = waypoint.is_near(distance_m);
+            let is_here = self.notes_visits && waypoint.is_near(distance_m);
             if is_here && !waypoint.is_here {
                 self.visits.push(index);
             }
@@ -491,5 +488,22 @@ mod tests {
         assert_eq!(progress.cross_track_m(), 30.0);
         progress.follow(0.0, Vec3::new(60.0, 39.0, 0.0), None, || -Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (180.0, 1.0));
+    }
+
+    /// A flight that ends beside the beginning of its line comes to no waypoint, and has a distance from each.
+    #[test]
+    fn a_waypoint_that_is_never_come_to_has_its_nearest_distance() {
+        let mission = [0.0, 100.0, 200.0, 300.0].map(|x_m| Vec3::new(x_m, 0.0, 0.0));
+        let mut progress = along_legs(&mission);
+        progress.follow(1.0, Vec3::new(20.0, 0.0, 0.0), None, || Vec3::X);
+        progress.follow(2.0, Vec3::new(20.0, 50.0, 0.0), None, || Vec3::Y);
+        let missed = progress.missed(true);
+        let all = missed
+            .iter()
+            .map(|one| (one.index, one.distance_m, one.time_s));
+        assert_eq!(
+            all.collect::<Vec<_>>(),
+            [(1, 80.0, 1.0), (2, 180.0, 1.0), (3, 280.0, 1.0)]
+        );
     }
 }
