@@ -34,7 +34,7 @@ pub(crate) struct FlyArgs {
     /// The configuration (TOML); without it every key has its default.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// What decides what is flown, turn-aware or belief; without it the configuration's command.policy.
+    /// What decides what is flown, worst-case or belief; without it the configuration's command.policy.
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     policy: Option<PolicyName>,
     /// A receiver of traffic: sbs:HOST:PORT, beast:HOST:PORT, flarm:HOST:PORT, or gdl90:0.0.0.0:4000 for its datagrams to this port; may be given several times.
@@ -85,7 +85,7 @@ impl FlyArgs {
 }
 
 fn policy(name: &str) -> Result<PolicyName, String> {
-    PolicyName::from_name(name).ok_or_else(|| "expected turn-aware or belief".to_owned())
+    PolicyName::from_name(name).ok_or_else(|| "expected worst-case or belief".to_owned())
 }
 
 pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {

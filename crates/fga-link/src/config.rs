@@ -127,7 +127,7 @@ tables! {
         /// The messages that fly the manoeuvre.
         mode: CommandMode = CommandMode::Attitude,
         /// What decides what is flown.
-        policy: PolicyName = PolicyName::TurnAware,
+        policy: PolicyName = PolicyName::WorstCase,
         /// Rate of attitude targets, hertz.
         rate_hz: f64 = 20.0,
         /// Time from one decision to the next, seconds.
@@ -269,7 +269,8 @@ pub enum CommandMode {
 #[serde(rename_all = "kebab-case")]
 pub enum PolicyName {
     /// The worst of what each aircraft may do.
-    TurnAware,
+    #[serde(alias = "turn-aware")]
+    WorstCase,
     /// The least expected cost among what each aircraft may do, from its reports as they came.
     Belief,
 }

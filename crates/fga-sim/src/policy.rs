@@ -16,13 +16,15 @@ use crate::world::World;
 /// A policy by its name on the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PolicyChoice {
-    /// The core's policy. Where one sensor sees all, its reports have errors, and all that it sees are aircraft: by the least expected cost
-    /// among the futures of a belief.
+    /// The core's policy: [`Self::Belief`] where one sensor sees all, its reports have errors, all that it sees are aircraft, and the start
+    /// is free; else [`Self::WorstCase`].
     Avoider(Start),
+    /// Clear of the worst that aircraft may do, whatever the errors of reports.
+    WorstCase,
+    /// The least expected cost among the futures of a belief, also where reports are exact.
+    Belief,
     /// The mission, whatever comes.
     Mission,
-    /// The same choice where reports are exact too.
-    Belief,
     /// One of the paper's rules.
     Paper(Rule),
     /// A baseline or a peer.
@@ -36,11 +38,12 @@ pub fn policy_names() -> String {
     let baselines = Baseline::every().map(Baseline::name);
     let baselines = baselines.collect::<Vec<_>>().join(", ");
     format!(
-        "turn-aware, published, published-literal, circle, none, belief, {baselines}, pipe:PROGRAM"
+        "turn-aware, {WORST_CASE}, {BELIEF}, published, published-literal, circle, none, {baselines}, pipe:PROGRAM"
     )
 }
 
-/// The name of the choice among the futures of a belief.
+/// The names of the two ways to decide among aircraft.
+const WORST_CASE: &str = "worst-case";
 const BELIEF: &str = "belief";
 
 /// The beginning of the name of a policy that is an object in Python.
@@ -81,6 +84,7 @@ impl PolicyChoice {
             "published-literal" => without_start(Self::Paper(Rule::AsPrinted)),
             "circle" => without_start(Self::Paper(Rule::Circle)),
             "none" => without_start(Self::Mission),
+            WORST_CASE => without_start(Self::WorstCase),
             BELIEF => without_start(Self::Belief),
             other => match (Baseline::parse(other), start) {
                 (Some(baseline), None) => Ok(Self::Baseline(baseline)),
@@ -100,7 +104,7 @@ impl PolicyChoice {
 
     /// Whether it keeps to the zones of a world.
     pub const fn knows_zones(&self) -> bool {
-        matches!(self, Self::Avoider(_) | Self::Belief)
+        matches!(self, Self::Avoider(_) | Self::WorstCase | Self::Belief)
     }
 
     /// The world as it must see it, where that differs: reports without a tracker, and their errors.
@@ -131,6 +135,7 @@ impl PolicyChoice {
             Self::Avoider(Start::Latest) => "turn-aware --start latest".into(),
             Self::Avoider(start) => format!("turn-aware{}", start_name(*start)),
             Self::Mission => "none".into(),
+            Self::WorstCase => WORST_CASE.into(),
             Self::Belief => BELIEF.into(),
             Self::Paper(Rule::Corrected(start)) => format!("published{}", start_name(*start)),
             Self::Paper(Rule::AsPrinted) => "published-literal".into(),
@@ -166,6 +171,7 @@ impl PolicyChoice {
                 };
                 Ok(ahead(Avoider::new(settings, *vehicle)?, vehicle))
             }
+            Self::WorstCase => Ok(ahead(Avoider::new(*avoider, *vehicle)?, vehicle)),
             Self::Avoider(_) | Self::Belief => {
                 let pilot = BeliefAvoider::new(*avoider, *vehicle, settings.errors)?;
                 Ok(ahead(pilot, vehicle))
@@ -237,6 +243,7 @@ mod tests {
             ("published", Some("t0"), "published --start t0"),
             ("turn-aware", Some("latest"), "turn-aware --start latest"),
             ("turn-aware", Some("Cs=0.5"), "turn-aware --start Cs=0.5"),
+            ("worst-case", None, "worst-case"),
             ("none", None, "none"),
         ] {
             assert_eq!(parse(name, start).name(), shown);
@@ -244,6 +251,7 @@ mod tests {
         for (name, start) in [
             ("nobody", None),
             ("none", Some("t0")),
+            ("worst-case", Some("t0")),
             ("published", Some("free")),
             ("published", Some("Cs=1.5")),
             ("published", Some("Cs=x")),

@@ -71,7 +71,7 @@ impl CompanionPilot {
             ..Settings::default()
         };
         Ok(match config.command.policy {
-            PolicyName::TurnAware => Self::Avoider(Box::new(Avoider::new(settings, vehicle)?)),
+            PolicyName::WorstCase => Self::Avoider(Box::new(Avoider::new(settings, vehicle)?)),
             PolicyName::Belief => {
                 let errors = assumed_errors(config.traffic.position_sigma_m);
                 Self::Belief(Box::new(BeliefAvoider::new(settings, vehicle, errors)?))

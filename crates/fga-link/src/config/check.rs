@@ -232,6 +232,18 @@ mod tests {
         assert!(both.contains("command.policy"), "{both}");
     }
 
+    #[test]
+    fn worst_cases_are_the_default_and_have_their_former_name() {
+        let [default, former, named] = ["", "policy = \"turn-aware\"", "policy = \"worst-case\""]
+            .map(|line| {
+                Config::parse(&format!("[command]\n{line}"))
+                    .unwrap()
+                    .command
+                    .policy
+            });
+        assert_eq!([default, former, named], [PolicyName::WorstCase; 3]);
+    }
+
     /// Files of earlier versions have them in `[safety]`.
     #[test]
     fn limits_of_altitude_count_in_their_former_place_with_a_warning() {

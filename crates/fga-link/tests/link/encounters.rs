@@ -170,7 +170,7 @@ struct Flown {
 }
 
 const DEFAULT: Flown = Flown {
-    policy: "turn-aware",
+    policy: "worst-case",
     noise: (0.0, 0.0),
 };
 
@@ -490,7 +490,7 @@ fn encounters_reported_in_noise_are_kept_apart_by_beliefs() {
 fn the_same_encounters_by_both_policies() {
     let count = std::env::var("FGA_ENCOUNTERS").map_or(3, |text| text.parse().expect("a number"));
     for noise in [(0.0, 0.0), (15.0, 1.0)] {
-        for policy in ["turn-aware", "belief"] {
+        for policy in ["worst-case", "belief"] {
             let flown = Flown { policy, noise };
             let run = |shown| run(count, shown, NORMAL_LIMIT_DEG, flown);
             let (early, late) = (run((500.0, 2000.0)), run((200.0, 300.0)));

@@ -47,7 +47,7 @@ fn round(center_m: [f64; 2], radius_m: f64, count: u32) -> Vec<[f64; 2]> {
 
 /// A head-on intruder meets the vehicle after a minute.
 fn head_on() -> World {
-    head_on_by("turn-aware")
+    head_on_by("worst-case")
 }
 
 fn head_on_by(policy: &str) -> World {
@@ -66,7 +66,7 @@ fn flown(
     before: impl Fn(&World) -> Vec<MissionItem>,
     then: Option<Stored<'_>>,
 ) -> ((f64, f64), World) {
-    flown_by("turn-aware", before, then)
+    flown_by("worst-case", before, then)
 }
 
 fn flown_by(
@@ -179,7 +179,7 @@ fn among_more_corners_than_there_is_room_for_traffic_is_avoided() {
 #[test]
 fn a_fence_with_no_room_for_a_manoeuvre_comes_after_the_traffic() {
     let corridor = rectangle([-8.0, 8.0, -2000.0, 20_000.0]);
-    for policy in ["turn-aware", "belief"] {
+    for policy in ["worst-case", "belief"] {
         flown_by(policy, |world| polygon(world, IN, &corridor), None);
     }
 }
