@@ -124,6 +124,11 @@ impl Progress {
         self.nearest_m < f64::INFINITY && self.corner.is_none() && !self.is_complete
     }
 
+    /// Lets the aircraft join its leg anywhere, not only at its beginning, near which an obstacle may stand.
+    pub const fn join_anywhere(&mut self) {
+        (self.is_unentered, self.turn) = (false, None);
+    }
+
     /// Whether the aircraft has come off the turn round by which it was to enter its leg.
     pub const fn is_off_turn(&self) -> bool {
         self.is_unentered && self.turn.is_none()

@@ -1,6 +1,7 @@
 //! The avoider from outside: its states, its symmetries, its reaction to unusable numbers.
 
 mod aircraft;
+mod corner;
 mod entered;
 mod flight;
 mod ground;
