@@ -52,8 +52,9 @@ struct CertificateCase {
     own: Ownship,
     wind_mps: Vec3,
     maneuver: Maneuver,
-    body: GrowingBody,
     horizon_s: f64,
+    /// What draws the obstacle.
+    random: Random,
 }
 
 /// A certificate beside its flight, metres.
@@ -218,23 +219,26 @@ impl CertificateCase {
         let wind_mps = Vec3::new(cos, sin, 0.0) * wind;
         let maneuver = maneuver(&mut random, own.course_rad);
         let horizon_s = random.within(Range(5.0, 30.0));
-        let at_s = random.within(Range(0.0, horizon_s));
-        let mut flight = FineFlight::new(&vehicle, wind_mps, &own, &maneuver);
-        flight.fly(at_s, |_, _, _| ());
-        let body = body(&mut random, flight.state().position_m, at_s);
         Self {
             vehicle,
             own,
             wind_mps,
             maneuver,
-            body,
             horizon_s,
+            random,
         }
     }
 
-    fn compare(&self, path: &mut FlightPath) -> Compared {
+    fn compare(mut self, path: &mut FlightPath) -> Compared {
+        let h_s = self.horizon_s;
+        let at_s = self.random.within(Range(0.0, h_s));
+        let mut stops_s = [at_s, 0.25 * h_s, 0.5 * h_s, 0.75 * h_s, h_s];
+        stops_s.sort_by(f64::total_cmp);
+        let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
+        let flown_m = stops_s.map(|stop_s| flight.fly(stop_s));
+        let near_m = flown_m[stops_s.partition_point(|stop_s| *stop_s < at_s)];
+        let body = body(&mut self.random, near_m, at_s);
         let flyer = Flyer::new(&self.vehicle);
-        let body = &self.body;
         let mut obstacle = Obstacle::straight(1, body.position_m, body.velocity_mps, body.volume);
         obstacle.uncertainty.velocity_mps = body.growth_mps;
         let hazard = Hazard::new(&obstacle, self.wind_mps, 1.0);
@@ -255,15 +259,12 @@ impl CertificateCase {
                 ..Compared::default()
             };
         }
-        let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
-        let (mut off_m, mut flown_m) = (0.0_f64, f64::INFINITY);
-        for k in 1..=4 {
-            let at_s = self.horizon_s * f64::from(k) / 4.0;
-            flown_m = flown_m.min(flight.least_margin_m(core::slice::from_ref(body), at_s));
-            let predicted = path.state_at(&flyer, at_s).expect("it has nodes");
-            let over_ground_m = predicted.position_m + self.wind_mps * at_s;
-            off_m = off_m.max(over_ground_m.distance(flight.state().position_m));
-        }
+        let off_m = stops_s.iter().zip(&flown_m).map(|(stop_s, flown_m)| {
+            let predicted = path.state_at(&flyer, *stop_s).expect("it has nodes");
+            flown_m.distance(predicted.position_m + self.wind_mps * *stop_s)
+        });
+        let off_m = off_m.fold(0.0, f64::max);
+        let flown_m = flight.least_margin_m(&[body]);
         Compared {
             above_m: certificate.margin_m - flown_m,
             below_m: flown_m - certificate.margin_m,

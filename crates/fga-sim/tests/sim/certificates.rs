@@ -50,9 +50,9 @@ fn first_decision(
             growth_mps: 0.0,
         })
         .collect();
-    let flown_m = FineFlight::new(vehicle, Vec3::ZERO, &own, &decision.command)
-        .least_margin_m(&bodies, horizon_s);
-    Some((chosen.margin_m, flown_m))
+    let mut flight = FineFlight::new(vehicle, Vec3::ZERO, &own, &decision.command);
+    flight.fly(horizon_s);
+    Some((chosen.margin_m, flight.least_margin_m(&bodies)))
 }
 
 /// An earlier version put nine stages into eight places: it dropped the avoiding turn and kept the margin.
