@@ -243,24 +243,39 @@ fn run_replay(
             done.skipped
         )));
     }
+    // The decisions are printed, but say nothing about the flight's.
+    let not_compared =
+        |why: String| Err(Failure::Input(format!("{why}: no decision was compared")));
+    let log = path.display();
+    if !done.has_steps {
+        return not_compared(format!(
+            "{log}: holds no steps of the program, expected a log of fga fly that has them"
+        ));
+    }
+    if !done.repeats {
+        return not_compared(format!(
+            "{log}: was flown with another configuration, expected the flight's --config and --policy"
+        ));
+    }
     let flown = path.with_file_name(decision_log(path));
     let beside = flown.display();
-    let words = match (done.repeats, fs::read_to_string(&flown)) {
-        (false, _) => "not compared: the log has no steps, or another configuration".to_owned(),
-        (true, Err(_)) => format!("not compared: {beside} cannot be read"),
-        (true, Ok(text)) => match differences(&text, &lines) {
-            None => format!("all {} lines are those of {beside}", lines.len()),
-            Some((count, first)) => {
-                return Err(Failure::Input(format!(
-                    "{}: decides otherwise than its flight in {count} of the lines of {beside}, first in {first}",
-                    path.display()
-                )));
-            }
-        },
+    let text = match fs::read_to_string(&flown) {
+        Ok(text) => text,
+        Err(error) => {
+            let error = InputError::unreadable(&flown, &error);
+            return not_compared(format!("{error}, expected the flight's decision log"));
+        }
     };
+    if let Some((count, first)) = differences(&text, &lines) {
+        return Err(Failure::Input(format!(
+            "{log}: decides otherwise than its flight in {count} of the lines of {beside}, first in {first}"
+        )));
+    }
     eprintln!(
-        "{} frames, {} not understood; {words}",
-        done.frames, done.skipped
+        "{} frames, {} not understood; all {} lines are those of {beside}",
+        done.frames,
+        done.skipped,
+        lines.len()
     );
     Ok(ExitCode::SUCCESS)
 }

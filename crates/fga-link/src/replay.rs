@@ -37,6 +37,8 @@ pub struct Replayed {
     pub skipped: u64,
     /// Decisions.
     pub decisions: u64,
+    /// Whether the log has the flight's steps.
+    pub has_steps: bool,
     /// Whether the log has the flight's steps, and the configuration is the flight's: then the decisions should be the flight's.
     pub repeats: bool,
 }
@@ -97,6 +99,7 @@ pub fn replay(
             },
         )) => {
             early.clear();
+            replayed.has_steps = true;
             replayed.repeats = configuration == companion.fingerprint();
             companion.set_dry_run(dry_run);
             Player::Steps(StepReplay {

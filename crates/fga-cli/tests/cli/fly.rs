@@ -450,13 +450,16 @@ fn emulate_flies_a_first_manoeuvre_and_says_the_least_separation() {
 
 /// The replay of a flight's log says whether it decides as the flight did.
 fn replay_is_compared(log: &Path) {
-    let replayed = |code: i32| {
+    let replayed_with = |code: i32, options: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fga"));
-        let output = command.args(["fly", "--replay"]).arg(log).output().unwrap();
+        command.args(["fly", "--replay"]).arg(log).args(options);
+        let output = command.output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(!output.stdout.is_empty());
         said
     };
+    let replayed = |code: i32| replayed_with(code, &[]);
     let flown = log.with_extension("jsonl");
     let text = fs::read_to_string(&flown).unwrap();
     let count = text.lines().count();
@@ -479,11 +482,29 @@ fn replay_is_compared(log: &Path) {
         said.contains(": kind is \"x\" in the flight, \"decision\" in the replay"),
         "{said}"
     );
-    fs::remove_file(flown).unwrap();
-    assert!(replayed(0).contains("; not compared: "));
+    // Where there is nothing to compare with, that is a failure too.
+    let refused = |said: &str, begin: &Path, why: &str| {
+        let begins = said.starts_with(&format!("fga: {}: ", begin.display()));
+        let ends = said.trim().ends_with(": no decision was compared");
+        assert!(begins && ends && said.contains(why), "{said}");
+    };
+    let other = replayed_with(1, &["--policy", "belief"]);
+    refused(&other, log, "was flown with another configuration");
+    fs::remove_file(&flown).unwrap();
+    refused(&replayed(1), &flown, "expected the flight's decision log");
     let bytes = fs::read(log).unwrap();
     fs::write(log, bytes.repeat(2)).unwrap();
     assert!(replayed(1).contains("another flight begins in the log"));
+    let mut frames = fga_link::tlog::TlogReader::new(bytes.as_slice());
+    let mut stepless = fga_link::tlog::TlogWriter::new(fs::File::create(log).unwrap());
+    while let Some(logged) = frames.next_frame().unwrap() {
+        if fga_link::steps::Step::of_message(&logged.frame.message).is_none() {
+            let written = stepless.write(logged.unix_us, logged.frame.bytes());
+            written.unwrap();
+        }
+    }
+    stepless.flush().unwrap();
+    refused(&replayed(1), log, "holds no steps of the program");
 }
 
 #[test]
