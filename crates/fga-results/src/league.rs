@@ -80,8 +80,8 @@ pub struct LeagueCampaign {
 /// Unknown sets or policies, unusable files, an unwritable folder.
 pub fn campaigns(terms: &Terms, out: &Path) -> Result<Vec<LeagueCampaign>, CampaignError> {
     let policies = policies(terms)?;
+    let (sets, _) = sets(terms, &policies, out)?;
     atomic::prepare_folder(out)?;
-    let (sets, _) = sets(terms, out)?;
     let each = sets
         .iter()
         .flat_map(|set| policies.iter().map(move |policy| (set, policy)));
@@ -110,7 +110,7 @@ pub fn run(
             .collect(),
         ..terms.clone()
     };
-    let (sets, left_out) = sets(terms, out)?;
+    let (sets, left_out) = sets(terms, &policies, out)?;
     atomic::prepare_folder(out)?;
     let stamp = CampaignStamp::of_this_build(TARGET);
     let mut league = League {

@@ -65,8 +65,19 @@ pub struct Overrides {
 /// # Errors
 /// An unreadable file, a file of another kind, or an unknown name in it.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<CampaignConfiguration, InputError> {
-    let text = read_text(path)?;
-    let text = TomlText::new(path, &text);
+    from_text(path, &read_text(path)?, overrides)
+}
+
+/// The same of a text that belongs into the file.
+///
+/// # Errors
+/// As [`read`], but for the file itself.
+pub fn from_text(
+    path: &Path,
+    text: &str,
+    overrides: &Overrides,
+) -> Result<CampaignConfiguration, InputError> {
+    let text = TomlText::new(path, text);
     let file = CampaignFile::read(&text)?;
     let beside = |name: &str| path.parent().unwrap_or(Path::new("")).join(name);
 

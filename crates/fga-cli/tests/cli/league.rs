@@ -118,6 +118,12 @@ fn a_program_joins_a_league_and_its_failures_stand_there() {
 #[test]
 fn sets_and_policies_that_are_not_there_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
+    // Read, this file looks well; opened with the policies it cannot be flown.
+    let straight = "policies = [\"none\"]\ncells = [\"head-on:300:30\"]\nintruders = \"orca\"\n";
+    fs::write(folder.path().join("straight.toml"), straight).unwrap();
+    let model = "data/encounter-models/uncor_1200only_fwse_v1p2.txt";
+    fs::create_dir_all(folder.path().join("data/encounter-models")).unwrap();
+    fs::write(folder.path().join(model), "no model").unwrap();
     for (arguments, what) in [
         (&["--sets", "lunar"][..], "there is no set \"lunar\""),
         (&["--sets", "drawn-1hz,lunar"], "there is no set \"lunar\""),
@@ -126,6 +132,15 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
             "set drawn-1hz is named twice",
         ),
         (&["--sets", "none.toml", "--policy", "none"], "none.toml"),
+        (&["--sets", "drawn-1hz,none.toml"], "none.toml"),
+        (
+            &["--sets", "drawn-1hz,straight.toml"],
+            "expected recordings or a model alone",
+        ),
+        (
+            &["--sets", "fleet-1hz,low-altitude-1hz", "--data", "data"],
+            "uncor_1200only_fwse_v1p2.txt",
+        ),
         (&["--encounters", "-5"], "expected a whole number from 1"),
         (&["--policy", "nobody"], "unknown policy \"nobody\""),
         (

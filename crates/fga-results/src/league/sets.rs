@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use fga_campaign::campaign::CampaignError;
 use fga_campaign::campaign::file::{self, Overrides};
-use fga_campaign::campaign::policy_called;
+use fga_campaign::campaign::{Campaign, CampaignError, policy_called};
 use fga_campaign::drawn::{DrawnContent, DrawnWriter, Origin, TRACKS};
 use fga_campaign::encounters::fleet::fleet;
 use fga_formats::OutputError;
@@ -137,34 +136,77 @@ pub(super) struct Set {
     pub(super) reaction: LeagueReaction,
     pub(super) path: PathBuf,
     pub(super) overrides: Overrides,
+    shipped: Option<&'static Shipped>,
 }
 
-/// The sets to fly, each with its reactions, and a sentence for each set that is left out.
-pub(super) fn sets(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), CampaignError> {
+impl Set {
+    /// Opens its campaign with all policies, whether its files are written or not; none of fleets, which fly what is written.
+    fn open(
+        &self,
+        terms: &Terms,
+        policies: &[PolicyChoice],
+    ) -> Result<Option<Campaign>, CampaignError> {
+        let overrides = Overrides {
+            policies: policies.iter().map(PolicyChoice::name).collect(),
+            intruders: policies.iter().find_map(|own| self.reaction.against(own)),
+            ..self.overrides.clone()
+        };
+        let configuration = match self.shipped {
+            Some(set) if matches!(set.needs, Needs::Fleets) => return Ok(None),
+            Some(set) => file::from_text(&self.path, set.campaign, &overrides)?,
+            None => file::read(&self.path, &overrides)?,
+        };
+        Campaign::with_own(configuration, &self.path, &terms.own).map(Some)
+    }
+
+    /// Writes the files of a shipped set into its folder.
+    fn write(&self, terms: &Terms) -> Result<(), OutputError> {
+        let (Some(shipped), Some(folder)) = (self.shipped, self.path.parent()) else {
+            return Ok(());
+        };
+        if matches!(shipped.needs, Needs::Fleets) {
+            draw_fleets(folder, terms.encounters.unwrap_or(FLEETS))?;
+        }
+        atomic::prepare_folder(folder)?;
+        atomic::write(&self.path, shipped.campaign)
+    }
+}
+
+/// The sets to fly, each with its reactions, and a sentence for each set that is left out. Writes the files of shipped ones once all
+/// sets can be flown with the policies.
+pub(super) fn sets(
+    terms: &Terms,
+    policies: &[PolicyChoice],
+    out: &Path,
+) -> Result<(Vec<Set>, Vec<String>), CampaignError> {
     let reactions = reactions(terms)?;
     let (sets, mut left_out) = chosen(terms, out)?;
     let mut all = Vec::new();
-    for set in sets {
-        let configuration = file::read(&set.path, &set.overrides)?;
-        let has_tracks = configuration.cells.len() + configuration.files.len() == 0;
+    for set in &sets {
+        let has_tracks = set.open(terms, policies)?.is_none_or(|campaign| {
+            let configuration = &campaign.configuration;
+            configuration.cells.len() + configuration.files.len() == 0
+        });
         if !reactions.is_empty() && !has_tracks {
             left_out.push(format!(
                 "set {} with reactions: its obstacles fly straight and cannot react",
                 set.name
             ));
         }
+        all.push(set.clone());
         // A fleet reacts by itself only.
-        let each = reactions
-            .iter()
-            .filter(|_| has_tracks && set.reaction == LeagueReaction::None);
-        let each: Vec<Set> = each
-            .map(|reaction| Set {
+        let reacts = has_tracks && set.reaction == LeagueReaction::None;
+        for reaction in reactions.iter().filter(|_| reacts) {
+            let reacting = Set {
                 reaction: reaction.clone(),
                 ..set.clone()
-            })
-            .collect();
-        all.push(set);
-        all.extend(each);
+            };
+            reacting.open(terms, policies)?;
+            all.push(reacting);
+        }
+    }
+    for set in &sets {
+        set.write(terms)?;
     }
     Ok((all, left_out))
 }
@@ -201,7 +243,6 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
         terms.sets.iter().map(String::as_str).collect()
     };
     let (mut sets, mut left_out): (Vec<Set>, Vec<String>) = (Vec::new(), Vec::new());
-    let mut shipped = Vec::new();
     for name in asked {
         let set = match SHIPPED.iter().find(|set| set.name == name) {
             None if Path::new(name).extension().is_some_and(|is| is == "toml") => {
@@ -215,10 +256,7 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
                 )));
             }
             Some(set) => match of_shipped(set, terms, out) {
-                Ok(found) => {
-                    shipped.push(set);
-                    found
-                }
+                Ok(found) => found,
                 // A set that was asked for is needed.
                 Err(why) if !terms.sets.is_empty() => return Err(CampaignError::Other(why)),
                 Err(why) => {
@@ -234,15 +272,6 @@ fn chosen(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), Campaign
             )));
         }
         sets.push(set);
-    }
-    // Nothing is written for a set that is not there.
-    for set in shipped {
-        let folder = out.join(set.name);
-        if matches!(set.needs, Needs::Fleets) {
-            draw_fleets(&folder, terms.encounters.unwrap_or(FLEETS))?;
-        }
-        atomic::prepare_folder(&folder)?;
-        atomic::write(&folder.join(CAMPAIGN), set.campaign)?;
     }
     Ok((sets, left_out))
 }
@@ -261,6 +290,7 @@ fn of_file(path: &Path, terms: &Terms) -> Set {
             own: terms.own.clone(),
             ..Overrides::default()
         },
+        shipped: None,
     }
 }
 
@@ -268,7 +298,7 @@ fn of_file(path: &Path, terms: &Terms) -> Set {
 const CAMPAIGN: &str = "campaign.toml";
 
 /// A shipped set, whose files belong into the folder; or why it cannot be flown.
-fn of_shipped(set: &Shipped, terms: &Terms, out: &Path) -> Result<Set, String> {
+fn of_shipped(set: &'static Shipped, terms: &Terms, out: &Path) -> Result<Set, String> {
     let mut overrides = Overrides {
         vehicle: Some(set.vehicle.to_owned()),
         own: terms.own.clone(),
@@ -303,6 +333,7 @@ fn of_shipped(set: &Shipped, terms: &Terms, out: &Path) -> Result<Set, String> {
         reaction,
         path: folder.join(CAMPAIGN),
         overrides,
+        shipped: Some(set),
     })
 }
 
