@@ -88,16 +88,13 @@ void FgaPlane::give_back(uint16_t to) {
 void FgaPlane::update() {
     if (!_enable || (!task.avoider && !(plane.ahrs.home_is_set() && begin()))) return;
     if (mode() != FGA_TASK_MODE_OTHER) follow_mission();
-    fga_task_input in {};
     Vector3f over_ground, wind;
-    in.time_s = seconds(AP_HAL::millis());
-    in.mode = (fga_task_mode)mode();
-    in.is_fresh = plane.ahrs.get_velocity_NED(over_ground) && plane.ahrs.wind_estimate(wind);
-    in.pilot_hand = rc().has_valid_input() && fabsf(plane.channel_roll->norm_input_dz()) > 0.2f;
+    const bool is_fresh = plane.ahrs.get_velocity_NED(over_ground) && plane.ahrs.wind_estimate(wind);
+    const bool pilot_hand = rc().has_valid_input() && fabsf(plane.channel_roll->norm_input_dz()) > 0.2f;
     const Vector3f air = over_ground - wind;
-    in.wind_mps = enu(wind);
-    in.ownship = {enu(origin.get_distance_NED(plane.current_loc)), atan2(air.x, air.y), -atan2(air.z, hypot(air.x, air.y)),
-                  -plane.ahrs.get_roll_rad(), air.length()};
+    const fga_ownship own {enu(origin.get_distance_NED(plane.current_loc)), atan2(air.x, air.y), -atan2(air.z, hypot(air.x, air.y)),
+                           -plane.ahrs.get_roll_rad(), air.length()};
+    const fga_task_input in {seconds(AP_HAL::millis()), (fga_task_mode)mode(), is_fresh, pilot_hand, own, enu(wind), 0, nullptr, 0, nullptr};
     hear_traffic(in.time_s);
     fga_task_output out;
     fga_task_step(&task, &in, &out);
@@ -109,9 +106,8 @@ void FgaPlane::update() {
     }
     if (out.alarms & ~alarms) gcs().send_text(MAV_SEVERITY_WARNING, "%s", fga_task_alarm_text(out.alarms & ~alarms));
     alarms = out.alarms;
-    AP::logger().Write("FGA", "TimeUS,Phase,State,Why,Req,Alarm,Bank,Marg", "QBBBBBff", AP_HAL::micros64(), (unsigned)task.phase,
-                       (unsigned)task.decision.state, (unsigned)task.decision.reason, (unsigned)out.request, (unsigned)out.alarms,
-                       degrees(out.bank_left_rad), task.decision.certified_margin_m);
+    AP::logger().Write("FGA", "TimeUS,Phase,State,Why,Req,Alarm,Bank,Marg", "QBBBBBff", AP_HAL::micros64(), task.phase, task.decision.state,
+                       task.decision.reason, out.request, out.alarms, degrees(out.bank_left_rad), task.decision.certified_margin_m);
 }
 
 void FgaPlane::watch() {
