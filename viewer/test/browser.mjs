@@ -4,11 +4,20 @@ import { existsSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-export const SIZES = { desktop: { width: 1280, height: 720 }, phone: { width: 390, height: 844 } };
+export const SIZES = {
+  desktop: { width: 1280, height: 720 },
+  phone: { width: 390, height: 844 },
+  wide: { width: 1400, height: 900 },
+};
+
+const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const absent = !existsSync(executablePath) && `no Chromium at ${executablePath}; set CHROMIUM`;
+
+/** Why a test is skipped here, if it is; with CI=true it fails instead. */
+export const SKIPPED = process.env.CI !== "true" && absent;
 
 export async function launch() {
-  const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-  if (!existsSync(executablePath)) throw new Error(`no Chromium at ${executablePath}; set CHROMIUM`);
+  if (absent) throw new Error(absent);
   return chromium.launch({
     executablePath,
     args: [
@@ -63,7 +72,7 @@ export async function seek(page, t) {
   await settle(page);
 }
 
-/** How many colours an area of the page shows, and the share of the commonest. */
+/** How many colours an area of the page shows, the share of the commonest, and how bright that is, 0 to 255. */
 export async function colours(page, selector) {
   const shot = await page.locator(selector).screenshot();
   const other = await page.context().newPage();
@@ -79,7 +88,9 @@ export async function colours(page, selector) {
       const key = (pixels[i] << 16) | (pixels[i + 1] << 8) | pixels[i + 2];
       counts.set(key, (counts.get(key) ?? 0) + 1);
     }
-    return { kinds: counts.size, most: Math.max(...counts.values()) / (pixels.length / 4) };
+    const [colour, count] = [...counts].reduce((a, b) => (b[1] > a[1] ? b : a));
+    const background = ((colour >> 16) + ((colour >> 8) & 255) + (colour & 255)) / 3;
+    return { kinds: counts.size, most: count / (pixels.length / 4), background };
   }, shot.toString("base64"));
   await other.close();
   return counted;
