@@ -211,6 +211,49 @@ fn what_a_page_names_exists() {
     assert!(files > 20 && examples > 3, "{files} and {examples}");
 }
 
+/// Contributors were told to pack six of the nine crates, and to add to test files that were folders by then.
+#[test]
+fn what_contributing_says_is_what_the_checks_install_and_pack() {
+    let read = |name: &str| fs::read_to_string(root().join(name)).expect(name);
+    let (page, script) = (read("CONTRIBUTING.md"), read(".ci/run"));
+    let (first, _) = page.split_once("```").expect("the command");
+    let names: BTreeSet<&str> = first.split('`').skip(1).step_by(2).collect();
+    let (files, packages): (Vec<&str>, Vec<&str>) =
+        names.into_iter().partition(|name| name.contains('/'));
+    for file in files {
+        assert!(root().join(file).exists(), "{file}");
+        assert!(script.contains(file), "{file}");
+    }
+    // The words behind `need`, and before `==` of a version.
+    let debian = script.split("|| need ").skip(1);
+    let debian = debian.filter_map(|rest| rest.split_whitespace().next());
+    let pinned = script
+        .split("==")
+        .filter_map(|before| before.split_whitespace().last());
+    let is_name = |word: &&str| word.chars().all(char::is_alphabetic);
+    let pypi = pinned
+        .filter(is_name)
+        .filter(|name| script.contains(&format!("{name}==")));
+    let installed: BTreeSet<&str> = debian.chain(pypi).collect();
+    assert_eq!(packages.into_iter().collect::<BTreeSet<_>>(), installed);
+
+    let packed = |text: &str| -> BTreeSet<String> {
+        let (_, command) = text.split_once("cargo package").expect("the command");
+        let (_, command) = command.split_once("-p fga-proof").expect("the first");
+        let end = command.find(['`', '\n']).map(|end| &command[..end]);
+        let words = end.unwrap_or_default().split_whitespace();
+        words
+            .filter(|word| word.starts_with("fga"))
+            .map(str::to_owned)
+            .collect()
+    };
+    assert_eq!(packed(&page), packed(&script.replace("\\\n", " ")));
+    for name in page.split('`').skip(1).step_by(2) {
+        let is_test = name.starts_with("tests/");
+        assert!(!is_test || root().join(name).exists(), "{name}");
+    }
+}
+
 /// Paragraphs and points of a list, without headings, tables, pictures and code.
 fn paragraphs(text: &str) -> Vec<String> {
     let mut paragraphs = vec![String::new()];
