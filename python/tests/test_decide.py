@@ -196,6 +196,7 @@ def test_an_identifier_that_is_used_twice_is_refused_as_in_a_scenario(root, tmp_
         (lambda: fga.Obstacle(1, (0, 0, 0), -1.0), ValueError, "radius_m is -1"),
         (lambda: fga.Obstacle(1, (0, 0, float("inf")), 1.0), ValueError, "position_m"),
         (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, kind="bird"), ValueError, "still, straight"),
+        (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, (-20, 0, 0), kind="still"), ValueError, r"\(-20.0, 0.0, 0.0\) of kind still, expected zeros"),
         (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, nature="bird"), ValueError, "nature is \"bird\", expected unknown"),
         (lambda: fga.Settings(work_limit=5), ValueError, "work_limit is 5"),
         (lambda: fga.Settings(work_limit=-5), ValueError, "work_limit is -5, expected 10,000"),

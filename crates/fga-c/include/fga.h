@@ -383,7 +383,7 @@ enum fga_movement
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // It stays at its position, whatever its velocity says.
+  // It stays at its position: its velocity is 0, but for noise where `velocity_sigma_mps` is above 0.
   FGA_MOVEMENT_AT_REST = 1,
   // It keeps its velocity over the ground: optimistic for an aircraft.
   FGA_MOVEMENT_STRAIGHT = 2,
@@ -474,7 +474,7 @@ typedef struct fga_vehicle {
 } fga_vehicle;
 
 // What was refused, written by a call that answers `FGA_STATUS_OUT_OF_RANGE`, `FGA_STATUS_UNKNOWN_VALUE` or
-// `FGA_STATUS_TOO_MANY`.
+// `FGA_STATUS_TOO_MANY`; by a step also for the first obstacle that it ignores.
 typedef struct fga_refusal {
   // `sizeof(fga_refusal)`.
   uint32_t size;
@@ -764,7 +764,7 @@ typedef struct fga_report {
   double time_s;
   // Position, metres.
   struct fga_enu position_m;
-  // Velocity over the ground, metres per second; without one not read.
+  // Velocity over the ground, metres per second; without one not used, nor of what rests.
   struct fga_enu velocity_mps;
   // Standard deviation of the position along any axis, metres, 0 or more.
   double position_sigma_m;
@@ -970,8 +970,9 @@ fga_status fga_avoider_restart(struct fga_avoider *avoider);
 
 // Decides what to fly until the next step. Call it once each decision period, with the state of that moment.
 //
-// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number have
-// no effect; of more obstacles than there is room for, those count that the aircraft could meet first.
+// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number, or at rest
+// with a velocity known exactly, have no effect, and `why` names the first of them; of more obstacles than there is room for, those
+// count that the aircraft could meet first.
 //
 // Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship, wind, zones and
 // ground), `UNKNOWN_VALUE`, `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles or `FGA_ZONES_MOST` zones); then the avoider has not decided, and `decision` stays as it was.

@@ -205,14 +205,24 @@ impl AtWork<'_, Flying> {
     }
 
     /// Copies the usable obstacles into their places. Where there are more obstacles than places, those stay that the aircraft could
-    /// meet first. Returns how many obstacles have a place, how many are unusable, and how many have no place.
-    fn take_obstacles(&mut self, obstacles: &[fga_obstacle], own: &Ownship) -> [u32; 3] {
+    /// meet first. Returns how many obstacles have a place, how many are unusable, and how many have no place; and why the first one is
+    /// unusable.
+    fn take_obstacles(
+        &mut self,
+        obstacles: &[fga_obstacle],
+        own: &Ownship,
+    ) -> ([u32; 3], Option<Refused>) {
         let (places, most) = (self.obstacle_places(), self.value().obstacles_most);
         let [mut placed, mut ignored, mut left_out] = [0_u32; 3];
-        for obstacle in obstacles {
-            let Some(obstacle) = obstacle.obstacle() else {
-                ignored += 1;
-                continue;
+        let mut why = None;
+        for (index, obstacle) in obstacles.iter().enumerate() {
+            let obstacle = match obstacle.obstacle() {
+                Ok(obstacle) => obstacle,
+                Err(refused) => {
+                    ignored += 1;
+                    why = why.or(Some(refused.at(index)));
+                    continue;
+                }
             };
             let mut place = placed;
             if placed < most {
@@ -234,7 +244,7 @@ impl AtWork<'_, Flying> {
             // SAFETY: below `most`, so there is such a place.
             unsafe { places.add(place as usize).write(obstacle) };
         }
-        [placed, ignored, left_out]
+        ([placed, ignored, left_out], why)
     }
 }
 
@@ -378,7 +388,8 @@ unsafe fn work(
 ) -> fga_status {
     let counted = |object: &mut AtWork<'_, Flying>, why| {
         let done = work(object, why);
-        if done.is_err() {
+        let is_refused = |why: &Refused| why.status != fga_status::Incomplete;
+        if done.as_ref().is_err_and(is_refused) {
             let counts = &mut object.value().counts;
             counts.refused_calls = counts.refused_calls.saturating_add(1);
         }
@@ -477,8 +488,9 @@ pub unsafe extern "C" fn fga_avoider_restart(avoider: *mut fga_avoider) -> fga_s
 
 /// Decides what to fly until the next step. Call it once each decision period, with the state of that moment.
 ///
-/// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number have
-/// no effect; of more obstacles than there is room for, those count that the aircraft could meet first.
+/// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number, or at rest
+/// with a velocity known exactly, have no effect, and `why` names the first of them; of more obstacles than there is room for, those
+/// count that the aircraft could meet first.
 ///
 /// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship, wind, zones and
 /// ground), `UNKNOWN_VALUE`, `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles or `FGA_ZONES_MOST` zones); then the avoider has not decided, and `decision` stays as it was.
@@ -570,7 +582,8 @@ unsafe fn step(
             let ground = ground(situation.ground, &written)?;
             let mut now = UNSAID;
             situation.moment(&mut now)?;
-            let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &now.ownship);
+            let (taken, unusable) = at_work.take_obstacles(obstacles, &now.ownship);
+            let [placed, ignored, left_out] = taken;
             let places = at_work.obstacle_places().cast_const();
             let (waypoints_m, passing) = at_work.waypoint_places();
             let flying = at_work.value();
@@ -599,11 +612,11 @@ unsafe fn step(
                 out.obstacles_left_out = left_out;
                 out.leg_index = leg;
             });
-            Ok(if is_incomplete {
-                fga_status::Incomplete
-            } else {
-                fga_status::Ok
-            })
+            match unusable {
+                Some(unusable) => Err(unusable.with(fga_status::Incomplete)),
+                None if is_incomplete => Ok(fga_status::Incomplete),
+                None => Ok(fga_status::Ok),
+            }
         })
     }
 }

@@ -357,7 +357,7 @@ pub enum fga_volume {
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum fga_movement {
-    /// It stays at its position, whatever its velocity says.
+    /// It stays at its position: its velocity is 0, but for noise where `velocity_sigma_mps` is above 0.
     AtRest = 1,
     /// It keeps its velocity over the ground: optimistic for an aircraft.
     Straight = 2,
@@ -425,8 +425,10 @@ impl fga_obstacle {
         }
     }
 
-    /// `None` where a number is unusable, or stands for no volume or movement.
-    pub(crate) fn obstacle(&self) -> Option<Obstacle> {
+    /// Refused where a number is unusable, stands for no volume or movement, or surely moves what is at rest.
+    pub(crate) fn obstacle(&self) -> Result<Obstacle, Refused> {
+        let expected = "finite numbers, none negative, an fga_volume and an fga_movement";
+        let unusable = Refused::out_of_range("obstacles", f64::from(self.id), expected);
         let radius_m = self.radius_m;
         let volume = match self.volume {
             form if form == fga_volume::Sphere as u32 => ProtectedVolume::Sphere { radius_m },
@@ -434,7 +436,7 @@ impl fga_obstacle {
                 radius_m,
                 half_height_m: self.half_height_m,
             },
-            _ => return None,
+            _ => return Err(unusable),
         };
         let movement = match self.movement {
             movement if movement == fga_movement::AtRest as u32 => Movement::AtRest,
@@ -450,7 +452,7 @@ impl fga_obstacle {
                     acceleration_mps2: self.bounds.acceleration_mps2,
                 })
             }
-            _ => return None,
+            _ => return Err(unusable),
         };
         let obstacle = Obstacle {
             id: self.id,
@@ -465,7 +467,18 @@ impl fga_obstacle {
             movement,
             age_s: self.age_s,
         };
-        obstacle.is_valid().then_some(obstacle)
+        if !obstacle.is_valid() {
+            return Err(unusable);
+        }
+        // A measured velocity may be noise.
+        let is_exact = obstacle.velocity_mps != Vec3::ZERO && self.velocity_sigma_mps == 0.0;
+        if movement == Movement::AtRest && is_exact {
+            let largest_mps = obstacle.velocity_mps.abs().max_element();
+            let expected = "0 of FGA_MOVEMENT_AT_REST, a velocity_sigma_mps, or another movement";
+            let field = "obstacles.velocity_mps";
+            return Err(Refused::out_of_range(field, largest_mps, expected));
+        }
+        Ok(obstacle)
     }
 }
 

@@ -159,11 +159,7 @@ impl Proving {
         self.hazards.clear();
         let mut aircraft = 0;
         for (place, given) in obstacles.iter().enumerate() {
-            let Some(obstacle) = given.obstacle() else {
-                let expected = "finite numbers, none negative, an fga_volume and an fga_movement";
-                let refused = Refused::out_of_range("obstacles", f64::from(given.id), expected);
-                return Err(refused.at(place));
-            };
+            let obstacle = given.obstacle().map_err(|refused| refused.at(place))?;
             aircraft += u32::from(matches!(obstacle.movement, Movement::Aircraft(_)));
             let hazard = Hazard::new(&obstacle, wind_mps, sigmas);
             self.hazards.put(place, hazard);

@@ -48,7 +48,7 @@ pub struct fga_report {
     pub time_s: f64,
     /// Position, metres.
     pub position_m: fga_enu,
-    /// Velocity over the ground, metres per second; without one not read.
+    /// Velocity over the ground, metres per second; without one not used, nor of what rests.
     pub velocity_mps: fga_enu,
     /// Standard deviation of the position along any axis, metres, 0 or more.
     pub position_sigma_m: f64,

@@ -105,7 +105,7 @@ pub const FGA_REFUSAL_FIELD_BYTES: usize = 48;
 pub const FGA_REFUSAL_EXPECTED_BYTES: usize = 80;
 
 /// What was refused, written by a call that answers `FGA_STATUS_OUT_OF_RANGE`, `FGA_STATUS_UNKNOWN_VALUE` or
-/// `FGA_STATUS_TOO_MANY`.
+/// `FGA_STATUS_TOO_MANY`; by a step also for the first obstacle that it ignores.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct fga_refusal {
@@ -196,6 +196,11 @@ impl Refused {
             index: u32::try_from(index).unwrap_or(u32::MAX),
             ..self
         }
+    }
+
+    /// The same with another status.
+    pub(crate) const fn with(self, status: fga_status) -> Self {
+        Self { status, ..self }
     }
 
     /// As the caller reads it; what does not fit is cut off.

@@ -243,7 +243,8 @@ pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedV
 /// `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis. `nature` is
 /// `unknown`, `passengers` or `natural-barrier`: only the published rules ask for it.
 ///
-/// Raises ValueError for a number that is not finite or a length that is negative.
+/// Raises ValueError for a number that is not finite, a length that is negative, or a velocity of kind `still` without a
+/// `velocity_sigma_mps`: where it is measured it may be noise.
 #[pyclass(name = "Obstacle", frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PyObstacle(pub(crate) fga::situation::Obstacle);
@@ -287,6 +288,13 @@ impl PyObstacle {
         obstacle.uncertainty.position_m = position_sigma_m;
         obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
         obstacle.movement = movement_of(kind)?;
+        let is_exact = velocity_mps.0 != Vec3::ZERO && velocity_sigma_mps == 0.0;
+        if obstacle.movement == Movement::AtRest && is_exact {
+            return Err(PyValueError::new_err(format!(
+                "velocity_mps is {:?} of kind still, expected zeros, a velocity_sigma_mps above 0, or another kind",
+                tuple(velocity_mps.0)
+            )));
+        }
         obstacle.kind = nature_of(nature)?;
         Ok(Self(obstacle))
     }

@@ -417,7 +417,8 @@ class Obstacle:
     `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis. `nature` is
     `unknown`, `passengers` or `natural-barrier`: only the published rules ask for it.
 
-    Raises ValueError for a number that is not finite or a length that is negative.
+    Raises ValueError for a number that is not finite, a length that is negative, or a velocity of kind `still` without a
+    `velocity_sigma_mps`: where it is measured it may be noise.
     """
 
     def __new__(cls, id: int, position_m: _Triple, radius_m: float, velocity_mps: _Triple = ..., half_height_m: float | None = None, position_sigma_m: float = 0.0, velocity_sigma_mps: float = 0.0, kind: str = 'straight', nature: str = 'unknown') -> Obstacle: ...

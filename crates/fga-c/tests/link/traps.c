@@ -94,6 +94,9 @@ static fga_obstacle draw_obstacle(uint32_t id, const fga_ownship *own, fga_enu w
   row.half_height_m = one_in(10) ? 0.0 : between(5.0, 60.0);
   row.position_sigma_m = one_in(2) ? 0.0 : between(0.0, 20.0);
   row.velocity_sigma_mps = one_in(2) ? 0.0 : between(0.0, 2.0);
+  if (row.movement == FGA_MOVEMENT_AT_REST && row.velocity_sigma_mps == 0.0) {
+    row.velocity_mps = (fga_enu){0.0, 0.0, 0.0};
+  }
   row.age_s = one_in(2) ? 0.0 : between(-0.2, 4.0);
   row.bounds = (fga_bounds){one_in(3) ? 0.0 : between(0.0, 0.3), one_in(3) ? 0.0 : between(0.3, 0.7), one_in(3) ? 0.0 : between(0.0, 2.0),
                             one_in(3) ? 0.0 : between(0.0, 4.0), one_in(3) ? 0.0 : between(0.0, 2.0)};

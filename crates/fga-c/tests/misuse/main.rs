@@ -264,7 +264,8 @@ fn an_unusable_state_is_refused_and_changes_nothing() {
 #[test]
 fn unusable_obstacles_are_ignored_and_counted() {
     let mut flight = Flight::new(8);
-    let changes: [Change<fga_obstacle>; 6] = [
+    let changes: [Change<fga_obstacle>; 7] = [
+        |o| o.velocity_mps.north = -20.0,
         |o| o.position_m.up = f64::NAN,
         |o| o.radius_m = -1.0,
         |o| o.volume = 0,
@@ -281,7 +282,14 @@ fn unusable_obstacles_are_ignored_and_counted() {
     let (status, decision) = flight.step(0.0, &obstacles);
     assert_eq!(
         (status, decision.obstacles_ignored),
-        (fga_status::Incomplete, 6)
+        (fga_status::Incomplete, 7)
+    );
+    let (field, expected) = words(&flight.why);
+    assert_eq!((flight.why.index, flight.why.value), (1, 20.0));
+    assert_eq!(field, "obstacles.velocity_mps");
+    assert!(
+        expected.starts_with("0 of FGA_MOVEMENT_AT_REST"),
+        "{expected}"
     );
     assert_eq!((decision.obstacles_tracked, decision.threat.id), (1, 7));
     let (_, alone) = Flight::new(8).step(0.0, &obstacles[..1]);
@@ -293,7 +301,7 @@ fn unusable_obstacles_are_ignored_and_counted() {
             counts.incomplete_steps,
             counts.obstacles_ignored
         ),
-        (1, 1, 6)
+        (1, 1, 7)
     );
 }
 
@@ -478,15 +486,16 @@ fn a_proof_covers_every_obstacle_or_is_refused() {
     };
     assert_eq!(certify(&[aircraft], &question, -1.0).1.straight_aircraft, 1);
     // No obstacle is left out of a proof.
-    let wrong = fga_obstacle {
+    let unusable = fga_obstacle {
         radius_m: f64::NAN,
         ..masts[0]
     };
-    let (status, _, field) = certify(&[masts[1], wrong], &question, -1.0);
-    assert_eq!(
-        (status, field.as_str()),
-        (fga_status::OutOfRange, "obstacles")
-    );
+    let mut moves = masts[0];
+    moves.velocity_mps.east = -20.0;
+    for (wrong, named) in [(unusable, "obstacles"), (moves, "obstacles.velocity_mps")] {
+        let (status, _, field) = certify(&[masts[1], wrong], &question, -1.0);
+        assert_eq!((status, field.as_str()), (fga_status::OutOfRange, named));
+    }
     let many = vec![masts[1]; FGA_PROVER_OBSTACLES_MOST + 1];
     assert_eq!(certify(&many, &question, -1.0).0, fga_status::TooMany);
     let (status, _, field) = certify(&masts, &question, f64::NAN);
