@@ -35,7 +35,16 @@ impl EncounterSource {
     /// # Errors
     /// One sentence where hardly any draw suits, as with threats that are too far away to be met.
     pub fn encounter(&self, number: u64) -> Result<Encounter, String> {
-        let mut random = Random::new(self.seed, number);
+        self.encounter_while(number, &|| true)
+    }
+
+    /// The same, and an error where `go_on` ends a draw that takes long.
+    pub(crate) fn encounter_while(
+        &self,
+        number: u64,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Encounter, String> {
+        let mut random = Random::with_stop(self.seed, number, go_on);
         let obstacles = self.obstacles(&mut random).ok_or_else(|| {
             format!(
                 "hardly any draw has obstacles outside of their radius of {} m that meet the aircraft, which flies at \

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_campaign::campaign::file::{self, Overrides};
-use fga_campaign::campaign::{Campaign, CampaignScene};
+use fga_campaign::campaign::{Campaign, CampaignError, CampaignScene};
 use fga_campaign::drawn::{
     DrawnContent, DrawnWriter, Origin, ROWS, SURROUNDINGS, TRACKS, write_surroundings,
 };
@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::batch_input::PARTS;
 use crate::campaign_source::SourceArgs;
-use crate::common::{self, AnswerArgs, OutArgs};
+use crate::common::{self, AnswerArgs, OutArgs, interrupted, watch_for_interrupt};
 use crate::failure::Failure;
 
 /// The list of what was drawn.
@@ -52,6 +52,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     common::tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
+    watch_for_interrupt();
     let folder = args.out.prepare(&args.file)?;
     let whole = AtomicFolder::create(&folder)?;
     let drawn = draw(&campaign, whole.path()).map_err(|failure| match failure {
@@ -101,7 +102,11 @@ fn draw(campaign: &Campaign, folder: &Path) -> Result<DrawnFiles, Failure> {
     let mut recordings = 0_u64;
     let mut list = String::from("encounter,source,source_encounter,seed,weight,file\n");
     for number in 0..campaign.configuration.encounters {
-        let drawn = campaign.draw(number)?;
+        let drawn = match campaign.draw_while(number, &|| !interrupted()) {
+            Err(CampaignError::Stopped { .. }) => return Err(Failure::Interrupted),
+            _ if interrupted() => return Err(Failure::Interrupted),
+            drawn => drawn?,
+        };
         let source = campaign
             .source_names()
             .get(drawn.source as usize)

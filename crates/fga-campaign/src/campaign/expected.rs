@@ -75,7 +75,10 @@ pub(super) fn expect(
             };
             let takes_off = Instant::now();
             let mut rows = Vec::with_capacity(campaign.policies.len());
-            flyer.fly(number, &mut rows)?;
+            match flyer.fly_while(number, &mut rows, go_on) {
+                Err(CampaignError::Stopped { .. }) => break,
+                flown => flown?,
+            }
             taken += takes_off.elapsed();
             flown.insert(number, rows);
         }

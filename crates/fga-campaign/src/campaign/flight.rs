@@ -82,7 +82,17 @@ impl<'a> CampaignFlyer<'a> {
     /// # Errors
     /// A number past the last, or a recording that is gone.
     pub fn fly(&mut self, number: u64, take: &mut Vec<TimedRow>) -> Result<(), CampaignError> {
-        let drawn = self.campaign.draw(number)?;
+        self.fly_while(number, take, &|| true)
+    }
+
+    /// The same; `go_on` ends a draw that takes long.
+    pub(super) fn fly_while(
+        &mut self,
+        number: u64,
+        take: &mut Vec<TimedRow>,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(), CampaignError> {
+        let drawn = self.campaign.draw_while(number, go_on)?;
         match &drawn.scene {
             CampaignScene::Rows(encounter) => {
                 self.fly_rows(number, &drawn, encounter, take);

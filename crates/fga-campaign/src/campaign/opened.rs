@@ -335,7 +335,28 @@ impl Campaign {
     /// # Errors
     /// A number past the last.
     pub fn draw(&self, number: u64) -> Result<Drawn, CampaignError> {
+        self.draw_while(number, &|| true)
+    }
+
+    /// The same; `go_on` ends a draw that takes long.
+    ///
+    /// # Errors
+    /// A number past the last, or [`CampaignError::Stopped`].
+    pub fn draw_while(
+        &self,
+        number: u64,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Drawn, CampaignError> {
         let configuration = &self.configuration;
+        let not_drawn = |message: String| {
+            if go_on() {
+                return CampaignError::Other(message);
+            }
+            CampaignError::Stopped {
+                done: number,
+                total: configuration.encounters,
+            }
+        };
         let past = || {
             CampaignError::Other(format!(
                 "there is no encounter {number}, expected 0 to {}",
@@ -396,7 +417,7 @@ impl Campaign {
                 .models
                 .get(turn * configuration.models.len() + model)
                 .ok_or_else(past)?;
-            let modeled = source.encounter(number).map_err(CampaignError::Other)?;
+            let modeled = source.encounter_while(number, go_on).map_err(not_drawn)?;
             let first = self.names.len() - configuration.models.len();
             let scene = CampaignScene::Tracks(modeled.recording);
             return Ok(Drawn {
@@ -408,10 +429,11 @@ impl Campaign {
             .cells
             .get(turn * configuration.cells.len() + kind)
             .ok_or_else(past)?;
-        let scene = CampaignScene::Rows(source.encounter(number).map_err(|message| {
+        let encounter = source.encounter_while(number, go_on).map_err(|message| {
             let cell = &configuration.cells[kind];
-            CampaignError::Other(format!("{cell}: {message}"))
-        })?);
+            not_drawn(format!("{cell}: {message}"))
+        });
+        let scene = CampaignScene::Rows(encounter?);
         Ok(Drawn {
             scenery: source.scenery(number),
             ..drawn(self.files.len() + kind, source.seed, scene)

@@ -94,7 +94,7 @@ const TAKEN: u64 = 4;
 /// Flies every missing block, on the threads of the current pool.
 ///
 /// Calls `go_on` now and then; once it returns false, finished blocks stay, and running ones are dropped, or flown to their
-/// end with [`CampaignTask::ends_begun`]; the first missing block counts as begun. `show` gets the expected duration before the first block, and every finished block. Returns the durations of
+/// end with [`CampaignTask::ends_begun`], unless drawing an encounter takes long; the first missing block counts as begun. `show` gets the expected duration before the first block, and every finished block. Returns the durations of
 /// the decisions of each policy, for the encounters of this run.
 ///
 /// # Errors
@@ -228,13 +228,16 @@ impl<'a> RunWork<'a> {
     /// Flies on until nothing is left, a stop or an error.
     fn go_through(&self, go_on: &(impl Fn() -> bool + Sync)) {
         if let Err(error) = self.try_to_go_through(go_on) {
-            self.state().error.get_or_insert(error);
+            // A stop is said with what is done.
+            if !matches!(error, CampaignError::Stopped { .. }) {
+                self.state().error.get_or_insert(error);
+            }
             // Nobody begins anything more.
             self.next.store(u64::MAX / 2, Ordering::Relaxed);
         }
     }
 
-    fn try_to_go_through(&self, go_on: &impl Fn() -> bool) -> Result<(), CampaignError> {
+    fn try_to_go_through(&self, go_on: &(impl Fn() -> bool + Sync)) -> Result<(), CampaignError> {
         let mut flyer = CampaignFlyer::new(self.task.campaign)?;
         while let Some((block, numbers)) = self.take(go_on) {
             let mut flown = Vec::with_capacity(numbers.clone().count());
@@ -244,7 +247,7 @@ impl<'a> RunWork<'a> {
                 }
                 let mut rows = self.sample.get(&number).cloned().unwrap_or_default();
                 if rows.is_empty() {
-                    flyer.fly(number, &mut rows)?;
+                    flyer.fly_while(number, &mut rows, go_on)?;
                 }
                 flown.push((number, rows));
             }

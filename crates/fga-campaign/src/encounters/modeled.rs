@@ -222,8 +222,20 @@ impl ModelSource {
     /// # Errors
     /// One sentence if no draw of the model suits the pairing.
     pub fn encounter(&self, number: u64) -> Result<ModeledEncounter, String> {
-        let mut random = Random::new(self.seed, number);
+        self.encounter_while(number, &|| true)
+    }
+
+    /// The same, and an error where `go_on` ends a draw that takes long.
+    pub(crate) fn encounter_while(
+        &self,
+        number: u64,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<ModeledEncounter, String> {
+        let mut random = Random::with_stop(self.seed, number, go_on);
         for _ in 0..MOST_DRAWS {
+            if random.again().is_none() {
+                break;
+            }
             let drawn = if self.model.is_correlated() {
                 self.both(&mut random)
             } else {

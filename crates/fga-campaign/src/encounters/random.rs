@@ -1,6 +1,8 @@
 //! Random numbers, the same on every machine.
 
 use core::f64::consts::TAU;
+use core::time::Duration;
+use std::time::Instant;
 
 use fga::Vec3;
 use rand_chacha::ChaCha8Rng;
@@ -17,29 +19,43 @@ pub(super) fn level(turns: f64) -> Vec3 {
 /// Most repeated draws of an encounter: a hundred times what the rarest cell in use needs, and at most seconds.
 const MOST_DRAWS: u32 = 10_000_000;
 
+/// A stop ends draws that have taken longer than this; the others are drawn to their end.
+const LONG: Duration = Duration::from_millis(100);
+
 /// The random stream of one encounter.
-#[derive(Debug, Clone)]
-pub struct Random {
+#[derive(Clone)]
+pub struct Random<'a> {
     stream: ChaCha8Rng,
     /// Draws that may still be repeated.
     left: u32,
+    begun: Instant,
+    go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl Random {
+impl Random<'_> {
     /// Stream `stream` of the master seed.
     pub fn new(seed: u64, stream: u64) -> Self {
+        Self::with_stop(seed, stream, &|| true)
+    }
+}
+
+impl<'a> Random<'a> {
+    /// The same; repeats no draw for long once `go_on` returns false.
+    pub(super) fn with_stop(seed: u64, stream: u64, go_on: &'a (dyn Fn() -> bool + Sync)) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(stream);
         Self {
             stream: generator,
             left: MOST_DRAWS,
+            begun: Instant::now(),
+            go_on,
         }
     }
 
-    /// Counts a draw that is repeated until it suits; nothing once there were too many.
+    /// Counts a draw that is repeated until it suits; nothing once there were too many, or after a stop.
     pub(super) fn again(&mut self) -> Option<()> {
         self.left = self.left.checked_sub(1)?;
-        Some(())
+        ((self.go_on)() || self.begun.elapsed() < LONG).then_some(())
     }
 
     /// Uniform in [0, 1): the upper 53 bits of an integer times 2⁻⁵³, exact.

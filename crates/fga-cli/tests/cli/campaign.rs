@@ -632,3 +632,40 @@ fn an_interrupt_in_the_first_block_keeps_that_block() {
     assert!(!said.contains("stopped after 0 of"), "{said}");
     assert!(!blocks(&at.join("out")).is_empty(), "{said}");
 }
+
+/// Ctrl-C while encounters are drawn of which hardly any fits: no block of them is drawn to its end.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_draws_that_hardly_ever_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let cell = "policies = [\"none\"]\ncells = [\"from-anywhere:3:695:0-0.6\"]\n";
+    fs::write(at.join("rare.toml"), cell).unwrap();
+    for (command, begins, says) in [
+        ("run", "out/campaign.json", "stopped after 0 of 10000"),
+        ("draw", "out", "interrupted; nothing was written"),
+    ] {
+        let running = Command::new(env!("CARGO_BIN_EXE_fga"))
+            .current_dir(at)
+            .args(["campaign", command, "rare.toml", "--out", "out"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        while !at.join(begins).exists() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_millis(300));
+        let process = running.id().to_string();
+        let signal = Command::new("kill").args(["-INT", &process]).status();
+        assert!(signal.is_ok_and(|status| status.success()));
+        let since = std::time::Instant::now();
+        let ended = running.wait_with_output().unwrap();
+        // A second, and what a busy machine adds; a block takes minutes.
+        assert!(since.elapsed() < Duration::from_secs(5), "{command}");
+        let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(130), "{said}");
+        assert!(said.contains(says), "{said}");
+        fs::remove_dir_all(at.join("out")).unwrap();
+    }
+}
