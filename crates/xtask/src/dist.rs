@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `fga-VERSION-TARGET.tar.gz` | the program, with scenarios, vehicles and campaigns |
 //! | `fga-c-VERSION-TARGET.tar.gz` | the C library with headers, CMake package and pkg-config file; for this machine, and for a Cortex-M7 where its target is installed |
-//! | `fga_daa-*.whl` | the Python package |
+//! | `fga_daa-*.whl` | the Python package, with the tag of the oldest C library that its symbols allow |
 //! | `*.spdx.json` | what program, C library and Python package are built of: name, version, licence and source of each crate |
 //! | `SHA256SUMS` | checksums of all of them |
 
@@ -94,6 +94,17 @@ fn named(changelog: &str, version: &str, commit: &str) -> Result<String, String>
     Ok(format!("{version}+g{commit}"))
 }
 
+/// Refuses a wheel that says nothing about the C library that it needs, as package indexes do.
+fn for_any_machine(wheel: &str) -> Result<(), String> {
+    let tag = wheel.trim_end_matches(".whl").rsplit('-').next();
+    match tag {
+        Some(tag) if !tag.starts_with("linux_") => Ok(()),
+        _ => Err(format!(
+            "{wheel} has the tag of this machine, expected manylinux_ or musllinux_"
+        )),
+    }
+}
+
 struct Release {
     version: String,
     root: PathBuf,
@@ -158,11 +169,17 @@ impl Release {
         println!("the Python package");
         let python = env::var_os("FGA_PYTHON").unwrap_or_else(|| "python3".into());
         let wheel = ["-m", "pip", "wheel", "--no-deps", "--quiet", "--wheel-dir"];
+        // Called by pip, maturin reads no symbols and gives the tag of this machine.
         ran(Command::new(python)
             .args(wheel)
             .arg(&self.out)
-            .arg(self.root.join("python")))?;
-        Ok(())
+            .arg(self.root.join("python"))
+            .env("MATURIN_PEP517_ARGS", "--compatibility pypi"))?;
+        let made = fs::read_dir(&self.out).map_err(|error| error.to_string())?;
+        let names = made.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        names
+            .filter(|name| name.starts_with("fga_daa-"))
+            .try_for_each(|name| for_any_machine(&name))
     }
 
     /// What each artifact is built of.
@@ -248,7 +265,16 @@ impl Release {
 
 #[cfg(test)]
 mod tests {
-    use super::named;
+    use super::{for_any_machine, named};
+
+    #[test]
+    fn a_wheel_without_its_c_library_is_refused() {
+        let of = |tag: &str| for_any_machine(&format!("fga_daa-0.1.0-cp310-abi3-{tag}.whl"));
+        assert_eq!(of("manylinux_2_34_x86_64"), Ok(()));
+        assert_eq!(of("macosx_11_0_arm64"), Ok(()));
+        let refused = of("linux_x86_64").unwrap_err();
+        assert!(refused.ends_with("expected manylinux_ or musllinux_"));
+    }
 
     #[test]
     fn a_version_is_that_of_the_changelog_and_names_the_commit_where_there_is_more() {
