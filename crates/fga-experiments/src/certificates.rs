@@ -54,7 +54,7 @@ struct CertificateCase {
     maneuver: Maneuver,
     horizon_s: f64,
     /// What draws the obstacle.
-    random: Random,
+    random: Random<'static>,
 }
 
 /// A certificate beside its flight, metres.

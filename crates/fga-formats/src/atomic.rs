@@ -19,15 +19,25 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Begins the file `path`; its folder must exist.
+    /// Begins the file `path`, or the one that it links to; its folder must exist.
     ///
     /// # Errors
-    /// A missing or unwritable folder, or a path that is itself a folder.
+    /// A missing or unwritable folder, or a path that is itself a folder, a device or a pipe.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let linked = path
+            .is_symlink()
+            .then(|| fs::canonicalize(path).ok())
+            .flatten();
+        let path = linked.as_deref().unwrap_or(path);
         let failed = |error| OutputError::new(path, error);
         let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
             return Err(failed(io::ErrorKind::IsADirectory.into()));
         };
+        // Its place would be taken by a file.
+        if path.exists() && !path.is_file() {
+            let words = "a device or a pipe, expected a file or a new name";
+            return Err(failed(io::Error::other(words)));
+        }
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
@@ -229,6 +239,24 @@ mod tests {
         );
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
         assert_eq!(names(folder.path()), ["a.csv"]);
+    }
+
+    /// An earlier version put a file in the place of a device.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_written_through_and_what_is_no_file_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let [real, link, socket] =
+            ["real.csv", "link.csv", "socket"].map(|name| folder.path().join(name));
+        write(&real, "one").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        write(&link, "two").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "two");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        let error = write(&socket, "three").unwrap_err().to_string();
+        assert!(error.contains("expected a file"), "{error}");
+        assert!(!socket.is_file());
     }
 
     #[test]

@@ -20,6 +20,10 @@ const LEVEL_BANK_RAD: f64 = 1e-3;
 /// A turn round is planned again once the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`].
 const OFF_TURN_RADII: f64 = 0.2;
 
+/// Turns round onto a leg that the aircraft comes off: then it joins the leg anywhere. One that turns otherwise than its file says comes off
+/// each of them.
+const MOST_MISSED: u8 = 2;
+
 /// An aircraft past the beginning of a leg has entered it within this distance and angle: turn radii and radians (11°). The
 /// larger distance holds near the beginning while no turn round is in progress: an obstacle may stand there, and from 1.5 radii
 /// aside two turns of 2.6 radii lead onto the leg, where a circle takes 6.3.
@@ -51,6 +55,8 @@ pub struct Progress {
     /// Whether the aircraft must still enter the leg at its beginning, by a turn round.
     pub(crate) is_unentered: bool,
     turn: Option<Turn>,
+    /// Turns round onto this leg that the aircraft came off.
+    missed: u8,
     time_s: f64,
     /// Airspeed, metres per second, and wind, for which leg and corner are laid; and the climb limits, radians.
     air: (f64, Vec3),
@@ -82,6 +88,7 @@ impl Progress {
             corner: None,
             is_unentered: false,
             turn: None,
+            missed: 0,
             time_s: 0.0,
             air: (0.0, Vec3::ZERO),
             climb_limits_rad: (0.0, 0.0),
@@ -242,6 +249,7 @@ impl Progress {
     ) {
         if index != self.index {
             self.kept_off = (f64::INFINITY, 0.0);
+            self.missed = 0;
             (self.passes, self.nearest_m) = (0, f64::INFINITY);
         }
         self.index = index;
@@ -295,7 +303,8 @@ impl Progress {
             let has_arrived = since_s >= turn.join.joined_s - 1e-9;
             if !is_followed || has_arrived {
                 self.turn = None;
-                self.is_unentered &= !is_followed;
+                self.missed = self.missed.saturating_add(u8::from(!is_followed));
+                self.is_unentered &= !is_followed && self.missed < MOST_MISSED;
             }
         }
     }

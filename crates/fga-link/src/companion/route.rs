@@ -123,9 +123,7 @@ impl LaidRoute {
                 let other_m = rally.other_return_place_m(return_place_m(), laid_m);
                 other_m.is_some() && self.lay_line(at.own_m, other_m)
             }
-            Mode::AUTO => {
-                (is_laid || !at.is_engaged) && self.renew_mission_way(at, lists, ownship, now_s)
-            }
+            Mode::AUTO => self.renew_mission_way(at, lists, ownship, now_s),
             _ if at.is_engaged => false,
             Mode::RTL => {
                 // Home, or a rally point: the vehicle's own target is better than the list.

@@ -249,3 +249,28 @@ fn by_beliefs_a_turn_round_that_is_missed_begins_again() {
     let log = fga_sim::run::fly(plan, &PolicyChoice::Belief, &mut |_| ()).unwrap();
     assert!(log.outcome.mission_flown, "{:?}", log.samples.last());
 }
+
+/// With nobody near: an aircraft that turns by a tenth faster than its file comes off each turn round behind a waypoint that it flies over. It
+/// circled there for ever.
+#[test]
+fn an_aircraft_that_turns_faster_than_its_file_ends_its_mission() {
+    for corner_deg in [20.0_f64, 40.0, 60.0, 80.0] {
+        let (sin, cos) = corner_deg.to_radians().sin_cos();
+        let (x_m, y_m) = (3000.0 + 3000.0 * cos, 3000.0 * sin);
+        let text = format!(
+            "name = 'fast'\nduration_s = 600.0\n[mission]\nwaypoints_m = [[0, 0, 500], [3000, 0, 500], [{x_m:.1}, {y_m:.1}, 500]]\n\
+            passing = ['fly-over', 'fly-over', 'fly-over']\n[plant]\nturn_rate_factor = 1.1\n"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let scenario = folder.path().join("fast.toml");
+        std::fs::write(&scenario, text).unwrap();
+        let model = VehicleModel::read(Path::new("../../vehicles/long-endurance.toml")).unwrap();
+        let plan = fga_sim::scenario::read(&scenario, Some(model)).unwrap();
+        let log = fga_sim::run::fly(plan, &PolicyChoice::default(), &mut |_| ()).unwrap();
+        assert!(
+            log.outcome.mission_flown,
+            "{corner_deg}: {:?}",
+            log.samples.last()
+        );
+    }
+}
