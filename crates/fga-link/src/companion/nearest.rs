@@ -20,7 +20,7 @@ impl LeastSeparation {
     /// A sentence for the operator.
     pub(super) fn words(least: Option<&Self>) -> String {
         let Some(least) = least else {
-            return "fga: nobody was near".to_owned();
+            return "fga: no usable report of anybody near".to_owned();
         };
         let side = if least.beyond_m < 0.0 {
             "inside"
@@ -73,7 +73,7 @@ mod tests {
         let mut least = None;
         assert_eq!(
             LeastSeparation::words(least.as_ref()),
-            "fga: nobody was near"
+            "fga: no usable report of anybody near"
         );
         let obstacles = [at(1, 300.0, 60.0), at(2, 400.0, 250.0)];
         let name = |id: u32| format!("N{id}");

@@ -27,20 +27,41 @@ const MUCH_NEARER: f64 = 10.0;
 /// What is nearer to a limit or a zone is not known to be beyond it, metres.
 const KNOWN_M: f64 = 0.1;
 
-/// How far a flight comes to the wrong side of some zones: the least margin of each, metres, and its time, seconds.
+/// The least margin so far, metres, and its time, seconds.
+struct Worst(f64, f64);
+
+impl Worst {
+    const NONE: Self = Self(-KNOWN_M, 0.0);
+
+    fn note(&mut self, margin_m: f64, at_s: f64) {
+        if margin_m < self.0 {
+            *self = Self(margin_m, at_s);
+        }
+    }
+}
+
+/// How far a flight comes to the wrong side of some zones and of the limits of altitude, and how much too low over ground.
 struct Overshoot<'a> {
-    zones: Vec<&'a WorldZone>,
-    worst: Vec<(f64, f64)>,
+    world: &'a World,
+    zones: Vec<(&'a WorldZone, Worst)>,
+    limits: Worst,
+    ground: Worst,
 }
 
 impl Observer for Overshoot<'_> {
     fn sample(&mut self, sample: &Sample) {
-        for (zone, worst) in self.zones.iter().zip(&mut self.worst) {
-            let margin_m = zone.margin_m(sample.position_m);
-            if margin_m < worst.0 {
-                *worst = (margin_m, sample.time_s);
-            }
+        let (at_m, at_s) = (sample.position_m, sample.time_s);
+        for (zone, worst) in &mut self.zones {
+            worst.note(zone.margin_m(at_m), at_s);
         }
+        let (floor_m, ceiling_m) = self.world.limits_m;
+        self.limits
+            .note((at_m.z - floor_m).min(ceiling_m - at_m.z), at_s);
+        let ground = self.world.ground.as_ref();
+        let above_m = ground.and_then(|ground| {
+            Some(ground.above_m(at_m)? - ground.clearance_m() - ground.error_m())
+        });
+        self.ground.note(above_m.unwrap_or(0.0), at_s);
     }
 }
 
@@ -150,7 +171,7 @@ impl Plan {
         ))
     }
 
-    /// The zones that the flown mission is on the wrong side of where its legs are not: a turn overshoots.
+    /// What the flown mission is on the wrong side of where its legs are not: a turn overshoots.
     fn overshot(&self) -> Vec<String> {
         let is_clear = |zone: &&WorldZone| {
             let mut legs = self.world.mission_m.windows(2);
@@ -163,25 +184,37 @@ impl Plan {
             ..self.world.clone()
         };
         let policy = PolicyChoice::Mission.pilot(&alone.settings, &alone.vehicle);
-        let Some(mut pilot) = policy.ok().filter(|_| !zones.is_empty()) else {
+        let has_limits = self.world.limits_m != (f64::NEG_INFINITY, f64::INFINITY);
+        let is_bound = !zones.is_empty() || has_limits || self.world.ground.is_some();
+        let Some(mut pilot) = policy.ok().filter(|_| is_bound) else {
             return Vec::new();
         };
         let mut flown = Overshoot {
-            worst: vec![(-KNOWN_M, 0.0); zones.len()],
-            zones,
+            world: &self.world,
+            zones: zones.into_iter().map(|zone| (zone, Worst::NONE)).collect(),
+            limits: Worst::NONE,
+            ground: Worst::NONE,
         };
         Engine::new().fly(&alone, pilot.as_mut(), &mut flown);
-        let overshot = flown.zones.iter().zip(&flown.worst);
-        let overshot = overshot.filter(|(_, (margin_m, _))| *margin_m < -KNOWN_M);
-        let sentence = |(zone, (margin_m, at_s)): (&&WorldZone, &(f64, f64))| {
+        let zones = flown.zones.iter().map(|(zone, worst)| {
             let enters = if zone.keep_in() { "leaves" } else { "enters" };
+            (format!("{enters} {}", zone.name()), worst)
+        });
+        let is_within = self.beyond_limits().is_none();
+        let limits = is_within.then(|| ("passes a limit of altitude".to_owned(), &flown.limits));
+        let is_high = self.low().is_empty();
+        let ground = is_high.then(|| ("comes too low over the ground".to_owned(), &flown.ground));
+        let overshot = zones
+            .chain(limits)
+            .chain(ground)
+            .filter(|(_, worst)| worst.0 < -KNOWN_M);
+        let sentences = overshot.map(|(what, Worst(margin_m, at_s))| {
             format!(
-                "a turn of the mission {enters} {} by {:.1} m at {at_s:.1} s, where its legs do not: it is flown as it is given",
-                zone.name(),
+                "a turn of the mission {what} by {:.1} m at {at_s:.1} s, where its legs do not: it is flown as it is given",
                 -margin_m
             )
-        };
-        overshot.map(sentence).collect()
+        });
+        sentences.collect()
     }
 
     /// The lowest leg of the mission that is lower than it takes to clear the ground, and the first one over unknown ground; otherwise the

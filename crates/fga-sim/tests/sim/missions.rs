@@ -256,9 +256,9 @@ fn by_beliefs_a_turn_round_that_is_missed_begins_again() {
 fn an_aircraft_that_turns_faster_than_its_file_ends_its_mission() {
     for corner_deg in [20.0_f64, 40.0, 60.0, 80.0] {
         let (sin, cos) = corner_deg.to_radians().sin_cos();
-        let (x_m, y_m) = (3000.0 + 3000.0 * cos, 3000.0 * sin);
+        let (x_m, y_m) = (1680.0 + 1680.0 * cos, 1680.0 * sin);
         let text = format!(
-            "name = 'fast'\nduration_s = 600.0\n[mission]\nwaypoints_m = [[0, 0, 500], [3000, 0, 500], [{x_m:.1}, {y_m:.1}, 500]]\n\
+            "name = 'fast'\nduration_s = 600.0\n[mission]\nwaypoints_m = [[0, 0, 500], [1680, 0, 500], [{x_m:.1}, {y_m:.1}, 500]]\n\
             passing = ['fly-over', 'fly-over', 'fly-over']\n[plant]\nturn_rate_factor = 1.1\n"
         );
         let folder = tempfile::tempdir().unwrap();
@@ -273,4 +273,31 @@ fn an_aircraft_that_turns_faster_than_its_file_ends_its_mission() {
             log.samples.last()
         );
     }
+}
+
+/// Behind a waypoint that it flies over, on a leg that descends, the aircraft goes on descending until it has turned.
+#[test]
+fn a_turn_below_the_floor_is_told_before_the_flight() {
+    let text = |floor_m: f64| {
+        format!(
+            "name = 'low'\nduration_s = 600.0\n[mission]\nwaypoints_m = [[0, 0, 400], [600, 3765, 229], [-3160, 4370, 400]]\n\
+            passing = ['fly-over', 'fly-over', 'fly-over']\n[limits]\nfloor_m = {floor_m:.1}\n"
+        )
+    };
+    let warnings = |floor_m: f64| {
+        let folder = tempfile::tempdir().unwrap();
+        let scenario = folder.path().join("low.toml");
+        std::fs::write(&scenario, text(floor_m)).unwrap();
+        let model = VehicleModel::read(Path::new("../../vehicles/long-endurance.toml")).unwrap();
+        fga_sim::scenario::read(&scenario, Some(model))
+            .unwrap()
+            .warnings()
+    };
+    let told = |floor_m| {
+        let warnings = warnings(floor_m);
+        warnings
+            .iter()
+            .any(|one| one.contains("a turn of the mission passes a limit of altitude"))
+    };
+    assert!(told(227.0) && !told(220.0));
 }
