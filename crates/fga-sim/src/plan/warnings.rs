@@ -28,9 +28,9 @@ const MUCH_NEARER: f64 = 10.0;
 const KNOWN_M: f64 = 0.1;
 
 /// The least margin so far, metres, and its time, seconds.
-struct Worst(f64, f64);
+struct Deepest(f64, f64);
 
-impl Worst {
+impl Deepest {
     const NONE: Self = Self(-KNOWN_M, 0.0);
 
     fn note(&mut self, margin_m: f64, at_s: f64) {
@@ -43,9 +43,9 @@ impl Worst {
 /// How far a flight comes to the wrong side of some zones and of the limits of altitude, and how much too low over ground.
 struct Overshoot<'a> {
     world: &'a World,
-    zones: Vec<(&'a WorldZone, Worst)>,
-    limits: Worst,
-    ground: Worst,
+    zones: Vec<(&'a WorldZone, Deepest)>,
+    limits: Deepest,
+    ground: Deepest,
 }
 
 impl Observer for Overshoot<'_> {
@@ -191,9 +191,12 @@ impl Plan {
         };
         let mut flown = Overshoot {
             world: &self.world,
-            zones: zones.into_iter().map(|zone| (zone, Worst::NONE)).collect(),
-            limits: Worst::NONE,
-            ground: Worst::NONE,
+            zones: zones
+                .into_iter()
+                .map(|zone| (zone, Deepest::NONE))
+                .collect(),
+            limits: Deepest::NONE,
+            ground: Deepest::NONE,
         };
         Engine::new().fly(&alone, pilot.as_mut(), &mut flown);
         let zones = flown.zones.iter().map(|(zone, worst)| {
@@ -208,7 +211,7 @@ impl Plan {
             .chain(limits)
             .chain(ground)
             .filter(|(_, worst)| worst.0 < -KNOWN_M);
-        let sentences = overshot.map(|(what, Worst(margin_m, at_s))| {
+        let sentences = overshot.map(|(what, Deepest(margin_m, at_s))| {
             format!(
                 "a turn of the mission {what} by {:.1} m at {at_s:.1} s, where its legs do not: it is flown as it is given",
                 -margin_m
