@@ -48,6 +48,9 @@ const COLLISION_M: (f32, f32) = (152.4, 30.48);
 /// A volume that the aircraft is in is lost only if it is in it after this time, seconds; up to there moments are seconds.
 const LEAVES_S: usize = 15;
 
+/// How far paths may be off what the moments show of them, σ along an axis, metres: between two of them a turn bows by up to 3 m.
+const BETWEEN_M: f32 = 2.0;
+
 /// Heights count while a future is within the radius and this many σ of its place.
 const NEAR_SIGMAS: f32 = 2.0;
 
@@ -227,8 +230,14 @@ impl Ahead {
                     (xs, ox + dx + nx * beside_m),
                     (ys, oy + dy + ny * beside_m),
                     (zs, oz + dz + nz * up_m),
-                    (besides, libm::sqrtf(beside_m2 + lasting_m2)),
-                    (aboves, libm::sqrtf(up_m2 + above_m2)),
+                    (
+                        besides,
+                        libm::sqrtf(beside_m2 + lasting_m2 + BETWEEN_M * BETWEEN_M),
+                    ),
+                    (
+                        aboves,
+                        libm::sqrtf(up_m2 + above_m2 + BETWEEN_M * BETWEEN_M),
+                    ),
                 ] {
                     if let Some(place) = of.get_mut(n) {
                         *place = number;
@@ -264,8 +273,8 @@ impl Ahead {
         }
         self.weights = [0.0; FUTURES];
         self.weights[0] = 1.0;
-        self.beside_m = [[0.0; FUTURES]; MOMENTS];
-        self.above_m = [[0.0; FUTURES]; MOMENTS];
+        self.beside_m = [[BETWEEN_M; FUTURES]; MOMENTS];
+        self.above_m = self.beside_m;
         self.other = 0.0;
         self.known = SAME.map(|sigmas| sigmas.map(|sigma| sigma * sigma));
         self.radius_m = obstacle.volume.radius_m() as f32;
@@ -531,6 +540,28 @@ mod tests {
         assert!((mean.passed_s - 40.0).abs() < 0.01, "{}", mean.passed_s);
         let none = Chance::mean(&[Chance::NONE; FUTURES], &weights);
         assert!(none.passed_s == 0.0);
+    }
+
+    /// What the moments show a metre outside of it may be inside between them. An earlier version called the chance of that none, and flew
+    /// ways back unproven through the edges of masts.
+    #[test]
+    fn a_path_along_the_edge_of_what_is_exact_may_enter_it() {
+        let path: Path = core::array::from_fn(|moment| [20.0 * time_s(moment), 0.0, 0.0]);
+        let loss = |outside_m: f64| {
+            let volume = ProtectedVolume::Cylinder {
+                radius_m: 30.0,
+                half_height_m: 100.0,
+            };
+            let mast_m = Vec3::new(300.0, 30.0 + outside_m, 0.0);
+            let mut ahead = Ahead::NONE;
+            ahead.set_straight(
+                &Obstacle::straight(1, mast_m, Vec3::ZERO, volume),
+                Vec3::ZERO,
+            );
+            Chance::mean(&ahead.meets(&path, true), &ahead.weights).loss
+        };
+        assert!(loss(-20.0) > 0.99 && loss(12.0) < 1e-4);
+        assert!((0.2..0.5).contains(&loss(1.0)), "{}", loss(1.0));
     }
 
     /// All futures of an aircraft fly along 800 m to the side, so they are nearest now. None of them turns towards the own aircraft.
