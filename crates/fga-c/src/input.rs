@@ -428,7 +428,7 @@ impl fga_obstacle {
     /// Refused where a number is unusable, stands for no volume or movement, or surely moves what is at rest.
     pub(crate) fn obstacle(&self) -> Result<Obstacle, Refused> {
         let expected = "finite numbers, none negative, an fga_volume and an fga_movement";
-        let unusable = Refused::out_of_range("obstacles", f64::from(self.id), expected);
+        let unusable = || Refused::out_of_range("obstacles", f64::from(self.id), expected);
         let radius_m = self.radius_m;
         let volume = match self.volume {
             form if form == fga_volume::Sphere as u32 => ProtectedVolume::Sphere { radius_m },
@@ -436,7 +436,7 @@ impl fga_obstacle {
                 radius_m,
                 half_height_m: self.half_height_m,
             },
-            _ => return Err(unusable),
+            _ => return Err(unusable()),
         };
         let movement = match self.movement {
             movement if movement == fga_movement::AtRest as u32 => Movement::AtRest,
@@ -452,7 +452,7 @@ impl fga_obstacle {
                     acceleration_mps2: self.bounds.acceleration_mps2,
                 })
             }
-            _ => return Err(unusable),
+            _ => return Err(unusable()),
         };
         let obstacle = Obstacle {
             id: self.id,
@@ -468,7 +468,7 @@ impl fga_obstacle {
             age_s: self.age_s,
         };
         if !obstacle.is_valid() {
-            return Err(unusable);
+            return Err(unusable());
         }
         // A measured velocity may be noise.
         let is_exact = obstacle.velocity_mps != Vec3::ZERO && self.velocity_sigma_mps == 0.0;

@@ -470,13 +470,12 @@ impl Avoider<dyn Places + '_> {
     /// Advances to the leg of now, and measures the drift.
     #[inline(never)]
     fn come_to(&mut self, situation: &Situation<'_>, now: &MotionState) {
-        let is_avoiding = self.state == State::Avoiding;
         self.on_mission(situation, |progress, route| {
             progress.update(route, now, situation.time_s);
-            if is_avoiding {
-                progress.join_anywhere();
-            }
         });
+        if self.state == State::Avoiding {
+            self.progress.join_anywhere();
+        }
         self.measure_drift(situation, now);
     }
 
