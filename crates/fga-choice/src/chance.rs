@@ -213,7 +213,7 @@ impl Ahead {
     ) {
         let off = futures.origin_m - own_m;
         let [ox, oy, oz] = [off.x as f32, off.y as f32, off.z as f32];
-        let [lasting_m2, above_m2] = futures.lasting_m2;
+        let [lasting_m2, above_m2] = (futures.lasting_m2).map(|m2| m2 + BETWEEN_M * BETWEEN_M);
         for (n, future) in futures.each().enumerate() {
             if let Some(weight) = self.weights.get_mut(n) {
                 *weight = future.weight;
@@ -230,14 +230,8 @@ impl Ahead {
                     (xs, ox + dx + nx * beside_m),
                     (ys, oy + dy + ny * beside_m),
                     (zs, oz + dz + nz * up_m),
-                    (
-                        besides,
-                        libm::sqrtf(beside_m2 + lasting_m2 + BETWEEN_M * BETWEEN_M),
-                    ),
-                    (
-                        aboves,
-                        libm::sqrtf(up_m2 + above_m2 + BETWEEN_M * BETWEEN_M),
-                    ),
+                    (besides, libm::sqrtf(beside_m2 + lasting_m2)),
+                    (aboves, libm::sqrtf(up_m2 + above_m2)),
                 ] {
                     if let Some(place) = of.get_mut(n) {
                         *place = number;
