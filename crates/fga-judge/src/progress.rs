@@ -332,7 +332,10 @@ impl MissionProgress {
             if distance_m < waypoint.nearest.0 {
                 waypoint.nearest = (distance_m, time_s);
             }
-            let is_here = self.notes_visits && waypoint.is_near(distance_m);
+            if !self.notes_visits {
+                continue;
+            }
+            let is_here = waypoint.is_near(distance_m);
             if is_here && !waypoint.is_here {
                 self.visits.push(index);
             }
