@@ -1014,7 +1014,7 @@ fga_status fga_beliefs_init(void *storage,
                             struct fga_refusal *why);
 
 // Takes a report of an aircraft. `radius_m` and `half_height_m` are the volume around it; a half height of 0 means a sphere. Reports, situations
-// and `now_s` share one clock. `own_m` is the place of the own aircraft, metres.
+// and `now_s` share one clock. `own_m` is the ownship's position, metres.
 //
 // It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft without a report for 8 s is forgotten, unless the
 // situation has it. What rests or flies straight by contract is an obstacle of the situation; it takes the place of an aircraft with its

@@ -612,11 +612,13 @@ unsafe fn step(
                 out.obstacles_left_out = left_out;
                 out.leg_index = leg;
             });
-            match unusable {
-                Some(unusable) => Err(unusable.with(fga_status::Incomplete)),
-                None if is_incomplete => Ok(fga_status::Incomplete),
-                None => Ok(fga_status::Ok),
-            }
+            let status = if is_incomplete {
+                fga_status::Incomplete
+            } else {
+                fga_status::Ok
+            };
+            // As of a refusal, `why` is written.
+            unusable.map_or(Ok(status), |unusable| Err(unusable.with(status)))
         })
     }
 }

@@ -27,7 +27,7 @@ pub(crate) struct Believing {
     counts: fga_report_counts,
 }
 
-/// Checks a report from C. Returns the aircraft with its volume, the report, and the place of the own aircraft, metres.
+/// Checks a report from C. Returns the reported aircraft with its volume, the report, and the ownship's position, metres.
 fn heard(
     of: &fga_report,
     (radius_m, half_height_m): (f64, f64),
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn fga_beliefs_init(
 }
 
 /// Takes a report of an aircraft. `radius_m` and `half_height_m` are the volume around it; a half height of 0 means a sphere. Reports, situations
-/// and `now_s` share one clock. `own_m` is the place of the own aircraft, metres.
+/// and `now_s` share one clock. `own_m` is the ownship's position, metres.
 ///
 /// It counts each report. One that is late, or older than 8 s, changes nothing else. An aircraft without a report for 8 s is forgotten, unless the
 /// situation has it. What rests or flies straight by contract is an obstacle of the situation; it takes the place of an aircraft with its

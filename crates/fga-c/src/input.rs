@@ -470,9 +470,7 @@ impl fga_obstacle {
         if !obstacle.is_valid() {
             return Err(unusable());
         }
-        // A measured velocity may be noise.
-        let is_exact = obstacle.velocity_mps != Vec3::ZERO && self.velocity_sigma_mps == 0.0;
-        if movement == Movement::AtRest && is_exact {
+        if obstacle.moves_at_rest() {
             let largest_mps = obstacle.velocity_mps.abs().max_element();
             let expected = "0 of FGA_MOVEMENT_AT_REST, a velocity_sigma_mps, or another movement";
             let field = "obstacles.velocity_mps";

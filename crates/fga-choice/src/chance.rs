@@ -167,7 +167,7 @@ impl Looks {
     }
 }
 
-/// Where the futures of an aircraft are at each moment, metres from the present place of the own aircraft.
+/// Positions of the futures of an aircraft at each moment, metres from the ownship's present position.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ahead {
     x: [[f32; FUTURES]; MOMENTS],

@@ -19,15 +19,16 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Begins the file `path`, or the one that it links to; its folder must exist.
+    /// Begins the file `path`, of a link the file behind it; its folder must exist.
     ///
     /// # Errors
     /// A missing or unwritable folder, or a path that is itself a folder, a device or a pipe.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
-        let linked = path
-            .is_symlink()
-            .then(|| fs::canonicalize(path).ok())
-            .flatten();
+        let linked = if path.is_symlink() {
+            fs::canonicalize(path).ok()
+        } else {
+            None
+        };
         let path = linked.as_deref().unwrap_or(path);
         let failed = |error| OutputError::new(path, error);
         let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {

@@ -145,7 +145,7 @@ impl<'a> FineFlight<'a> {
     /// Looks at the remaining turn. It changes by −gain · command · tan φ/φ, and tan φ/φ grows with the bank φ.
     fn look(&mut self) {
         self.left_rad = self.left_rad(&self.state);
-        let command_rad = (self.most_radps() / self.gain()).atan();
+        let command_rad = self.most_rad();
         let bank_rad = self.state.bank_rad.abs().max(command_rad);
         let fastest_radps = self.gain() * command_rad * bank_rad.tan() / bank_rad;
         let least_s = (self.left_rad.abs() - TURNED_RAD) / (LOOK_EARLIER * fastest_radps);
@@ -244,11 +244,7 @@ impl<'a> FineFlight<'a> {
             return (drive, climb_s.min(turn_s));
         }
         let bank_command_rad = if self.left_rad.abs() > TURNED_RAD {
-            Some(
-                (self.most_radps() / self.gain())
-                    .atan()
-                    .copysign(self.left_rad),
-            )
+            Some(self.most_rad().copysign(self.left_rad))
         } else if self.state.bank_rad.abs() > LEVEL_RAD {
             Some(0.0)
         } else {
@@ -271,6 +267,11 @@ impl<'a> FineFlight<'a> {
         self.vehicle.response.turn_rate_factor * self.vehicle.airspeed_mps
             / self.vehicle.turn_radius_m
             * self.stage.rate_share
+    }
+
+    /// The bank at that rate, radians.
+    fn most_rad(&self) -> f64 {
+        (self.most_radps() / self.gain()).atan()
     }
 
     /// Course rate over the tangent of the bank, per second.

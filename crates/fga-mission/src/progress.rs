@@ -20,10 +20,6 @@ const LEVEL_BANK_RAD: f64 = 1e-3;
 /// A turn round is planned again once the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`].
 const OFF_TURN_RADII: f64 = 0.2;
 
-/// Turns round onto a leg that the aircraft comes off: then it joins the leg anywhere. One that turns otherwise than its file says comes off
-/// each of them.
-const MOST_MISSED: u8 = 2;
-
 /// An aircraft past the beginning of a leg has entered it within this distance and angle: turn radii and radians (11°). The
 /// larger distance holds near the beginning while no turn round is in progress: an obstacle may stand there, and from 1.5 radii
 /// aside two turns of 2.6 radii lead onto the leg, where a circle takes 6.3.
@@ -55,7 +51,8 @@ pub struct Progress {
     /// Whether the aircraft must still enter the leg at its beginning, by a turn round.
     pub(crate) is_unentered: bool,
     turn: Option<Turn>,
-    /// Turns round onto this leg that the aircraft came off.
+    /// Turns round onto this leg that the aircraft came off; after a second one it joins the leg anywhere. An aircraft that turns otherwise
+    /// than its file says comes off each of them.
     missed: u8,
     time_s: f64,
     /// Airspeed, metres per second, and wind, for which leg and corner are laid; and the climb limits, radians.
@@ -288,8 +285,7 @@ impl Progress {
         };
         let radius_m = route.radius_m();
         if is_on_leg(&leg, state) || self.has_entered(&leg, state, radius_m) {
-            self.turn = None;
-            self.is_unentered = false;
+            self.join_anywhere();
         } else if let Some(turn) = self.turn {
             let since_s = self.time_s - turn.begun_s;
             let stages = turn.join.stages();
@@ -303,8 +299,8 @@ impl Progress {
             let has_arrived = since_s >= turn.join.joined_s - 1e-9;
             if !is_followed || has_arrived {
                 self.turn = None;
+                self.is_unentered &= !is_followed && self.missed == 0;
                 self.missed = self.missed.saturating_add(u8::from(!is_followed));
-                self.is_unentered &= !is_followed && self.missed < MOST_MISSED;
             }
         }
     }

@@ -203,6 +203,12 @@ impl Obstacle {
             && self.age_s.is_finite()
             && self.movement.is_valid()
     }
+
+    /// Whether it is at rest, and yet has a velocity that is known exactly: a measured one may be noise.
+    pub fn moves_at_rest(&self) -> bool {
+        let is_exact = self.uncertainty.velocity_mps == 0.0;
+        self.movement == Movement::AtRest && is_exact && self.velocity_mps != Vec3::ZERO
+    }
 }
 
 /// How the aircraft passes a waypoint.

@@ -288,8 +288,7 @@ impl PyObstacle {
         obstacle.uncertainty.position_m = position_sigma_m;
         obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
         obstacle.movement = movement_of(kind)?;
-        let is_exact = velocity_mps.0 != Vec3::ZERO && velocity_sigma_mps == 0.0;
-        if obstacle.movement == Movement::AtRest && is_exact {
+        if obstacle.moves_at_rest() {
             return Err(PyValueError::new_err(format!(
                 "velocity_mps is {:?} of kind still, expected zeros, a velocity_sigma_mps above 0, or another kind",
                 tuple(velocity_mps.0)

@@ -211,7 +211,7 @@ fn what_a_page_names_exists() {
     assert!(files > 20 && examples > 3, "{files} and {examples}");
 }
 
-/// Contributors were told to pack six of the nine crates, and to add to test files that were folders by then.
+/// An earlier CONTRIBUTING.md named six of the nine crates to pack, and test files that were folders by then.
 #[test]
 fn what_contributing_says_is_what_the_checks_install_and_pack() {
     let read = |name: &str| fs::read_to_string(root().join(name)).expect(name);

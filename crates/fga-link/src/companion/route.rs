@@ -98,7 +98,7 @@ impl LaidRoute {
         self.mode = None;
     }
 
-    /// Lays the way that the vehicle would fly by itself; unchanged while the companion flies, except for another mission.
+    /// Lays the way that the vehicle would fly by itself. While the companion flies, a way that is laid changes for another mission alone.
     /// Whether another way counts from here on.
     pub(super) fn renew(
         &mut self,

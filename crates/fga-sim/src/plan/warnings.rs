@@ -78,10 +78,12 @@ impl Plan {
             warnings.extend(self.covered());
             warnings.extend(self.absent());
             warnings.extend(self.crossed());
-            warnings.extend(self.beyond_limits());
-            warnings.extend(self.overshot());
+            let (beyond, low) = (self.beyond_limits(), self.low());
+            let overshot = self.overshot(beyond.is_none(), low.is_empty());
+            warnings.extend(beyond);
+            warnings.extend(overshot);
             warnings.extend(self.distant());
-            warnings.extend(self.low());
+            warnings.extend(low);
         }
         warnings.extend(self.unseen());
         warnings
@@ -171,8 +173,9 @@ impl Plan {
         ))
     }
 
-    /// What the flown mission is on the wrong side of where its legs are not: a turn overshoots.
-    fn overshot(&self) -> Vec<String> {
+    /// What the flown mission is on the wrong side of where its legs are not: a turn overshoots. `is_within`: the legs keep the limits of
+    /// altitude; `is_high`: they are high enough over known ground.
+    fn overshot(&self, is_within: bool, is_high: bool) -> Vec<String> {
         let is_clear = |zone: &&WorldZone| {
             let mut legs = self.world.mission_m.windows(2);
             legs.all(|leg| zone.zone().nearest_m(&Line::between(leg[0], leg[1]), 0.0) >= 0.0)
@@ -203,9 +206,7 @@ impl Plan {
             let enters = if zone.keep_in() { "leaves" } else { "enters" };
             (format!("{enters} {}", zone.name()), worst)
         });
-        let is_within = self.beyond_limits().is_none();
         let limits = is_within.then(|| ("passes a limit of altitude".to_owned(), &flown.limits));
-        let is_high = self.low().is_empty();
         let ground = is_high.then(|| ("comes too low over the ground".to_owned(), &flown.ground));
         let overshot = zones
             .chain(limits)
