@@ -128,7 +128,7 @@ impl Avoider<dyn Places + '_> {
                     // Two that flee from each other side by side would never return: after long, what keeps a way back suffices, and
                     // then what is clear of the expected motion.
                     && (self.is_robust_back((back, joined.joined_s), now, rung)
-                        || given_up > 2 && self.has_reserve(back, now)
+                        || given_up > 1 && self.has_reserve(back, now)
                         || waited_s > FLEES_S)
                     && (latest_s.is_infinite()
                         || found.next_start_s.is_none() && found.joined_s < latest_s)
