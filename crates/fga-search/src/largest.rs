@@ -109,30 +109,43 @@ impl Search<'_> {
         }
     }
 
-    /// The best single turn of each row.
+    /// The best single turn of each row, each with its share of the work; before that, between walls, circles: they mostly stay clear.
     #[inline(never)]
     fn single_turns(&mut self, climbs: &mut Climbs) {
         let prefix = self.after_wait(0.0);
-        for climb_rad in self.scene.extreme_climbs() {
-            for side in Side::BOTH {
-                let Some(row) = self.row(&prefix, climb_rad, side) else {
-                    continue;
-                };
-                let mut best: Option<Seed> = None;
-                self.scan(
-                    &prefix,
-                    row,
-                    (MAX_TURN_RAD, f64::MIN),
-                    &mut |search, row, line_m| {
-                        if line_m > margin_m(best.as_ref()) {
-                            search.fly_seed(prefix.turns(row), &mut best);
-                        }
-                        margin_m(best.as_ref())
-                    },
-                );
-                if let Some(best) = best {
-                    climbs.take(best);
+        let sides = |climb_rad| Side::BOTH.map(|side| (climb_rad, side));
+        let rows = self.scene.extreme_climbs().flat_map(sides);
+        if !self.scene.around.fixed.is_empty() {
+            for (climb_rad, side) in rows.clone() {
+                if let Some(row) = self.row(&prefix, climb_rad, side) {
+                    let at_rad = MAX_TURN_RAD;
+                    let turns = prefix.turns(&Row { at_rad, ..row });
+                    let margin_m = self.flown_m(&turns, f64::MIN);
+                    climbs.take(Seed { turns, margin_m });
                 }
+            }
+        }
+        let mut parts = rows.clone().count() as u32;
+        for (climb_rad, side) in rows {
+            let until = self.meter.done() + self.meter.left() / parts;
+            parts -= 1;
+            let Some(row) = self.row(&prefix, climb_rad, side) else {
+                continue;
+            };
+            let mut best: Option<Seed> = None;
+            self.scan(
+                &prefix,
+                row,
+                (MAX_TURN_RAD, f64::MIN, until),
+                &mut |search, row, line_m| {
+                    if line_m > margin_m(best.as_ref()) {
+                        search.fly_seed(prefix.turns(row), &mut best);
+                    }
+                    margin_m(best.as_ref())
+                },
+            );
+            if let Some(best) = best {
+                climbs.take(best);
             }
         }
     }
@@ -224,7 +237,7 @@ impl Search<'_> {
                 self.scan(
                     &prefix,
                     row,
-                    (MOST_FIRST_RAD, floor_m),
+                    (MOST_FIRST_RAD, floor_m, u32::MAX),
                     &mut |_, row, line_m| {
                         let margin_m = line_m.min(before_m);
                         let least_m = best.map_or(floor_m, |best| best.margin_m);
@@ -242,17 +255,17 @@ impl Search<'_> {
         }
     }
 
-    /// Visits turns of a row at moderate steps, until a margin reaches the target. `visit` gets the row at a turn and the margin of its line, and
-    /// returns the margin that the next ones must exceed.
+    /// Visits turns of a row at moderate steps, until a margin reaches the target or the work `until`. `visit` gets the row at a turn and the
+    /// margin of its line, and returns the margin that the next ones must exceed.
     #[inline(never)]
     fn scan(
         &mut self,
         prefix: &Prefix,
         mut row: Row,
-        (most_rad, mut floor_m): (f64, f64),
+        (most_rad, mut floor_m, until): (f64, f64, u32),
         visit: &mut dyn FnMut(&mut Self, &Row, f64) -> f64,
     ) {
-        while row.at_rad <= most_rad && !self.limit_met() {
+        while row.at_rad <= most_rad && !self.limit_met() && self.meter.done() < until {
             let Some(tangent) = self.line(prefix, &row) else {
                 return;
             };

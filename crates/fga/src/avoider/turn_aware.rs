@@ -327,11 +327,12 @@ impl Avoider<dyn Places + '_> {
             return self.report(decision, &plan, time_s, Reason::RejoinChosen);
         }
         self.go_on(&plan, time_s, &mut decision.command);
-        // A share of a circle from a wall it can still turn away.
+        // A share of a circle from a wall it can still turn away, unless no circle is left soon.
         let walls_s = KEEP_SHARE * self.tracks.walls_s();
         let kept = self.within_walls(walls_s, |avoider| {
             avoider.kept_rung(&mut plan, &mut decision.command, now)
         });
+        let kept = kept.filter(|_| !self.is_last_circle(&decision.command, now));
         let (flown, hold) = (&decision.command, &Maneuver::HOLD);
         // Whether it withstands no turn of an aircraft: then a better one waits only while a large turn remains.
         let is_bare = self.tracks.has_aircraft() && kept.is_none_or(|rung| rung > WANTED + 1);

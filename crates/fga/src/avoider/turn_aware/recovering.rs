@@ -22,6 +22,9 @@ use super::{ENOUGH_M, LOOK_EVERY};
 /// Parts of a step's work: one for the manoeuvre that is known.
 const HALVES: u32 = 2;
 
+/// A manoeuvre between zones and ground is left for another one while a circle is left that begins so much later, seconds.
+const CIRCLES_IN_S: f64 = 1.0;
+
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
 
@@ -51,20 +54,36 @@ impl Avoider<dyn Places + '_> {
         now: &Now<'_>,
     ) {
         let is_bound = self.has_avoided && self.progress.returns() && self.has_walls(now);
-        if is_bound && !self.can_circle(now) && !self.can_return(situation, now) {
+        if is_bound
+            && !self.can_circle(&Maneuver::HOLD, now, 0.0)
+            && !self.can_return(situation, now)
+        {
             self.on_mission(situation, |progress, route| {
                 progress.advance_to(route, now, progress.index() + 1);
             });
         }
     }
 
-    /// Whether a level circle from here keeps clear of zones and ground.
-    fn can_circle(&mut self, now: &Now<'_>) -> bool {
-        let circle_s = self.tracks.walls_s();
-        [TAU, -TAU].into_iter().any(|turn_rad| {
-            let circle = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
-            self.predict(&circle, now, circle_s);
-            self.keeps_walls(now, (circle_s, self.wanted_m(), ENOUGH_M))
+    /// Whether zones and ground leave a level circle now, and none a little later along a path.
+    pub(super) fn is_last_circle(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
+        self.has_walls(now)
+            && !self.can_circle(along, now, CIRCLES_IN_S)
+            && self.can_circle(&Maneuver::HOLD, now, 0.0)
+    }
+
+    /// Whether a level circle that begins after some seconds along a path keeps clear of zones and ground.
+    fn can_circle(&mut self, along: &Maneuver, now: &Now<'_>, after_s: f64) -> bool {
+        let until_s = after_s + self.tracks.walls_s();
+        let from_rad = self.after(now, along.stages(), after_s).course_rad;
+        self.within_walls(until_s, |avoider| {
+            [TAU, -TAU].into_iter().any(|turn_rad| {
+                let mut circle = Maneuver::hold();
+                let before = along.stages().iter();
+                circle.set(before.filter(|stage| stage.start_s < after_s).copied());
+                circle.push(Stage::turn(after_s, from_rad + turn_rad, 0.0));
+                avoider.predict(&circle, now, until_s);
+                avoider.keeps_walls(now, (until_s, avoider.wanted_m(), ENOUGH_M))
+            })
         })
     }
 
