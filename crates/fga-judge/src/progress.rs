@@ -70,6 +70,8 @@ pub struct MissionProgress {
     start_along_m: f64,
     cross_track_m: f64,
     max_cross_track_m: f64,
+    /// The places since the aircraft left its line, and their distances from it, metres.
+    aside_m: Vec<(Vec3, f64)>,
     /// The place up to which the largest distance and the passed waypoints are recorded, metres, and how far along the mission it is.
     settled_m: (Vec3, f64),
     /// Whether that is the place that was followed last.
@@ -196,6 +198,7 @@ impl MissionProgress {
             start_along_m: 0.0,
             cross_track_m: 0.0,
             max_cross_track_m: 0.0,
+            aside_m: Vec::new(),
             settled_m: (position_m, 0.0),
             is_settled: true,
             here: (position_m, 0.0),
@@ -264,7 +267,12 @@ impl MissionProgress {
         if self.is_settled {
             return;
         }
-        self.max_cross_track_m = self.max_cross_track_m.max(self.cross_track_m);
+        if self.notes_visits && !self.is_on_line() {
+            self.aside_m.push((self.here.0, self.cross_track_m));
+        } else {
+            self.max_cross_track_m = self.max_cross_track_m().max(self.cross_track_m);
+            self.aside_m.clear();
+        }
         self.pass();
         self.settled_m = (self.here.0, self.along_m);
         self.is_settled = true;
@@ -283,6 +291,7 @@ impl MissionProgress {
             let (along, beside) = leg.measure(position_m);
             let flies_along = velocity_mps.dot(leg.direction) > 0.9 * velocity_mps.length();
             if beside <= BACK_WITHIN_M && flies_along {
+                self.rejoin(index);
                 self.leg = index;
                 self.line = Some(leg);
                 self.before_m = before_m;
@@ -292,6 +301,39 @@ impl MissionProgress {
             }
             before_m += leg.length_m;
         }
+    }
+
+    /// The aircraft is back at a piece ahead and has left out the line in between. It was beside the piece that it left until
+    /// some place and beside the one that it came to from there on: the place is the one that makes the largest distance least.
+    fn rejoin(&mut self, mut leg: usize) {
+        let mut until = vec![0.0_f64];
+        for (_, beside) in &self.aside_m {
+            until.push(beside.max(until[until.len() - 1]));
+        }
+        let (mut since, mut least) = (0.0_f64, self.max_aside_m());
+        for ((place_m, _), until) in self.aside_m.iter().zip(&until).rev() {
+            let beside = |leg| {
+                MissionLeg::of(&self.line_m, leg)
+                    .map_or(f64::INFINITY, |leg| leg.measure(*place_m).1)
+            };
+            while leg > self.leg && beside(leg - 1) < beside(leg) {
+                leg -= 1;
+            }
+            since = since.max(beside(leg));
+            least = least.min(since.max(*until));
+        }
+        self.max_cross_track_m = self.max_cross_track_m.max(least);
+        self.aside_m.clear();
+    }
+
+    /// The flight is over: an aircraft that is at its last waypoint has come to the end of its line, though it came there off it.
+    pub fn end(&mut self) {
+        if self.is_on_line() || !self.is_at_end() {
+            return;
+        }
+        self.rejoin(self.line_m.len().saturating_sub(2));
+        let end_m = self.waypoints.last().map_or(0.0, |last| last.at_m);
+        self.along_m = self.along_m.max(end_m);
     }
 
     /// Records the distances of the waypoints near here on the line.
@@ -434,7 +476,13 @@ impl MissionProgress {
 
     /// Largest distance from the mission so far, metres.
     pub fn max_cross_track_m(&self) -> f64 {
-        self.max_cross_track_m
+        self.max_cross_track_m.max(self.max_aside_m())
+    }
+
+    /// Largest distance since the aircraft left its line, metres.
+    fn max_aside_m(&self) -> f64 {
+        let aside = self.aside_m.iter().map(|(_, beside)| *beside);
+        aside.fold(0.0, f64::max)
     }
 
     /// Progress along the mission since the start, metres.
@@ -508,5 +556,32 @@ mod tests {
             all.collect::<Vec<_>>(),
             [(1, 80.0, 1.0), (2, 180.0, 1.0), (3, 280.0, 1.0)]
         );
+    }
+
+    /// Out to 300 m and back 30 m beside it, of which the last 200 m are left out: the way back is measured from the leg back.
+    #[test]
+    fn what_is_left_out_of_the_line_is_no_distance_from_it() {
+        let line = [(0.0, 0.0), (300.0, 0.0), (300.0, 30.0), (0.0, 30.0)];
+        let mission = line.map(|(x_m, y_m)| Vec3::new(x_m, y_m, 0.0));
+        let follow = |last: (Vec3, Vec3)| {
+            let mut progress =
+                MissionProgress::along(mission.to_vec(), &mission, Vec3::ZERO, 1000.0, true);
+            for (x_m, y_m, velocity) in [
+                (90.0, 0.0, Vec3::X),
+                (90.0, 40.0, Vec3::Y),
+                (50.0, 60.0, Vec3::NEG_X),
+            ] {
+                progress.follow(0.0, Vec3::new(x_m, y_m, 0.0), None, || velocity);
+            }
+            assert_eq!(progress.max_cross_track_m(), 60.0);
+            progress.follow(0.0, last.0, None, || last.1);
+            progress.end();
+            (progress.max_cross_track_m(), progress.along_m())
+        };
+        let along_the_leg = (Vec3::new(10.0, 30.0, 0.0), Vec3::NEG_X);
+        assert_eq!(follow(along_the_leg), (30.0, 620.0));
+        // Its end, which it comes to from beside.
+        let across = (Vec3::new(0.0, 30.0, 0.0), Vec3::NEG_Y);
+        assert_eq!(follow(across), (30.0, 630.0));
     }
 }

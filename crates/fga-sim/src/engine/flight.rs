@@ -413,6 +413,9 @@ impl<'a> EngineFlight<'a> {
             self.state.progress.coast(step_m);
         }
         *self.missed = self.state.progress.missed(is_over);
+        if is_over {
+            self.state.progress.end();
+        }
         let (missed, state) = (self.missed.len(), &self.state);
         self.measured
             .outcome(end_s, &state.milestones, &state.progress, missed)
