@@ -5,6 +5,9 @@ use core::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Longest number in a message that is not in scientific form, characters: room for the largest whole number of 64 bits.
+const LONGEST_NUMBER: usize = 21;
+
 /// An unusable input, as one sentence.
 ///
 /// ```
@@ -48,7 +51,7 @@ impl InputError {
         Self {
             path: path.into(),
             line: line.filter(|line| *line > 0),
-            message: message.into(),
+            message: legible(&message.into()),
         }
     }
 
@@ -218,9 +221,56 @@ pub fn shown(text: &str) -> String {
     out
 }
 
+/// A message whose numbers of more than 21 characters are in scientific form. Digits of a quoted text or of a fingerprint stay.
+///
+/// ```
+/// use fga_formats::error::legible;
+///
+/// assert_eq!(legible(&format!("x is {}, expected {}", 1e308, 1e-30)), "x is 1e308, expected 1e-30");
+/// ```
+pub fn legible(message: &str) -> String {
+    let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
+    let is_near = |letter: char| letter.is_alphanumeric() || letter == '"';
+    let mut told = String::new();
+    for part in message.split_inclusive(|letter| !is_digit(letter)) {
+        let number = part.trim_end_matches(|letter| !is_digit(letter));
+        let after = &part[number.len()..];
+        match number.parse::<f64>() {
+            Ok(value)
+                if number.len() > LONGEST_NUMBER
+                    && !told.ends_with(is_near)
+                    && !after.starts_with(is_near) =>
+            {
+                let _ = write!(told, "{value:e}{after}");
+            }
+            _ => told.push_str(part),
+        }
+    }
+    told
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_are_too_long_to_read_are_in_scientific_form() {
+        let told = |message: String| InputError::in_file("a", message).message;
+        for value in [1e308, 2.5e-300, 1.7e22] {
+            assert_eq!(told(format!("is -{value} m.")), format!("is -{value:e} m."));
+        }
+        assert_eq!(told(format!("is {:.1}", 1e308)), "is 1e308");
+        for short in [0.1 + 0.2, 1e20] {
+            assert_eq!(told(format!("is {short}")), format!("is {short}"));
+        }
+        for text in [
+            u64::MAX.to_string(),
+            format!("{:?}", "1".repeat(40)),
+            format!("a{}", "1".repeat(40)),
+        ] {
+            assert_eq!(told(text.clone()), text);
+        }
+    }
 
     #[test]
     fn long_and_odd_text_is_cut_and_escaped() {

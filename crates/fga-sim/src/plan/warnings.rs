@@ -8,6 +8,7 @@ use fga::certificate::Line;
 use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
 use fga_files::surveillance::{CREWED_MPS, Evasion};
+use fga_formats::error::legible;
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 use fga_formats::words::counted;
 
@@ -86,7 +87,7 @@ impl Plan {
             warnings.extend(low);
         }
         warnings.extend(self.unseen());
-        warnings
+        warnings.iter().map(|warning| legible(warning)).collect()
     }
 
     /// Why the flight is not flown though each key is right: a place whose latitude and longitude seem to be exchanged.
@@ -330,7 +331,8 @@ impl Plan {
 impl VehicleModel {
     /// Warnings about the aircraft among crewed traffic.
     pub fn warnings(&self) -> Vec<String> {
-        self.among_crewed().1.into_iter().collect()
+        let warning = self.among_crewed().1;
+        warning.iter().map(|warning| legible(warning)).collect()
     }
 
     /// The distance at which the aircraft must see crewed traffic that comes head-on, metres.
