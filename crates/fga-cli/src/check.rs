@@ -10,7 +10,7 @@ use fga_campaign::drawn::{self, DrawnContent};
 use fga_campaign::recorded;
 use fga_files::TomlText;
 use fga_files::surveillance::CREWED_MPS;
-use fga_formats::error::read_text;
+use fga_formats::error::{read_bytes, read_text};
 use fga_formats::flight::Flight;
 use fga_formats::flight_log::FlightLog;
 use fga_formats::tally::Tally;
@@ -310,7 +310,7 @@ fn flight(path: &Path) -> Result<Usable, Failure> {
 #[cfg(feature = "fly")]
 fn telemetry(path: &Path, log: Result<Usable, InputError>) -> Result<Usable, Failure> {
     let contents = || {
-        let bytes = std::fs::read(path).ok()?;
+        let bytes = read_bytes(path).ok()?;
         let bytes = fga_formats::gzip::unpacked(&bytes, path).ok()?;
         let contents = fga_link::tlog::Contents::read(bytes.as_ref()).ok()?;
         (contents.frames > 0).then_some(contents)

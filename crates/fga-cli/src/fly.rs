@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::InputError;
-use fga_formats::error::read_text;
+use fga_formats::error::{read_bytes, read_text};
 use fga_formats::gzip::unpacked;
 use fga_formats::terrain::Terrain;
 use fga_link::config::PolicyName;
@@ -215,10 +215,10 @@ fn line_of(text: &str, sentence: &str) -> Option<usize> {
 fn run_replay(
     config: Config,
     terrain: Option<Arc<Terrain>>,
-    path: &PathBuf,
+    path: &Path,
 ) -> Result<ExitCode, Failure> {
     let named = |error: io::Error| Failure::Input(format!("{}: {error}", path.display()));
-    let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = read_bytes(path)?;
     let log = unpacked(&bytes, path)?;
     let mut companion =
         Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use fga_formats::error::read_bytes;
+
 /// Endings, words at the beginning of the file or after its first byte, what it is, and what is expected instead.
 const KINDS: &str = "\
 grb grb2 grib grib2|GRIB|weather in GRIB|heights as GeoTIFF
@@ -32,7 +34,7 @@ pdf|%PDF|a PDF document|data
 
 /// What a file is, and what is expected instead, if no command reads its kind.
 pub(crate) fn of(path: &Path, ending: &str) -> Option<String> {
-    let bytes = std::fs::read(path).ok()?;
+    let bytes = read_bytes(path).ok()?;
     let begins = |words: &str| {
         let after = bytes.get(1..).unwrap_or_default();
         !words.is_empty()

@@ -2,11 +2,15 @@
 //! content.
 
 use core::fmt::Write as _;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Longest number in a message that is not in scientific form, characters: room for the largest whole number of 64 bits.
 const LONGEST_NUMBER: usize = 21;
+
+/// The most that is read of what is no regular file, bytes (1 GiB).
+const MOST_STREAMED: u64 = 1 << 30;
 
 /// An unusable input, as one sentence.
 ///
@@ -115,12 +119,30 @@ pub(crate) fn reason(error: &io::Error) -> String {
     }
 }
 
-/// Reads the bytes of a file.
+/// Reads the bytes of a file; of what is no regular file, as a pipe or a device, at most 1 GiB: it may have no end.
 ///
 /// # Errors
-/// An unreadable file.
+/// An unreadable file, or more than 1 GiB of what is none.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
-    std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
+    let is_other = std::fs::metadata(path).is_ok_and(|about| !about.is_file());
+    let read = if is_other {
+        File::open(path).and_then(|input| bytes_of(input, MOST_STREAMED))
+    } else {
+        std::fs::read(path)
+    };
+    read.map_err(|error| InputError::unreadable(path, &error))
+}
+
+/// The bytes of an input, at most this many.
+fn bytes_of(input: impl Read, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    input.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!(
+            "it is no regular file and gives more than {most} bytes, expected at most that"
+        )));
+    }
+    Ok(bytes)
 }
 
 /// Reads a text file; see [`text_of`].
@@ -276,6 +298,13 @@ mod tests {
     fn long_and_odd_text_is_cut_and_escaped() {
         assert_eq!(shown("a\u{1b}[31m\n"), "\"a\\u{1b}[31m\\n\"");
         assert_eq!(shown(&"x".repeat(50)), format!("\"{}…\"", "x".repeat(40)));
+    }
+
+    #[test]
+    fn an_input_without_an_end_is_an_error() {
+        let error = bytes_of(io::repeat(0), 1000).unwrap_err().to_string();
+        assert!(error.contains("more than 1000 bytes"), "{error}");
+        assert_eq!(bytes_of(io::repeat(7).take(1000), 1000).unwrap(), [7; 1000]);
     }
 
     #[test]
