@@ -11,7 +11,7 @@ use tiff::tags::Tag;
 use super::field::{HOLE, HeightField, HeightGrid};
 use super::file::{MOST_BYTES, Stated, TerrainFile};
 use super::geokeys::{self, GeoKeys};
-use super::tags::{content, numbers, sentence, set};
+use super::tags::{content, numbers, sentence, set, whole_tags};
 use super::{chunks, name, projected};
 use crate::gzip::unread;
 use crate::number::{finite, single};
@@ -41,6 +41,7 @@ pub(super) fn parse(mut input: impl Read + Seek, file_name: &str) -> Result<Terr
     let mut decoder = Decoder::new(input)
         .map_err(sentence)?
         .with_limits(limits.clone());
+    whole_tags(&mut decoder, size)?;
     let (columns, rows) = decoder.dimensions().map_err(sentence)?;
     let color = decoder.colortype().map_err(sentence)?;
     let ColorType::Gray(bits @ (16 | 32 | 64)) = color else {

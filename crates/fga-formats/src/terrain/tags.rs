@@ -18,6 +18,25 @@ pub(super) fn sentence(error: TiffError) -> String {
     )
 }
 
+/// Refuses tags that count more values than a file has bytes. The reader also prints what it makes of such a text.
+pub(super) fn whole_tags<R: Read + Seek>(
+    decoder: &mut Decoder<R>,
+    size: u64,
+) -> Result<(), String> {
+    let Some(place) = decoder.ifd_pointer() else {
+        return Ok(());
+    };
+    let directory = decoder.read_directory(place).map_err(sentence)?;
+    let mut tags = directory.iter();
+    let too_long = tags.find(|(_, entry)| entry.count() > size);
+    too_long.map_or(Ok(()), |(tag, entry)| {
+        let count = entry.count();
+        Err(format!(
+            "has a tag {tag:?} of {count} values in {size} bytes, expected a whole TIFF"
+        ))
+    })
+}
+
 /// The numbers of a tag; empty without it.
 pub(super) fn numbers<R: Read + Seek>(
     decoder: &mut Decoder<R>,

@@ -76,6 +76,13 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
     };
     let mut blocks = bytes("N46E009.DAT").to_vec();
     blocks[100] ^= 1;
+    // The text of the projection, as that of GDAL and longer than the file.
+    let mut long = bytes("utm.tif").to_vec();
+    let at = long
+        .windows(4)
+        .position(|entry| entry == [0xB1, 0x87, 2, 0])
+        .unwrap();
+    long[at..at + 8].copy_from_slice(&[0x80, 0xA4, 2, 0, 0xFF, 0xFF, 0xFF, 0x7F]);
     // The bytes of the first tile.
     let mut sparse = bytes("tiles.tif").to_vec();
     sparse[218..220].fill(0);
@@ -136,6 +143,7 @@ fn files_that_contradict_themselves_are_refused_in_one_sentence() {
         (&bytes("strips.tif")[..600], "a.tif", "is no usable TIFF"),
         (&bytes("tiles.tif")[..4000], "a.tif", "is no usable TIFF"),
         (&sparse[..], "a.tif", "lacks a part (sparse)"),
+        (&long[..], "a.tif", "of 2147483647 values in 8040 bytes"),
     ] {
         let error = refusal(bytes, name);
         assert!(error.contains(part), "{name}, {part}: {error}");
