@@ -57,27 +57,26 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
         encounters: args.encounters,
         worst: args.worst,
     };
-    watch_for_interrupt();
+    // Until the first flight Ctrl-C ends the program at once.
+    let go_on = || {
+        watch_for_interrupt();
+        !interrupted()
+    };
     let mut display: Option<(String, ProgressDisplay)> = None;
     let flown = args.threads.install(|| {
-        fly(
-            &terms,
-            &args.out,
-            &|| !interrupted(),
-            &mut |set, policy, progress| {
-                let now = format!("{set}, {policy}");
-                if display.as_ref().is_none_or(|(name, _)| *name != now) {
-                    if let Some((_, display)) = display.take() {
-                        display.end();
-                    }
-                    eprintln!("{now}");
-                    display = Some((now, ProgressDisplay::new()));
+        fly(&terms, &args.out, &go_on, &mut |set, policy, progress| {
+            let now = format!("{set}, {policy}");
+            if display.as_ref().is_none_or(|(name, _)| *name != now) {
+                if let Some((_, display)) = display.take() {
+                    display.end();
                 }
-                if let Some((_, display)) = &mut display {
-                    display.show(progress);
-                }
-            },
-        )
+                eprintln!("{now}");
+                display = Some((now, ProgressDisplay::new()));
+            }
+            if let Some((_, display)) = &mut display {
+                display.show(progress);
+            }
+        })
     })?;
     if let Some((_, display)) = display {
         display.end();

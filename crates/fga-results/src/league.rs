@@ -132,6 +132,10 @@ pub fn run(
         let title = shown.title();
         for policy in &policies {
             let LeagueCampaign { place, campaign } = campaign_of(terms, set, policy)?;
+            if !go_on() {
+                let total = campaign.configuration.encounters;
+                return Err(CampaignError::Stopped { done: 0, total });
+            }
             let folder = Folder::at(&out.join(&place));
             let name = policy.name();
             let flown = fly_one(&campaign, &stamp, &folder, go_on, &mut |progress| {

@@ -3,7 +3,9 @@
 use core::fmt::Write as _;
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
+use std::process::Command;
 
 use crate::support::{data, errors, fga_in, rows};
 
@@ -410,4 +412,29 @@ fn a_campaign_with_reactions_says_what_it_cannot_fly() {
     }
     let done = campaign("intruders = \"see-and-avoid\"\nrecordings = [\"flights\"]");
     assert!(done.status.success(), "{}", errors(&done));
+}
+
+/// Ctrl-C while the recording of a set is read, which comes through a pipe: one is enough.
+#[test]
+fn an_interrupt_ends_a_league_that_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let set = "policies = [\"none\"]\nrecordings = [\"slow.daa\"]\n";
+    fs::write(at.join("set.toml"), set).unwrap();
+    let pipe = at.join("slow.daa");
+    let made = Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.is_ok_and(|status| status.success()));
+    let mut running = Command::new(env!("CARGO_BIN_EXE_fga"))
+        .current_dir(at)
+        .args(["league", "--sets", "set.toml", "--policy", "none"])
+        .spawn()
+        .unwrap();
+    // It opens once the program reads.
+    let recording = fs::OpenOptions::new().write(true).open(&pipe).unwrap();
+    let process = running.id().to_string();
+    let signal = Command::new("kill").args(["-INT", &process]).status();
+    assert!(signal.is_ok_and(|status| status.success()));
+    // A program that goes on comes to the end of the recording.
+    drop(recording);
+    assert_eq!(running.wait().unwrap().signal(), Some(2));
 }
