@@ -125,10 +125,9 @@ impl Search<'_> {
                 }
             }
         }
-        let mut parts = rows.clone().count() as u32;
-        for (climb_rad, side) in rows {
+        let parts = u32::try_from(rows.clone().count()).unwrap_or(u32::MAX);
+        for (parts, (climb_rad, side)) in (1..=parts).rev().zip(rows) {
             let until = self.meter.done() + self.meter.left() / parts;
-            parts -= 1;
             let Some(row) = self.row(&prefix, climb_rad, side) else {
                 continue;
             };

@@ -17,13 +17,11 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::situation::Situation;
 
 use super::holding::KEEP_SHARE;
+use super::reserve::WAIT_S;
 use super::{ENOUGH_M, LOOK_EVERY};
 
 /// Parts of a step's work: one for the manoeuvre that is known.
 const HALVES: u32 = 2;
-
-/// A manoeuvre between zones and ground is left for another one while a circle is left that begins so much later, seconds.
-const CIRCLES_IN_S: f64 = 1.0;
 
 /// Another way back joins the mission sooner than this one by this, seconds.
 const SOONER_S: f64 = 0.5;
@@ -67,7 +65,7 @@ impl Avoider<dyn Places + '_> {
     /// Whether zones and ground leave a level circle now, and none a little later along a path.
     pub(super) fn is_last_circle(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
         self.has_walls(now)
-            && !self.can_circle(along, now, CIRCLES_IN_S)
+            && !self.can_circle(along, now, WAIT_S)
             && self.can_circle(&Maneuver::HOLD, now, 0.0)
     }
 
