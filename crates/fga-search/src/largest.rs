@@ -127,7 +127,7 @@ impl Search<'_> {
         }
         let parts = u32::try_from(rows.clone().count()).unwrap_or(u32::MAX);
         for (parts, (climb_rad, side)) in (1..=parts).rev().zip(rows) {
-            let until = self.meter.done() + self.meter.left() / parts;
+            let until = self.meter.done() + self.meter.left().checked_div(parts).unwrap_or(0);
             let Some(row) = self.row(&prefix, climb_rad, side) else {
                 continue;
             };
