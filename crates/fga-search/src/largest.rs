@@ -109,22 +109,12 @@ impl Search<'_> {
         }
     }
 
-    /// The best single turn of each row, each with its share of the work; before that, between walls, circles: they mostly stay clear.
+    /// The best single turn of each row, each with its share of the work.
     #[inline(never)]
     fn single_turns(&mut self, climbs: &mut Climbs) {
         let prefix = self.after_wait(0.0);
         let sides = |climb_rad| Side::BOTH.map(|side| (climb_rad, side));
         let rows = self.scene.extreme_climbs().flat_map(sides);
-        if !self.scene.around.fixed.is_empty() {
-            for (climb_rad, side) in rows.clone() {
-                if let Some(row) = self.row(&prefix, climb_rad, side) {
-                    let at_rad = MAX_TURN_RAD;
-                    let turns = prefix.turns(&Row { at_rad, ..row });
-                    let margin_m = self.flown_m(&turns, f64::MIN);
-                    climbs.take(Seed { turns, margin_m });
-                }
-            }
-        }
         let parts = u32::try_from(rows.clone().count()).unwrap_or(u32::MAX);
         for (parts, (climb_rad, side)) in (1..=parts).rev().zip(rows) {
             let until = self.meter.done() + self.meter.left().checked_div(parts).unwrap_or(0);
