@@ -104,7 +104,7 @@ impl Scene<'_> {
             Plan::Off(way, from_s) => {
                 let after_s = from_s - self.time_s;
                 if after_s > 0.0 {
-                    command.set(before(self.mission, after_s));
+                    command.set(self.mission.before(after_s));
                 }
                 self.push(&way, after_s.max(0.0), own_m, command);
             }
@@ -154,9 +154,7 @@ impl Scene<'_> {
         let mut back = Maneuver::hold();
         let mut progress = *self.progress;
         progress.guidance(self.route, &then, SECONDS as f64, &mut back);
-        let held = command.stages().iter();
-        let held = held.filter(|stage| stage.start_s < after_s).count();
-        command.truncate(held);
+        command.truncate(command.before(after_s).count());
         for stage in back.stages() {
             command.push(Stage {
                 start_s: stage.start_s + after_s,
@@ -179,10 +177,4 @@ impl Scene<'_> {
             *at = last;
         }
     }
-}
-
-/// The stages of a manoeuvre that begin before a moment, seconds from now.
-fn before(maneuver: &Maneuver, after_s: f64) -> impl Iterator<Item = Stage> {
-    let stages = maneuver.stages().iter();
-    stages.filter(move |stage| stage.start_s < after_s).copied()
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Once;
 
 use clap::Args;
 use fga_campaign::campaign::CampaignError;
@@ -58,8 +59,9 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
         worst: args.worst,
     };
     // Until the first flight Ctrl-C ends the program at once.
+    let watches = Once::new();
     let go_on = || {
-        watch_for_interrupt();
+        watches.call_once(watch_for_interrupt);
         !interrupted()
     };
     let mut display: Option<(String, ProgressDisplay)> = None;

@@ -122,7 +122,7 @@ pub(crate) fn reason(error: &io::Error) -> String {
 /// Reads the bytes of a file; of what is no regular file, as a pipe or a device, at most 1 GiB: it may have no end.
 ///
 /// # Errors
-/// An unreadable file, or more than 1 GiB of what is none.
+/// An unreadable file, or a pipe or device that gives more than 1 GiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
     let is_other = std::fs::metadata(path).is_ok_and(|about| !about.is_file());
     let read = if is_other {

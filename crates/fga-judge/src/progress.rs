@@ -70,7 +70,7 @@ pub struct MissionProgress {
     start_along_m: f64,
     cross_track_m: f64,
     max_cross_track_m: f64,
-    /// The places since the aircraft left its line, and their distances from it, metres.
+    /// The places since the aircraft left its line, each with the largest distance from the line up to there, metres.
     aside_m: Vec<(Vec3, f64)>,
     /// The place up to which the largest distance and the passed waypoints are recorded, metres, and how far along the mission it is.
     settled_m: (Vec3, f64),
@@ -268,7 +268,8 @@ impl MissionProgress {
             return;
         }
         if self.notes_visits && !self.is_on_line() {
-            self.aside_m.push((self.here.0, self.cross_track_m));
+            let largest_m = self.max_aside_m().max(self.cross_track_m);
+            self.aside_m.push((self.here.0, largest_m));
         } else {
             self.max_cross_track_m = self.max_cross_track_m().max(self.cross_track_m);
             self.aside_m.clear();
@@ -303,15 +304,12 @@ impl MissionProgress {
         }
     }
 
-    /// The aircraft is back at a piece ahead and has left out the line in between. It was beside the piece that it left until
-    /// some place and beside the one that it came to from there on: the place is the one that makes the largest distance least.
+    /// The aircraft is back at a piece ahead and has left out the line in between. Up to one of its places the piece that was left
+    /// counts, from there on those that lead to the piece ahead. That place is chosen by the least largest distance.
     fn rejoin(&mut self, mut leg: usize) {
-        let mut until = vec![0.0_f64];
-        for (_, beside) in &self.aside_m {
-            until.push(beside.max(until[until.len() - 1]));
-        }
         let (mut since, mut least) = (0.0_f64, self.max_aside_m());
-        for ((place_m, _), until) in self.aside_m.iter().zip(&until).rev() {
+        for (n, (place_m, _)) in self.aside_m.iter().enumerate().rev() {
+            let until = n.checked_sub(1).map_or(0.0, |n| self.aside_m[n].1);
             let beside = |leg| {
                 MissionLeg::of(&self.line_m, leg)
                     .map_or(f64::INFINITY, |leg| leg.measure(*place_m).1)
@@ -320,7 +318,7 @@ impl MissionProgress {
                 leg -= 1;
             }
             since = since.max(beside(leg));
-            least = least.min(since.max(*until));
+            least = least.min(since.max(until));
         }
         self.max_cross_track_m = self.max_cross_track_m.max(least);
         self.aside_m.clear();
@@ -481,8 +479,7 @@ impl MissionProgress {
 
     /// Largest distance since the aircraft left its line, metres.
     fn max_aside_m(&self) -> f64 {
-        let aside = self.aside_m.iter().map(|(_, beside)| *beside);
-        aside.fold(0.0, f64::max)
+        self.aside_m.last().map_or(0.0, |(_, largest_m)| *largest_m)
     }
 
     /// Progress along the mission since the start, metres.

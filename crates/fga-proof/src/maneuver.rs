@@ -110,6 +110,12 @@ impl<const N: usize> StageList<N> {
         }
     }
 
+    /// The stages that begin before a moment, seconds.
+    pub fn before(&self, start_s: f64) -> impl Iterator<Item = Stage> {
+        let stages = self.stages().iter();
+        stages.filter(move |stage| stage.start_s < start_s).copied()
+    }
+
     /// Keeps only the first stages.
     pub fn truncate(&mut self, most: usize) {
         self.list.truncate(most);

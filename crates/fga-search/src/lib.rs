@@ -307,9 +307,8 @@ impl<'a> Search<'a> {
         let Turns {
             wait_s, climb_rad, ..
         } = *turns;
-        let nominal = self.scene.nominal.stages().iter();
         let maneuver = self.maneuver.edit();
-        maneuver.set(nominal.filter(|stage| stage.start_s < wait_s).copied());
+        maneuver.set(self.scene.nominal.before(wait_s));
         let course_rad = from_rad + turns.turn_rad;
         maneuver.push(Stage::turn(wait_s, course_rad, climb_rad));
         if let Some(second) = turns.second {

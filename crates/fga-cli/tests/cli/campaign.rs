@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::support::{self, errors, fga_in};
+use crate::support::{self, errors, fga_in, interrupt};
 
 /// Two quick policies; 600 encounters are three blocks.
 const CAMPAIGN: &str = r#"
@@ -622,9 +622,7 @@ fn an_interrupt_in_the_first_block_keeps_that_block() {
     while !at.join("out/campaign.json").exists() {
         std::thread::sleep(Duration::from_millis(2));
     }
-    let process = running.id().to_string();
-    let signal = Command::new("kill").args(["-INT", &process]).status();
-    assert!(signal.is_ok_and(|status| status.success()));
+    interrupt(&running);
     let ended = running.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert_eq!(ended.status.code(), Some(130), "{said}");
@@ -656,9 +654,7 @@ fn an_interrupt_ends_draws_that_hardly_ever_fit() {
             std::thread::sleep(Duration::from_millis(2));
         }
         std::thread::sleep(Duration::from_millis(300));
-        let process = running.id().to_string();
-        let signal = Command::new("kill").args(["-INT", &process]).status();
-        assert!(signal.is_ok_and(|status| status.success()));
+        interrupt(&running);
         let ended = running.wait_with_output().unwrap();
         // A block that is drawn to its end counts as done.
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();

@@ -7,7 +7,7 @@ use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::{data, errors, fga_in, rows};
+use crate::support::{data, errors, fga_in, interrupt, rows};
 
 const BESIDES: [&str; 6] = ["--sets", "drawn-1hz", "--encounters", "24", "--worst", "1"];
 
@@ -431,9 +431,7 @@ fn an_interrupt_ends_a_league_that_reads() {
         .unwrap();
     // It opens once the program reads.
     let recording = fs::OpenOptions::new().write(true).open(&pipe).unwrap();
-    let process = running.id().to_string();
-    let signal = Command::new("kill").args(["-INT", &process]).status();
-    assert!(signal.is_ok_and(|status| status.success()));
+    interrupt(&running);
     // A program that goes on comes to the end of the recording.
     drop(recording);
     assert_eq!(running.wait().unwrap().signal(), Some(2));

@@ -8,7 +8,7 @@ mod data;
 use core::fmt::Write as _;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 
 pub(crate) use data::data;
 
@@ -159,4 +159,11 @@ pub fn encounters(count: u32, seed: u64) -> String {
         }
     }
     text
+}
+
+/// Presses Ctrl-C for a running program.
+pub(crate) fn interrupt(running: &Child) {
+    let process = running.id().to_string();
+    let signal = Command::new("kill").args(["-INT", &process]).status();
+    assert!(signal.is_ok_and(|status| status.success()));
 }

@@ -76,8 +76,7 @@ impl Avoider<dyn Places + '_> {
         self.within_walls(until_s, |avoider| {
             [TAU, -TAU].into_iter().any(|turn_rad| {
                 let mut circle = Maneuver::hold();
-                let before = along.stages().iter();
-                circle.set(before.filter(|stage| stage.start_s < after_s).copied());
+                circle.set(along.before(after_s));
                 circle.push(Stage::turn(after_s, from_rad + turn_rad, 0.0));
                 avoider.predict(&circle, now, until_s);
                 avoider.keeps_walls(now, (until_s, avoider.wanted_m(), ENOUGH_M))
