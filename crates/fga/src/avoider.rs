@@ -17,6 +17,7 @@ mod record;
 mod settings;
 mod tracks;
 mod turn_aware;
+mod walls;
 
 pub use crate::limit::SettingsError;
 pub use against::Against;

@@ -141,14 +141,16 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
     .into_iter()
 }
 
-/// The shipped lines of a crate: its sources without their tests, which stand at the end of a file.
+/// The shipped lines of a crate: its sources without their tests, which stand at the end of a file or in `tests.rs`.
 fn shipped(folder: &Path, lines: &mut Vec<String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
             shipped(&path, lines);
         } else if path.extension().is_some_and(|extension| extension == "rs")
-            && path.file_stem().is_some_and(|stem| stem != "draw")
+            && path
+                .file_stem()
+                .is_some_and(|stem| stem != "draw" && stem != "tests")
         {
             let text = fs::read_to_string(&path).unwrap();
             let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();

@@ -556,11 +556,6 @@ fn keeps_clear(
     are_clear && until_s > horizon_s - 0.001
 }
 
-/// Whether a command flies the mission on its leg, which is never avoided for what is fixed.
-fn is_on_mission(avoider: &Avoider<dyn Places + '_>, plan: &Plan) -> bool {
-    *plan == Plan::Mission && !avoider.state.is_away()
-}
-
 /// Whether the command of a decision keeps clear of what is fixed; where a proof is wanted, of what is expected too, and then it has its proof.
 fn keeps(
     avoider: &mut Avoider<dyn Places + '_>,
@@ -568,12 +563,18 @@ fn keeps(
     decision: &mut Decision,
     now: &Now<'_>,
 ) -> bool {
-    if !is_proof_wanted && is_on_mission(avoider, plan) {
+    let is_mission = *plan == Plan::Mission;
+    if !is_proof_wanted && is_mission && !avoider.state.is_away() {
+        // On its leg the mission is never avoided for what is fixed.
         return true;
     }
     let (horizon_s, margin_m) = (avoider.settings.horizon_s, avoider.settings.margin_m);
     let asked = (horizon_s, margin_m, ENOUGH_M);
-    let until_s = walls_s(avoider, plan, &decision.command, now);
+    let until_s = if is_mission {
+        avoider.guidance_walls_s(&decision.command, now)
+    } else {
+        avoider.tracks.walls_s()
+    };
     avoider.within_walls(until_s, |avoider| {
         if is_proof_wanted {
             return avoider.prove(&mut decision.command, now, asked);
@@ -583,20 +584,4 @@ fn keeps(
         avoider.keeps_walls(now, asked)
             && limits.all(|limit| avoider.certify_one(limit, asked).holds(margin_m))
     })
-}
-
-/// How long zones and ground count for a plan, seconds: a way back up to its leg, because the mission itself is flown as it is given.
-fn walls_s(
-    avoider: &mut Avoider<dyn Places + '_>,
-    plan: &Plan,
-    command: &Maneuver,
-    now: &Now<'_>,
-) -> f64 {
-    if !avoider.has_walls(now) || *plan != Plan::Mission {
-        return avoider.tracks.walls_s();
-    }
-    if is_on_mission(avoider, plan) {
-        return 0.0;
-    }
-    avoider.back_s(command, now)
 }

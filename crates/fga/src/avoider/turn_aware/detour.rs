@@ -6,7 +6,7 @@ use crate::prediction::MotionState;
 use crate::situation::Situation;
 
 /// After the time of this turn without a way back the search also covers detours, radians; between walls after twice that time.
-const AFTER_RAD: f64 = 4.0;
+pub(in crate::avoider) const AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
 const NEAR_RADII: f64 = 2.0;
@@ -56,11 +56,6 @@ impl Avoider<dyn Places + '_> {
         let first = Stage::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + most * libm::sqrt(along)) / rate_radps;
         Some((first, self.after(now, &[first], until_s)))
-    }
-
-    /// Whether zones or ground have kept it from a way back for long, seconds.
-    pub(super) fn is_between_walls(&self, now: &Now<'_>, waited_s: f64) -> bool {
-        self.has_walls(now) && waited_s * self.flyer.course_rate_radps() > 2.0 * AFTER_RAD
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.

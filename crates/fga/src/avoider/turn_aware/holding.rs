@@ -6,7 +6,7 @@ use crate::command::Command;
 use crate::search::Outcome;
 
 /// A manoeuvre continues while this share of the margin is certified, over at least this share of the horizon ...
-pub(super) const KEEP_SHARE: f64 = 0.5;
+pub(in crate::avoider) const KEEP_SHARE: f64 = 0.5;
 
 /// ... and over all of it but this, seconds: the time between two looks for something better at ten decisions a second.
 const KEEP_SHORTER_S: f64 = 1.0;

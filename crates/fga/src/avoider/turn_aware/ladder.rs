@@ -13,14 +13,10 @@ use crate::search::Side;
 use crate::search::{Found, GRIDS_A_SEARCH, Outcome, Search, Turns};
 use crate::situation::Situation;
 
-use super::holding::KEEP_SHARE;
 use super::{Answer, ENOUGH_M, LOOK_EVERY};
 
 /// Part of a step's work for the search on one rung, one in this many: the rest is for those below it.
 pub(super) const RUNG_SHARE: u32 = 4;
-
-/// With less of a step's work left a manoeuvre between walls is one turn, looked for once.
-const WALLS_WORK: u32 = 50_000;
 
 /// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
@@ -145,28 +141,6 @@ impl Avoider<dyn Places + '_> {
             let beside = search.cheapest_to(&side, 0.0);
             beside.or_else(|| search.cheapest(0.0))
         })
-    }
-
-    /// Between walls, looks for what stays between them until the encounter has passed, seconds, and can still turn away then.
-    pub(super) fn inside(
-        &mut self,
-        passes_s: f64,
-        now: &Now<'_>,
-        look: impl FnOnce(&mut Self) -> Option<Answer>,
-    ) -> Option<Answer> {
-        let circle_s = self.tracks.walls_s();
-        let until_s = circle_s.max(passes_s + KEEP_SHARE * circle_s);
-        (self.has_room_between_walls(now)).then(|| self.within_walls(until_s, look))?
-    }
-
-    /// Whether zones or ground bound manoeuvres, and the step has work for two turns between them beside the search for one.
-    pub(super) fn has_room_between_walls(&self, now: &Now<'_>) -> bool {
-        self.has_walls(now) && self.meter.left() >= WALLS_WORK
-    }
-
-    /// Whether zones or ground bound manoeuvres.
-    pub(in crate::avoider) fn has_walls(&self, now: &Now<'_>) -> bool {
-        !self.tracks.around(now.mission).fixed.is_empty()
     }
 
     /// The certified manoeuvre on the highest of some rungs that has one.

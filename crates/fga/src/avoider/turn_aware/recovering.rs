@@ -4,21 +4,14 @@
 //! turn and flies past it; and the first way that is certified is often shallow, because the obstacle is still near. So another
 //! look begins where the aircraft has come to.
 
-use core::f64::consts::TAU;
-
-use crate::assumptions::Assumptions;
 use crate::avoider::intruders::Freedom;
-use crate::avoider::tracks::zones::known_s;
 use crate::avoider::{Avoider, Decision, Now, Places, Plan, Reason, State};
-use crate::certificate::certify_set;
 use crate::command::Command;
-use crate::limit::whole;
 use crate::maneuver::{Maneuver, Stage};
 use crate::situation::Situation;
 
+use super::LOOK_EVERY;
 use super::holding::KEEP_SHARE;
-use super::reserve::WAIT_S;
-use super::{ENOUGH_M, LOOK_EVERY};
 
 /// Parts of a step's work: one for the manoeuvre that is known.
 const HALVES: u32 = 2;
@@ -42,70 +35,6 @@ impl Avoider<dyn Places + '_> {
             command.limit_climbs(self.level_rad.0, self.level_rad.1);
         }
         straight_s
-    }
-
-    /// Gives the last waypoint up, to which the aircraft would fly back after a manoeuvre, where neither the way there nor a circle keeps
-    /// clear of zones and ground: the mission alone is flown as it is given.
-    pub(in crate::avoider) fn ends_before_walls(
-        &mut self,
-        situation: &Situation<'_>,
-        now: &Now<'_>,
-    ) {
-        let is_bound = self.has_avoided && self.progress.returns() && self.has_walls(now);
-        if is_bound
-            && !self.can_circle(&Maneuver::HOLD, now, 0.0)
-            && !self.can_return(situation, now)
-        {
-            self.on_mission(situation, |progress, route| {
-                progress.advance_to(route, now, progress.index() + 1);
-            });
-        }
-    }
-
-    /// Whether zones and ground leave a level circle now, and none a little later along a path.
-    pub(super) fn is_last_circle(&mut self, along: &Maneuver, now: &Now<'_>) -> bool {
-        self.has_walls(now)
-            && !self.can_circle(along, now, WAIT_S)
-            && self.can_circle(&Maneuver::HOLD, now, 0.0)
-    }
-
-    /// Whether a level circle that begins after some seconds along a path keeps clear of zones and ground.
-    fn can_circle(&mut self, along: &Maneuver, now: &Now<'_>, after_s: f64) -> bool {
-        let until_s = after_s + self.tracks.walls_s();
-        let from_rad = self.after(now, along.stages(), after_s).course_rad;
-        self.within_walls(until_s, |avoider| {
-            [TAU, -TAU].into_iter().any(|turn_rad| {
-                let mut circle = Maneuver::hold();
-                circle.set(along.before(after_s));
-                circle.push(Stage::turn(after_s, from_rad + turn_rad, 0.0));
-                avoider.predict(&circle, now, until_s);
-                avoider.keeps_walls(now, (until_s, avoider.wanted_m(), ENOUGH_M))
-            })
-        })
-    }
-
-    /// Whether the guidance to the end of the mission does.
-    fn can_return(&mut self, situation: &Situation<'_>, now: &Now<'_>) -> bool {
-        let (mut back, horizon_s) = (Maneuver::hold(), self.settings.horizon_s);
-        let straight_s = self.guide((situation, now), horizon_s, &mut back);
-        let joined = self.after(now, back.stages(), straight_s);
-        let to_end_s = self.progress.to_end_s(&joined);
-        let end_s = straight_s + to_end_s;
-        to_end_s >= 0.0
-            && end_s <= known_s(&self.flyer, situation.wind_mps, self.wanted_m())
-            && self.within_walls(end_s, |avoider| {
-                avoider.predict(&back, now, end_s);
-                avoider.keeps_walls(now, (end_s, avoider.wanted_m(), ENOUGH_M))
-            })
-    }
-
-    /// Whether the path that was predicted last keeps clear of zones and ground.
-    pub(in crate::avoider) fn keeps_walls(&self, now: &Now<'_>, asked: (f64, f64, f64)) -> bool {
-        let walls = Assumptions {
-            rows: &[],
-            ..self.tracks.around(now.mission)
-        };
-        certify_set(&self.flyer, &self.path, &walls, asked, &self.meter).holds(asked.1)
     }
 
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
@@ -156,27 +85,6 @@ impl Avoider<dyn Places + '_> {
             }
         }
         self.settle(situation, now, decision);
-    }
-
-    /// Whether guidance keeps clear of zones and ground until it is back.
-    fn joins_before_walls(&mut self, guidance: &Maneuver, now: &Now<'_>) -> bool {
-        let back_s = self.back_s(guidance, now);
-        let asked = (back_s, self.wanted_m(), ENOUGH_M);
-        self.within_walls(back_s, |avoider| avoider.keeps_walls(now, asked))
-    }
-
-    /// When guidance is back on its leg or at the end of it, whole seconds; the horizon if it is not within that.
-    pub(in crate::avoider) fn back_s(&mut self, guidance: &Maneuver, now: &Now<'_>) -> f64 {
-        let (horizon_s, can_climb) = (self.settings.horizon_s, self.can_climb());
-        self.predict(guidance, now, horizon_s);
-        let mut seconds = (0..whole(horizon_s, 600)).map(|second| second as f64);
-        let back_s = seconds.find(|second| {
-            let state = self.path.state_at(&self.flyer, *second);
-            state.is_some_and(|state| {
-                self.progress.is_back(&state, can_climb) || self.progress.to_end_s(&state) <= 0.0
-            })
-        });
-        back_s.unwrap_or(horizon_s)
     }
 
     /// Takes level flight straight on as the manoeuvre that is flown: the search goes on from it.

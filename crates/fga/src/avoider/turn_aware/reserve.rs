@@ -15,7 +15,7 @@ use super::Answer;
 use super::ladder::RUNG_SHARE;
 
 /// The turn in reserve begins this much later, seconds.
-pub(super) const WAIT_S: f64 = 2.0;
+pub(in crate::avoider) const WAIT_S: f64 = 2.0;
 
 /// Only manoeuvres with at most this turn are in reserve, radians (74.5°).
 const RESERVE_RAD: f64 = 1.3;

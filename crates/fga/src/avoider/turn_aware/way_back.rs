@@ -4,11 +4,11 @@ use core::f64::consts::PI;
 
 use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::intruders::{BACK_WITHSTANDS_S, Freedom};
-use crate::avoider::tracks::zones::{is_clear, known_s};
+use crate::avoider::tracks::zones::known_s;
 use crate::avoider::{Against, Avoider, Now, Places, Plan, Returned};
-use crate::certificate::{Hazard, Line};
+use crate::certificate::Hazard;
 use crate::command::Command;
-use crate::limit::{Limit as _, whole};
+use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::mission::Join;
 use crate::prediction::MotionState;
@@ -38,9 +38,6 @@ const SLOWER_SHARE: f64 = 0.5;
 
 /// The mission waits at most this long for an obstacle that flies alongside, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
-
-/// The longest way back that is looked at among zones, seconds.
-const LONGEST_BACK_S: usize = 600;
 
 /// The turn and the flight after which the aircraft flies to the next waypoint, radians and turn radii, preferred first: a
 /// near waypoint is reached from farther away.
@@ -254,45 +251,6 @@ impl Avoider<dyn Places + '_> {
                 self.way_back_and_on(plan, joined.joined_s, now, &far, maneuver)
             }
         }
-    }
-
-    /// Whether the path leads clear of the mission's zones and ground between two moments, seconds, where they are beyond those that are
-    /// near: each second of it is a line. It is proven once they are near.
-    fn is_clear_later(&self, situation: &Situation<'_>, (from_s, until_s): (f64, f64)) -> bool {
-        if until_s <= from_s {
-            return true;
-        }
-        let place_m = |second: usize| {
-            let at_s = (from_s + second as f64).min(until_s);
-            let state = self.path.state_at(&self.flyer, at_s)?;
-            Some(state.position_m + situation.wind_mps * at_s)
-        };
-        let seconds = whole(until_s - from_s, LONGEST_BACK_S);
-        let Some(end_m) = place_m(seconds) else {
-            return false;
-        };
-        let spared_m = [situation.ownship.position_m, end_m];
-        let mut last_m = place_m(0);
-        (1..=seconds).all(|second| {
-            let before_m = core::mem::replace(&mut last_m, place_m(second));
-            before_m.zip(last_m).is_some_and(|(from_m, to_m)| {
-                let line = (&Line::between(from_m, to_m), self.wanted_m());
-                is_clear(&situation.mission, line, &spared_m, &self.meter)
-            })
-        })
-    }
-
-    /// Does something while zones and ground count up to a moment, seconds. Of a way back that is its return: the mission itself is flown as it
-    /// is given.
-    pub(in crate::avoider) fn within_walls<T>(
-        &mut self,
-        until_s: f64,
-        act: impl FnOnce(&mut Self) -> T,
-    ) -> T {
-        let before_s = self.tracks.until(until_s);
-        let answer = act(self);
-        self.tracks.until(before_s);
-        answer
     }
 
     /// Remembers a chosen way back and goes on to its leg.
