@@ -49,17 +49,14 @@ impl Observer for MissionFlight {
 }
 
 impl MissionFlight {
-    fn distance_m(&self, place_m: Vec3) -> f64 {
-        let near = |pair: &[Sample]| {
+    /// Distances of a place from the pieces of the path, metres.
+    fn distances_m(&self, place_m: Vec3) -> impl Iterator<Item = f64> {
+        self.samples.windows(2).map(move |pair| {
             let (a, b) = (pair[0].position_m, pair[1].position_m);
             let along = b - a;
             let share = (place_m - a).dot(along) / along.length_squared().max(1e-12);
             place_m.distance(a + along * share.clamp(0.0, 1.0))
-        };
-        self.samples
-            .windows(2)
-            .map(near)
-            .fold(f64::INFINITY, f64::min)
+        })
     }
 
     /// Share of the points of a line, 1 m apart, that the aircraft passed, per cent.
@@ -69,7 +66,10 @@ impl MissionFlight {
             .map(|k| f64::from(k) / length_m)
             .take_while(|share| *share <= 1.0)
             .collect();
-        let is_flown = |share: &&f64| self.distance_m(from_m.lerp(to_m, **share)) <= FLOWN_WITHIN_M;
+        let is_flown = |share: &&f64| {
+            let mut distances_m = self.distances_m(from_m.lerp(to_m, **share));
+            distances_m.any(|distance_m| distance_m <= FLOWN_WITHIN_M)
+        };
         100.0 * places.iter().filter(is_flown).count() as f64 / places.len() as f64
     }
 
@@ -84,7 +84,7 @@ impl MissionFlight {
             .fold(f64::INFINITY, f64::min);
         let farthest_m = waypoints_m
             .iter()
-            .map(|waypoint| self.distance_m(*waypoint))
+            .map(|waypoint| self.distances_m(*waypoint).fold(f64::INFINITY, f64::min))
             .fold(0.0, f64::max);
         (least, farthest_m)
     }

@@ -7,6 +7,9 @@ use fga_proof::Vec3;
 /// Distance between points of a planned line, metres.
 pub const SPACING_M: f64 = 3.0;
 
+/// A line that comes this near to a waypoint passes it there, as a share of its shorter leg: of laps each has its own passage.
+const PASSES_WITHIN: f64 = 0.25;
+
 /// A waypoint is missed when the aircraft passes it this much farther away than planned, metres.
 const MISSED_BY_M: f64 = 5.0;
 
@@ -143,7 +146,12 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
         is_here: true,
     };
     let mut passed: Vec<Passed> = mission_m.iter().map(|place| row(*place)).collect();
-    for waypoint in &mut passed {
+    for (n, waypoint) in passed.iter_mut().enumerate() {
+        let legs_m = mission_m[n.saturating_sub(1)..].windows(2).take(2);
+        let shorter_m = legs_m
+            .map(|leg| leg[0].distance(leg[1]))
+            .fold(f64::INFINITY, f64::min);
+        let near_m = (2.0 * SPACING_M).max(PASSES_WITHIN * shorter_m);
         // The first point from which the line leads away from it again.
         let mut best = (f64::INFINITY, from);
         for (index, pair) in places.windows(2).enumerate().skip(from) {
@@ -154,7 +162,7 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
             if distance_m < best.0 {
                 best = (distance_m, index);
                 waypoint.at_m = pair[0].0 + share * step.length();
-            } else if best.0 < 2.0 * SPACING_M && distance_m > best.0 + 2.0 * SPACING_M {
+            } else if best.0 < near_m && distance_m > best.0 + 2.0 * SPACING_M {
                 break;
             }
         }

@@ -6,6 +6,7 @@ use crate::leg::Leg;
 use crate::restart::Restart;
 use crate::route::{LEG, Legs, MOST_LEGS, Route};
 use crate::turn_round::turn_round;
+use core::f64::consts::FRAC_PI_2;
 use fga_proof::Vec3;
 use fga_proof::angle::{course_of, wrap_pi};
 use fga_proof::maneuver::{Maneuver, Stage};
@@ -378,10 +379,20 @@ impl Progress {
             held.stages.push(route.stage(0.0, course_rad, &leg));
             return held;
         }
+        let index = self.index;
+        let onto_leg = || join(route, (index, &leg), state, INTERCEPT_RAD);
+        let at = leg.position(state.position_m, state.time_s);
+        let is_beside = at.along_m < leg.length_m
+            && at.cross_m.abs() < ENTERED_RADII[1] * route.radius_m()
+            && leg.turn_onto_rad(state).abs() < FRAC_PI_2;
+        if is_beside && !self.is_unentered {
+            // Near its leg and along it the aircraft leaves no leg out, however soon this one ends.
+            return onto_leg();
+        }
         let found = (self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS))
             .or_else(|| self.direct_way_or_none(route, state));
         let Some(joined) = found else {
-            return join(route, (self.index, &leg), state, INTERCEPT_RAD);
+            return onto_leg();
         };
         self.advance_to(route, state, joined.index);
         joined

@@ -144,19 +144,17 @@ pub(crate) fn make(options: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Builds the experiments: in the small size as the tests do, else for speed.
+/// Builds the experiments: in the small size with the tests, as those build them, else for speed.
 fn program(is_small: bool) -> Result<String, String> {
-    let (arguments, program): (&[&str], _) = if is_small {
-        let as_tests = &["--workspace", "--features", "fga-cli/beast"];
-        (as_tests, "target/debug/fga-experiments")
+    let (arguments, program) = if is_small {
+        let with_tests = "test --no-run --workspace --features fga-cli/beast";
+        (with_tests, "target/debug/fga-experiments")
     } else {
-        let alone = &["--release", "--package", "fga-experiments"];
+        let alone = "build --release --package fga-experiments --bin fga-experiments";
         (alone, "target/release/fga-experiments")
     };
     let status = Command::new("cargo")
-        .arg("build")
-        .args(arguments)
-        .args(["--bin", "fga-experiments"])
+        .args(arguments.split(' '))
         .status()
         .map_err(|error| format!("cargo does not start: {error}"))?;
     if status.success() {
