@@ -442,7 +442,7 @@ fn d8_circle_refuses_before_the_flight_what_it_cannot_keep() {
     assert!(!folder.path().join("out").exists());
 }
 
-/// Two waypoints that the flight never came near are missed, and the mission is not flown.
+/// Two waypoints that the flight never came near are missed, and the mission is not flown, though it comes back to its last leg.
 #[test]
 fn d9_orca_missed_waypoints_of_the_first_flight() {
     let folder = tempfile::tempdir().unwrap();
@@ -460,7 +460,6 @@ fn d9_orca_missed_waypoints_of_the_first_flight() {
         summary["waypoints_missed"].as_u64().unwrap() >= 2,
         "{summary}"
     );
-    assert!(summary["rejoined_s"].is_null(), "{summary}");
 }
 
 #[test]
