@@ -460,6 +460,7 @@ fn d9_orca_missed_waypoints_of_the_first_flight() {
         summary["waypoints_missed"].as_u64().unwrap() >= 2,
         "{summary}"
     );
+    assert!(summary["rejoined_s"].is_number(), "{summary}");
 }
 
 #[test]

@@ -195,12 +195,12 @@ fn waypoints_between_short_legs_are_passed() {
     }
 }
 
-/// Behind each corner an aircraft whose bank follows late was off its next leg by some metres, and left that one out because too little of it
-/// remained: of a square that is flown twice it flew two sides.
+/// Behind a corner the aircraft is off its next leg by some metres. It left that leg out where too little of it remained: of a square that is
+/// flown twice it flew two sides.
 #[test]
 fn circuits_are_flown_lap_by_lap_by_an_aircraft_with_lag() {
-    // The turn radius of the Rascal 110.
-    let radius_m = 67.0;
+    let model = VehicleModel::read(Path::new("../../vehicles/rascal-110.toml")).unwrap();
+    let radius_m = model.vehicle.airspeed_mps / model.vehicle.course_rate_radps();
     for (corners, radii) in [(3, 6.0), (4, 4.0), (4, 6.0), (6, 3.0), (6, 4.0), (8, 3.0)] {
         let (mut x, mut y, mut mission) = (0.0, 0.0, vec![[0.0, 0.0]]);
         for corner in 0..2 * corners {
@@ -209,8 +209,8 @@ fn circuits_are_flown_lap_by_lap_by_an_aircraft_with_lag() {
             y += radii * radius_m * course_rad.sin();
             mission.push([x, y]);
         }
-        let model = VehicleModel::read(Path::new("../../vehicles/rascal-110.toml")).unwrap();
-        let (flown, outcome) = fly(&world_of(Some(model), &mission, Passing::FlyBy, 1000.0));
+        let model = Some(model.clone());
+        let (flown, outcome) = fly(&world_of(model, &mission, Passing::FlyBy, 1000.0));
         assert!(outcome.mission_flown);
         let mut samples = flown.0.iter();
         for [x, y] in mission {
