@@ -16,6 +16,7 @@ use fga_proof::angle::wrap_pi;
 use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{MotionState, flown};
 use fga_proof::situation::FLY_OVER_WITHIN_M;
+use fga_proof::{Vec2, Vec3};
 
 /// A turn beyond this never uses a fly-by, radians (137°): its arc would begin tan(1.2) = 2.6 turn radii before the waypoint.
 const MOST_FLY_BY_RAD: f64 = 2.4;
@@ -39,9 +40,6 @@ const SHORT_RADII: f64 = 2.0;
 
 /// Most legs that one corner skips.
 const MOST_IN_CHAIN: usize = 24;
-
-/// Corners up to this make a curve, radians (46°: circles drawn with eight corners or more).
-const GENTLE_RAD: f64 = 0.8;
 
 /// Checked positions on a way over a chain of legs.
 const PLACES: usize = 24;
@@ -178,8 +176,11 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Result<Corner
         }
         let join = join(route, (at, &next), &exit, INTERCEPT_RAD);
         let room_m = next.length_m - next_lead_m(legs, at, &next);
+        // Beyond its end the leg would be over before the aircraft is on it.
+        let is_ahead = next.position(exit.position_m, 0.0).along_m < room_m;
         if join.is_on_leg() && (join.along_m <= room_m || is_last) {
-            let corner = keeps_waypoints(legs, index + 1, &exit, &join).then_some(Corner {
+            let keeps = is_ahead && keeps_waypoints(legs, index + 1, &exit, &join);
+            let corner = keeps.then_some(Corner {
                 lead_m,
                 is_turn_round: false,
                 join,
@@ -193,8 +194,7 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Result<Corner
     Err(None)
 }
 
-/// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
-/// follows as closely as it can.
+/// Whether a way passes the waypoints from `first` on, one after another, within a turn radius.
 #[inline(never)]
 fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
     let route = legs.route;
@@ -206,13 +206,6 @@ fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Joi
         return false;
     }
     let waypoints_m = route.mission.waypoints_m.get(first..=join.index);
-    let turns_gently = |at: usize| {
-        let pair = legs.leg(at - 1).zip(legs.leg(at));
-        pair.is_none_or(|(before, here)| turn_rad(&before, &here).abs() <= GENTLE_RAD)
-    };
-    if (first..=join.index).all(turns_gently) {
-        return true;
-    }
     let mut state = *from;
     let places_m = [(); PLACES + 1].map(|()| {
         let at_m = (state.position_m + route.wind_mps * state.time_s).truncate();
@@ -220,13 +213,19 @@ fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Joi
         state = flown(route.flyer, &state, join.stages(), next_s, route.meter);
         at_m
     });
-    let is_near = |waypoint_m: &fga_proof::Vec3| {
-        let mut offsets = places_m
-            .iter()
-            .map(|place_m| *place_m - waypoint_m.truncate());
-        offsets.any(|offset| libm::hypot(offset.x, offset.y) <= route.radius_m())
+    let is_near = |place_m: &Vec2, waypoint_m: &Vec3| {
+        let offset = *place_m - waypoint_m.truncate();
+        libm::hypot(offset.x, offset.y) <= route.radius_m()
     };
-    waypoints_m.is_some_and(|waypoints_m| waypoints_m.iter().all(is_near))
+    let mut ahead_m = places_m.as_slice();
+    let passes = |waypoint_m: &Vec3| {
+        let at = ahead_m
+            .iter()
+            .position(|place_m| is_near(place_m, waypoint_m));
+        ahead_m = at.and_then(|at| ahead_m.get(at..)).unwrap_or_default();
+        at.is_some()
+    };
+    waypoints_m.is_some_and(|waypoints_m| waypoints_m.iter().all(passes))
 }
 
 /// Over the waypoint and round to the beginning of a leg.
@@ -257,7 +256,6 @@ mod tests {
     use super::*;
     use crate::draw::{along, table_4};
     use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_6, PI};
-    use fga_proof::Vec3;
     use fga_proof::situation::{Mission, Passing};
     use fga_proof::vehicle::Vehicle;
 
