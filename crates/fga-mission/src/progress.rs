@@ -382,11 +382,12 @@ impl Progress {
         let index = self.index;
         let onto_leg = || join(route, (index, &leg), state, INTERCEPT_RAD);
         let at = leg.position(state.position_m, state.time_s);
+        let is_in_first_half = at.along_m.max(at.cross_m.abs()) < 0.5 * leg.length_m;
         let is_beside = at.along_m < leg.length_m
             && at.cross_m.abs() < ENTERED_RADII[1] * route.radius_m()
             && leg.turn_onto_rad(state).abs() < FRAC_PI_2;
-        if is_beside && !self.is_unentered {
-            // Near its leg and along it the aircraft leaves no leg out, however soon this one ends.
+        if (is_in_first_half || is_beside) && !self.is_unentered {
+            // Near its leg and along it, or at its beginning, the aircraft leaves no leg out, however soon this one ends.
             return onto_leg();
         }
         let found = (self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS))
