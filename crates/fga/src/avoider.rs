@@ -12,6 +12,7 @@ mod against;
 pub mod belief;
 mod demand;
 mod drift;
+mod heights;
 mod intruders;
 mod record;
 mod settings;
@@ -32,13 +33,12 @@ use crate::Vec3;
 use crate::assumptions::Assumptions;
 use crate::certificate::{Closest, Hazard, certify_set};
 use crate::command::Command;
-use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::{Progress, Route, Turner};
 use crate::prediction::{FlightPath, MotionState, flown};
 use crate::search::{Outcome, Tables};
-use crate::situation::{Mission, Ownship, Situation};
+use crate::situation::{Mission, Situation};
 use crate::vehicle::Vehicle;
 
 /// A step finishes when all but one part in this many of its work is done.
@@ -543,8 +543,9 @@ impl Avoider<dyn Places + '_> {
         kept: Option<&mut Kept<'_>>,
         may_begin: bool,
     ) {
-        let limits = self.limits();
-        let sigmas = self.settings.confidence_sigmas;
+        let settings = &self.settings;
+        let limits = (settings.surveillance_radius_m, settings.horizon_s);
+        let sigmas = settings.confidence_sigmas;
         match kept {
             None => self.tracks.load(situation, limits.0, limits.1, sigmas),
             Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
@@ -556,80 +557,9 @@ impl Avoider<dyn Places + '_> {
         self.meter.count(self.tracks.work);
     }
 
-    /// Adds what bounds a manoeuvre: limits of altitude, zones and ground. A manoeuvre may be as low and as high as the mission is.
-    fn bind(&mut self, situation: &Situation<'_>) {
-        if self.can_climb() {
-            // What it can no longer keep above, or is already below, leads back all the same.
-            let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
-            let apart_m = 2.0 * self.wanted_m();
-            let (mut floor_m, mut ceiling_m) = situation.mission.limits_m;
-            for waypoint_m in situation.mission.waypoints_m {
-                floor_m = floor_m.min(waypoint_m.z - apart_m);
-                ceiling_m = ceiling_m.max(waypoint_m.z + apart_m);
-            }
-            let limits_m = [
-                floor_m.min(lowest_m - apart_m),
-                ceiling_m.max(highest_m + apart_m),
-            ];
-            self.tracks.stay_between(limits_m);
-        }
-        let flown = (&*self.flyer, self.climb_limits_rad());
-        let leg = self.progress.index();
-        self.tracks
-            .add_zones(leg, flown, self.wanted_m(), situation);
-    }
-
-    /// The lowest and the highest altitude that the aircraft comes to if it levels off after the next step, metres.
-    fn levels_m(&self, own: &Ownship) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(own.climb_rad);
-        let rate_radps = self.flyer.climb_rate_radps().max(f64::MIN_POSITIVE);
-        let levels_m = self.flyer.airspeed_mps() * (1.0 - cos) / rate_radps;
-        let period_s = self.settings.decision_period_s;
-        // The climb angle c changes meanwhile by r p at most: v p (c + r p), and level from there v ((c + r p)² - c²) / 2r more.
-        let steps_m =
-            2.0 * self.flyer.airspeed_mps() * period_s * (sin.abs() + rate_radps * period_s);
-        let z_m = own.position_m.z;
-        let down_m = if sin < 0.0 { levels_m } else { 0.0 };
-        let up_m = if sin > 0.0 { levels_m } else { 0.0 };
-        [z_m - down_m - steps_m, z_m + up_m + steps_m]
-    }
-
-    /// The climb angles with which the aircraft stays between the mission's limits of altitude, radians: level near one of them.
-    fn level_rad(&self, situation: &Situation<'_>) -> (f64, f64) {
-        let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
-        let (floor_m, ceiling_m) = situation.mission.limits_m;
-        let level = |is_near, otherwise| if is_near { 0.0 } else { otherwise };
-        (
-            level(lowest_m < floor_m, f64::NEG_INFINITY),
-            level(highest_m > ceiling_m, f64::INFINITY),
-        )
-    }
-
     /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
     const fn wanted_m(&self) -> f64 {
         self.settings.margin_m + self.drift_m
-    }
-
-    /// Surveillance radius, metres, and horizon, seconds.
-    const fn limits(&self) -> (f64, f64) {
-        (self.settings.surveillance_radius_m, self.settings.horizon_s)
-    }
-
-    fn climb_limits_rad(&self) -> (f64, f64) {
-        (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
-    }
-
-    /// Whether its climb angles differ.
-    fn can_climb(&self) -> bool {
-        self.vehicle.climb_min_rad < self.vehicle.climb_max_rad
-    }
-
-    /// The same for a manoeuvre, which stays between the limits of altitude.
-    fn maneuver_climbs_rad(&self) -> (f64, f64) {
-        let (low_rad, high_rad) = self.level_rad;
-        let limits = self.climb_limits_rad();
-        let within = |climb_rad: f64| climb_rad.limited(low_rad, high_rad);
-        (within(limits.0), within(limits.1))
     }
 
     /// Looks at the mission's geometry, with what is left of the step's work at most.
