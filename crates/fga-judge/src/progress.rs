@@ -219,6 +219,11 @@ impl MissionProgress {
         progress
     }
 
+    /// How far aside the line passes each waypoint, metres.
+    pub fn planned_m(&self) -> impl Iterator<Item = f64> {
+        self.waypoints.iter().map(|waypoint| waypoint.planned_m)
+    }
+
     /// Updates with the aircraft's position and velocity over the ground, and the time since when it flies straight.
     ///
     /// Beside a single leg nothing can be largest or nearest between the first and the last place on a straight line, so that the

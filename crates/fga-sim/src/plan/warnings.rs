@@ -15,6 +15,7 @@ use fga_formats::words::counted;
 use super::Plan;
 use crate::engine::{Engine, Observer, Sample};
 use crate::policy::PolicyChoice;
+use crate::progress::progress_of;
 use crate::sensor::SensorSettings;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
@@ -78,6 +79,7 @@ impl Plan {
             warnings.extend(unflyable(world));
             warnings.extend(self.covered());
             warnings.extend(self.absent());
+            warnings.extend(self.passed_aside());
             warnings.extend(self.crossed());
             let (beyond, low) = (self.beyond_limits(), self.low());
             let overshot = self.overshot(beyond.is_none(), low.is_empty());
@@ -134,6 +136,19 @@ impl Plan {
                     index + 1
                 ))
             })
+    }
+
+    /// The first waypoint that the aircraft passes farther away than its turn radius with nobody near.
+    fn passed_aside(&self) -> Option<String> {
+        let vehicle = &self.world.vehicle;
+        let radius_m = vehicle.airspeed_mps / vehicle.course_rate_radps();
+        let progress = progress_of(&self.world);
+        let mut aside = progress.planned_m().zip(1..);
+        let (aside_m, number) = aside.find(|(aside_m, _)| *aside_m > radius_m)?;
+        Some(format!(
+            "the aircraft passes waypoint {number} by {aside_m:.0} m with nobody near: it turns with a radius of {radius_m:.0} m at best, and \
+             the legs there are too short for its turns or for its roll"
+        ))
     }
 
     /// The zones that the mission itself is on the wrong side of.

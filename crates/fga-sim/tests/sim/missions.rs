@@ -195,16 +195,22 @@ fn waypoints_between_short_legs_are_passed() {
     }
 }
 
+/// Legs along a regular polygon.
+fn circuit(legs: u32, corners: u32, leg_m: f64) -> Vec<[f64; 2]> {
+    let (mut x, mut y, mut mission) = (0.0, 0.0, vec![[0.0, 0.0]]);
+    for leg in 0..legs {
+        let course_rad = core::f64::consts::TAU * f64::from(leg) / f64::from(corners);
+        x += leg_m * course_rad.cos();
+        y += leg_m * course_rad.sin();
+        mission.push([x, y]);
+    }
+    mission
+}
+
 /// Flies a mission round a number of corners twice, with legs of some turn radii: each lap passes each corner.
 fn flies_laps(model: &VehicleModel, (corners, radii): (u32, f64)) {
     let radius_m = model.vehicle.airspeed_mps / model.vehicle.course_rate_radps();
-    let (mut x, mut y, mut mission) = (0.0, 0.0, vec![[0.0, 0.0]]);
-    for corner in 0..2 * corners {
-        let course_rad = core::f64::consts::TAU * f64::from(corner) / f64::from(corners);
-        x += radii * radius_m * course_rad.cos();
-        y += radii * radius_m * course_rad.sin();
-        mission.push([x, y]);
-    }
+    let mission = circuit(2 * corners, corners, radii * radius_m);
     let lap = format!("{corners} corners, legs of {radii} turn radii");
     let model = Some(model.clone());
     let (flown, outcome) = fly(&world_of(model, &mission, Passing::FlyBy, 1000.0));
@@ -359,4 +365,31 @@ fn a_turn_below_the_floor_is_told_before_the_flight() {
             .any(|one| one.contains("a turn of the mission passes a limit of altitude"))
     };
     assert!(told(227.0) && !told(220.0));
+}
+
+/// What the aircraft cannot pass, with nobody near, is said before the flight: here by 1.6 turn radii.
+#[test]
+fn a_waypoint_that_is_passed_aside_is_told_before_the_flight() {
+    let mut model = VehicleModel::read(Path::new("../../vehicles/rascal-110.toml")).unwrap();
+    model.vehicle.response.bank_time_constant_s = 2.0;
+    let radius_m = model.vehicle.airspeed_mps / model.vehicle.course_rate_radps();
+    let told = |radii: f64| {
+        let text = format!(
+            "name = 'tight'\nduration_s = 600.0\n[mission]\nwaypoints_m = [{}]\n",
+            circuit(6, 6, radii * radius_m)
+                .iter()
+                .map(|[x, y]| format!("[{x:.2}, {y:.2}, 100.0], "))
+                .collect::<String>()
+        );
+        let text = TomlText::new(Path::new("tight.toml"), &text);
+        let plan = fga_sim::scenario::parse(text, Some(model.clone())).unwrap();
+        let mut warnings = plan.warnings().into_iter();
+        warnings.find(|one| one.contains("passes waypoint"))
+    };
+    let short = told(2.0).unwrap();
+    assert!(
+        short.contains("waypoint 3 by 105 m with nobody near: it turns with a radius of 67 m"),
+        "{short}"
+    );
+    assert_eq!(told(6.0), None);
 }
