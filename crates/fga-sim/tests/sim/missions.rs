@@ -374,12 +374,10 @@ fn a_waypoint_that_is_passed_aside_is_told_before_the_flight() {
     model.vehicle.response.bank_time_constant_s = 2.0;
     let radius_m = model.vehicle.airspeed_mps / model.vehicle.course_rate_radps();
     let told = |radii: f64| {
+        let waypoints_m = circuit(6, 6, radii * radius_m);
+        let waypoints_m: Vec<[f64; 3]> = waypoints_m.iter().map(|[x, y]| [*x, *y, 100.0]).collect();
         let text = format!(
-            "name = 'tight'\nduration_s = 600.0\n[mission]\nwaypoints_m = [{}]\n",
-            circuit(6, 6, radii * radius_m)
-                .iter()
-                .map(|[x, y]| format!("[{x:.2}, {y:.2}, 100.0], "))
-                .collect::<String>()
+            "name = 'tight'\nduration_s = 600.0\n[mission]\nwaypoints_m = {waypoints_m:?}\n"
         );
         let text = TomlText::new(Path::new("tight.toml"), &text);
         let plan = fga_sim::scenario::parse(text, Some(model.clone())).unwrap();
